@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Installs what a Debian or Ubuntu machine lacks to build and run ssct: the Vulkan
+# loader, a software device, the validation layers and the shader compiler's
+# libraries. Safe to run again: it does only what is missing.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+packages=(
+    g++                     # nv-flip is C++
+    libvulkan1              # the loader that ash opens at run time
+    mesa-vulkan-drivers     # lavapipe: Vulkan on the CPU
+    vulkan-validationlayers # ssct --validation, and the tests
+    libshaderc-dev          # build.rs compiles GLSL through shaderc,
+    glslang-dev             # which is glslang
+    spirv-tools             # and the SPIRV-Tools archives
+    spirv-headers
+)
+
+say() { printf 'setup: %s\n' "$*" >&2; }
+
+other_system() {
+    cat >&2 <<'EOF'
+setup: this script knows Debian and Ubuntu. On this system, install by hand:
+  - a Vulkan 1.3 loader and driver (a GPU's, or Mesa's lavapipe) and the Khronos validation layers;
+  - the Vulkan SDK (its shaderc is found through the variable VULKAN_SDK), or git, cmake and python3,
+    with which the shaderc crate builds its own copy on the first `cargo build` (some 10 minutes);
+  - a C++ compiler.
+For example:
+  Fedora   sudo dnf install vulkan-loader mesa-vulkan-drivers vulkan-validation-layers libshaderc-devel gcc-c++ git cmake python3
+  Arch     sudo pacman -S vulkan-icd-loader vulkan-swrast vulkan-validation-layers shaderc gcc git cmake python
+  macOS    brew install molten-vk vulkan-loader vulkan-validationlayers shaderc cmake
+then
+  cargo build --release
+EOF
+    exit 1
+}
+
+command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || other_system
+command -v cargo >/dev/null || { say 'no cargo on the PATH: install Rust first (https://rustup.rs)'; exit 1; }
+
+missing=()
+for package in "${packages[@]}"; do
+    status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
+    [ "$status" = 'install ok installed' ] || missing+=("$package")
+done
+
+if [ ${#missing[@]} -gt 0 ]; then
+    as_root=()
+    if [ "$(id -u)" -ne 0 ]; then
+        if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+            as_root=(sudo)
+        elif command -v sudo >/dev/null && [ -t 0 ]; then
+            as_root=(sudo)
+        else
+            say 'these packages are missing, and installing them needs root. Type as root:'
+            printf '  apt-get update && apt-get install -y --no-install-recommends %s\n' "${missing[*]}" >&2
+            say 'then run scripts/setup.sh again.'
+            exit 1
+        fi
+    fi
+    say "installing ${missing[*]}"
+    "${as_root[@]}" apt-get update -q >&2
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
+fi
+
+# Debian's libshaderc_combined.a leaves glslang and SPIRV-Tools undefined. One
+# archive with all of them links; .cargo/config.toml tells the crate where it is,
+# so that a bare `cargo build` works without a variable set by hand.
+archive_dir="$root/.shaderc"
+archive="$archive_dir/libshaderc_combined.a"
+system_lib="/usr/lib/$(gcc -print-multiarch 2>/dev/null || dpkg-architecture -qDEB_HOST_MULTIARCH)"
+if [ ! -s "$archive" ]; then
+    say 'merging the shader compiler into one archive'
+    mkdir -p "$archive_dir"
+    script="CREATE $archive.new"$'\n'
+    for library in shaderc_static shaderc_util glslang MachineIndependent GenericCodeGen \
+        OGLCompiler OSDependent HLSL SPIRV SPIRV-Tools-opt SPIRV-Tools \
+        glslang-default-resource-limits shaderc_combined; do
+        [ -e "$system_lib/lib$library.a" ] && script+="ADDLIB $system_lib/lib$library.a"$'\n'
+    done
+    script+=$'SAVE\nEND\n'
+    # The `+` in a path would be an operator in an MRI script, so work through a link-free name.
+    ar -M <<<"$script"
+    mv "$archive.new" "$archive"
+fi
+
+mkdir -p "$root/.cargo"
+config="$root/.cargo/config.toml"
+wanted=$(cat <<'EOF'
+# Written by scripts/setup.sh; not part of the repository.
+[env]
+SHADERC_LIB_DIR = { value = ".shaderc", relative = true }
+EOF
+)
+if [ ! -e "$config" ]; then
+    printf '%s\n' "$wanted" >"$config"
+elif ! grep -q SHADERC_LIB_DIR "$config"; then
+    say "$config exists and does not set SHADERC_LIB_DIR; add these lines:"
+    printf '%s\n' "$wanted" >&2
+    exit 1
+fi
+say 'ready'

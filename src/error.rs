@@ -1,0 +1,88 @@
+//! The one error type of the library. Every variant names the file, the pass or the Vulkan call
+//! that failed, so that its text is the whole sentence a user reads.
+
+use std::path::{Path, PathBuf};
+
+/// What can go wrong. The text of each variant is one sentence that says what and where.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The arguments ask for something that does not exist or cannot be (exit status 2).
+    #[error("{0}")]
+    Usage(String),
+
+    /// A file could not be read or written.
+    #[error("cannot {action} {}: {source}", path.display())]
+    Io {
+        /// What was tried, as a verb: "read", "write", "create".
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+
+    /// A scene, model or image file has wrong content.
+    #[error("{}{}: {message}", path.display(), line.map(|l| format!(":{l}")).unwrap_or_default())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1, where it is known.
+        line: Option<usize>,
+        /// What is wrong there.
+        message: String,
+    },
+
+    /// No Vulkan device serves.
+    #[error("no Vulkan device: {0}")]
+    NoDevice(String),
+
+    /// A Vulkan call failed.
+    #[error("Vulkan: {what} failed: {result}")]
+    Vulkan {
+        /// The call, and the object or pass it was for.
+        what: String,
+        /// What the driver returned.
+        result: ash::vk::Result,
+    },
+
+    /// Device memory could not be had.
+    #[error("Vulkan: no memory for {what}: {message}")]
+    Memory {
+        /// The image or buffer.
+        what: String,
+        /// What the allocator said.
+        message: String,
+    },
+
+    /// The validation layers found fault with the run (exit status 1).
+    #[error("the validation layers reported {count} message(s) outside the allow-list; the first: {first}")]
+    Validation {
+        /// How many messages.
+        count: usize,
+        /// The text of the first one.
+        first: String,
+    },
+}
+
+/// The library's result.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// An I/O error with its path.
+    pub fn io(action: &'static str, path: impl AsRef<Path>, source: std::io::Error) -> Self {
+        Self::Io { action, path: path.as_ref().to_path_buf(), source }
+    }
+
+    /// Wrong content of a file, at a line where that is known.
+    pub fn malformed(path: impl AsRef<Path>, line: Option<usize>, message: impl Into<String>) -> Self {
+        Self::Malformed { path: path.as_ref().to_path_buf(), line, message: message.into() }
+    }
+
+    /// The exit status of the command for this error: 2 for wrong arguments, else 1.
+    pub fn exit_status(&self) -> u8 {
+        match self {
+            Self::Usage(_) => 2,
+            _ => 1,
+        }
+    }
+}

@@ -1,0 +1,2 @@
+//! The `ssct` command.
+fn main() {}
