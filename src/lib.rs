@@ -1,4 +1,8 @@
 //! Screen-space cone tracing for glossy reflections, on Vulkan.
 
 pub mod error;
+pub mod gpu;
+pub mod math;
+pub mod methods;
+pub mod passes;
 pub mod scene;

@@ -1,0 +1,10 @@
+// What one draw of the G-buffer pass has of its own.
+
+layout(push_constant) uniform DrawBlock {
+    mat4 world_to_clip;       // reversed depth, multiplied in f64 on the host
+    vec4 albedo;              // linear; w: 0 for a surface that shows the sky
+    float reflectivity;
+    float roughness;
+    float normal_deviation;   // 0: geometric normal, 1: normal map
+    uint maps;                // bit 0: normal map, bit 1: alpha mask
+} draw;

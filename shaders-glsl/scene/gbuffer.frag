@@ -1,0 +1,49 @@
+#version 460
+// Albedo, normal and material of the nearest surface. The shading normal is
+// normalize(mix(geometric, normal-mapped, deviation)), as in the author's program.
+
+#include "common/camera.glsl"
+#include "scene/draw.glsl"
+
+layout(binding = 1) uniform sampler2D albedo_map;
+layout(binding = 2) uniform sampler2D normal_map;
+layout(binding = 3) uniform sampler2D alpha_mask;
+layout(binding = 4) uniform sampler2D reflectivity_map;
+
+layout(location = 0) in vec3 in_normal;
+layout(location = 1) in vec2 in_uv;
+layout(location = 2) in vec4 in_tangent;
+
+layout(location = 0) out vec4 out_albedo;    // a: 1 lit, 0 shows the sky
+layout(location = 1) out vec4 out_normal;    // view space, unit
+layout(location = 2) out vec2 out_material;  // reflectivity, roughness
+
+void main() {
+    // Sampled before the discard, so that every quad has its derivatives.
+    vec3 albedo = texture(albedo_map, in_uv).rgb;
+    vec3 mapped = texture(normal_map, in_uv).xyz * 2.0 - 1.0;
+    float reflectivity = texture(reflectivity_map, in_uv).r;
+    float mask = texture(alpha_mask, in_uv).r;
+    if ((draw.maps & 2u) != 0u && mask < 0.5) {
+        discard;
+    }
+    vec3 geometric = normalize(in_normal);
+    vec3 normal = geometric;
+    if ((draw.maps & 1u) != 0u && draw.normal_deviation > 0.0) {
+        vec3 tangent = in_tangent.xyz - geometric * dot(geometric, in_tangent.xyz);
+        float size = length(tangent);
+        if (size > 1e-6) {
+            tangent /= size;
+            vec3 bitangent = in_tangent.w * cross(geometric, tangent);
+            vec3 bumped = normalize(tangent * mapped.x + bitangent * mapped.y + geometric * max(mapped.z, 1e-3));
+            normal = normalize(mix(geometric, bumped, draw.normal_deviation));
+        }
+    }
+    // Seen from behind, a surface shows its other side.
+    if (!gl_FrontFacing) {
+        normal = -normal;
+    }
+    out_albedo = vec4(albedo * draw.albedo.rgb, draw.albedo.a);
+    out_normal = vec4(normal, 0.0);
+    out_material = vec2(draw.reflectivity * reflectivity, draw.roughness);
+}

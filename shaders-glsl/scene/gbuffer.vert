@@ -1,0 +1,21 @@
+#version 460
+// Vertices of the scene into the G-buffer (DEFINITIONS, "Spaces" and "Surfaces").
+
+#include "common/camera.glsl"
+#include "scene/draw.glsl"
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 3) in vec4 tangent;
+
+layout(location = 0) out vec3 out_normal;   // view space
+layout(location = 1) out vec2 out_uv;
+layout(location = 2) out vec4 out_tangent;  // view space; w is the bitangent's sign
+
+void main() {
+    gl_Position = draw.world_to_clip * vec4(position, 1.0);
+    out_normal = mat3(camera.world_to_view) * normal;
+    out_uv = uv;
+    out_tangent = vec4(mat3(camera.world_to_view) * tangent.xyz, tangent.w);
+}

@@ -1,0 +1,11 @@
+#version 460
+// Level 0 of the Hi-Z buffer: the post-projected depth (thesis 4.2.1), here standard depth from
+// the G-buffer's reversed depth (DEFINITIONS, "Spaces"), as both minimum and maximum.
+
+layout(binding = 0) uniform sampler2D depth_buffer;
+
+layout(location = 0) out vec2 min_max;
+
+void main() {
+    min_max = vec2(1.0 - texelFetch(depth_buffer, ivec2(gl_FragCoord.xy), 0).r);
+}

@@ -1,0 +1,28 @@
+#version 460
+// Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). The
+// author's program keeps the maximum beside the minimum; so does this.
+
+layout(binding = 0) uniform sampler2D Tex; // the level below, as a view of one level
+
+layout(push_constant) uniform HiZBlock {
+    ivec2 Offset; // Eq. 4.1: 1 where the level below has an even side, else 2
+} hiz;
+
+layout(location = 0) out vec2 z_min_max;
+
+vec2 ReadDepth(ivec2 p) {
+    // Departure: the level below may be one texel wide, and a fetch outside an image has no
+    // defined value in Vulkan; the thesis does not clamp.
+    return texelFetch(Tex, min(p, textureSize(Tex, 0) - 1), 0).rg;
+}
+
+void main() {
+    ivec2 P_sample = ivec2(gl_FragCoord.xy) * 2;
+    vec2 z0 = ReadDepth(P_sample + ivec2(0, 0));
+    vec2 z1 = ReadDepth(P_sample + ivec2(hiz.Offset.x, 0));
+    vec2 z2 = ReadDepth(P_sample + ivec2(0, hiz.Offset.y));
+    vec2 z3 = ReadDepth(P_sample + ivec2(hiz.Offset.x, hiz.Offset.y));
+    float z_min = min(min(z0.r, z1.r), min(z2.r, z3.r));
+    float z_max = max(max(z0.g, z1.g), max(z2.g, z3.g));
+    z_min_max = vec2(z_min, z_max);
+}

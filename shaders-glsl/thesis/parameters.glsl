@@ -1,0 +1,29 @@
+// Parameters of the thesis's passes. The presets `published` and `author` fill them
+// (src/methods/thesis.rs says which value comes from where).
+
+layout(std140, binding = 0) uniform ThesisBlock {
+    mat4 projection;               // M_proj: view to clip, standard depth
+    mat4 inverse_projection;       // M_proj^-1
+    vec2 resolution;               // pixels
+    float near_plane;              // metres
+    float far_plane;
+    float reflection_offset;       // epsilon of Alg. 2, metres
+    float view_direction_epsilon;  // epsilon of Alg. 6
+    float cross_offset;            // pixels that a ray is pushed past a boundary
+    int start_level;               // of the Hi-Z traversal
+    int max_level;                 // coarsest Hi-Z level
+    int iterations;                // bound of the Hi-Z traversal
+    int linear_march_count;        // LINEAR_MARCH_COUNT
+    float linear_march_stride;     // first step, in screen space
+    float linear_march_increase;   // LINEAR_MARCH_INCREASE
+    int binary_search_count;       // BINARY_SEARCH_COUNT
+    float binary_search_decrease;  // BINARY_SEARCH_DECREASE
+    float binary_search_first;     // first step, in units of the march's stride
+    float depth_delta_epsilon;     // DEPTH_DELTA_EPSILON
+    int cone_samples;              // circles of the cone
+    int cone_lengthened;           // 1: the first triangle is lengthened by its base
+    float fade_start;              // I_start of Eq. 4.7
+    float fade_end;                // I_end of Eq. 4.7
+    float fade_towards_camera;     // hzct: factor of its fade; 0: none
+    int fade;                      // 0: no fade at all
+} thesis;

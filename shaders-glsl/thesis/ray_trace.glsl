@@ -1,0 +1,62 @@
+// The ray-tracing pass (thesis 4.2.7, 4.2.10, Alg. 6). FALLBACK chooses between `ssct` and `hzct`.
+// Needs parameters.glsl.
+
+layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimum and maximum; nearest
+layout(binding = 2) uniform sampler2D normalBuffer;    // view space
+layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
+
+#include "thesis/linear_ray_march.glsl"
+#include "thesis/reflection_ray.glsl"
+#include "thesis/hi_z_ray_trace.glsl"
+
+// How a ray ended; the codes are those of `passes::PathCode`.
+#define PATH_NONE          0.0 // the pixel does not reflect
+#define PATH_HI_Z          1.0 // hit by Hi-Z traversal
+#define PATH_LINEAR        2.0 // hit by the linear fallback
+#define PATH_MISS          3.0 // Hi-Z traversal left the screen
+#define PATH_LINEAR_MISS   4.0 // the linear fallback found nothing
+#define PATH_EXHAUSTED     5.0 // out of iterations; the thesis takes it for a hit
+#define PATH_UNTRACED      6.0 // towards the camera, and no fallback
+
+struct Trace {
+    vec3 hit;          // texture coordinates and standard depth; INVALID_RAY for a miss
+    float path;        // PATH_*
+    vec3 reflection;   // direction in view space
+    float roughness;
+};
+
+// Alg. 6. Erratum: it tests R_direction after Eq. 4.4 has made its z 1; V_ss.z is what is meant.
+vec3 RayTrace(vec3 P_ss, vec3 V_ss, out float path) {
+    if (V_ss.z <= thesis.view_direction_epsilon) {
+#ifdef FALLBACK
+        // Unit length, so that the stride is one of screen space (author's program).
+        vec3 hit = LinearRayMarch(P_ss, normalize(V_ss), thesis.linear_march_stride);
+        path = hit == INVALID_RAY ? PATH_LINEAR_MISS : PATH_LINEAR;
+        return hit;
+#else
+        path = PATH_UNTRACED;
+        return INVALID_RAY;
+#endif
+    }
+    bool exhausted;
+    vec3 hit = HiZRayTrace(P_ss, V_ss, exhausted);
+    path = hit == INVALID_RAY ? PATH_MISS : exhausted ? PATH_EXHAUSTED : PATH_HI_Z;
+    return hit;
+}
+
+Trace TracePixel(vec2 fragCoord) {
+    ivec2 pixel = ivec2(fragCoord);
+    Trace trace = Trace(INVALID_RAY, PATH_NONE, vec3(0.0), 0.0);
+    vec2 material = texelFetch(materialBuffer, pixel, 0).rg;
+    vec3 normal = texelFetch(normalBuffer, pixel, 0).xyz;
+    // Early out: sky and what reflects nothing (author's program: both thresholds).
+    if (material.r <= 1e-4 || dot(normal, normal) <= 1e-4)
+        return trace;
+
+    vec2 texCoord = fragCoord / thesis.resolution;
+    float depth = texelFetch(hiZBuffer, pixel, 0).r;
+    vec3 V_ss = ReflectionRay(texCoord, depth, normalize(normal), trace.reflection);
+    trace.hit = RayTrace(vec3(texCoord, depth), V_ss, trace.path);
+    trace.roughness = material.g;
+    return trace;
+}

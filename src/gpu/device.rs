@@ -1,0 +1,521 @@
+//! Instance, device choice and the logical device.
+
+use super::image::{Sampler, Samplers};
+use super::validation::{self, ValidationLog};
+use crate::error::{Error, Result};
+use ash::vk;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::ffi::{CStr, CString};
+use std::mem::ManuallyDrop;
+use std::sync::{Arc, Mutex, MutexGuard};
+
+const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// Which device to open, and how.
+#[derive(Debug, Clone, Default)]
+pub struct DeviceQuery {
+    /// An index of `ssct devices`, or a part of a name; without one, the environment variable
+    /// `SSCT_DEVICE`, else the best by type.
+    pub device: Option<String>,
+    /// Whether to load the validation layers (core, synchronization, best practices).
+    pub validation: bool,
+    /// Instance extensions that a window needs.
+    pub instance_extensions: Vec<&'static CStr>,
+}
+
+/// What a device calls itself and can do.
+#[derive(Debug, Clone, serde::Serialize, PartialEq)]
+pub struct DeviceInfo {
+    /// Marketing name.
+    pub name: String,
+    /// Driver name and version.
+    pub driver: String,
+    /// Highest Vulkan version, as "1.3.230".
+    pub api: String,
+    /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
+    #[serde(rename = "type")]
+    pub kind: String,
+}
+
+/// One line of `ssct devices`.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct DeviceListing {
+    /// What `--device` takes.
+    pub index: usize,
+    /// The device.
+    #[serde(flatten)]
+    pub info: DeviceInfo,
+    /// Why it can't be used, if it can't.
+    pub unsuitable: Option<String>,
+}
+
+/// A handle to an open device. Clones share it; it is destroyed with the last one.
+#[derive(Clone)]
+pub struct Gpu {
+    shared: Arc<Shared>,
+}
+
+/// What the handles share, in the order in which it was made.
+pub(crate) struct Shared {
+    pub entry: ash::Entry,
+    pub instance: ash::Instance,
+    debug: Option<Debug>,
+    pub physical: vk::PhysicalDevice,
+    pub device: ash::Device,
+    pub push_descriptor: ash::khr::push_descriptor::Device,
+    debug_device: Option<ash::ext::debug_utils::Device>,
+    pub queue_family: u32,
+    queue: Mutex<vk::Queue>,
+    samplers: Samplers,
+    allocator: ManuallyDrop<Mutex<Allocator>>,
+    info: DeviceInfo,
+    pub limits: vk::PhysicalDeviceLimits,
+    pub timestamp_mask: u64,
+    pub has_pipeline_statistics: bool,
+}
+
+struct Debug {
+    loader: ash::ext::debug_utils::Instance,
+    messenger: Option<vk::DebugUtilsMessengerEXT>,
+    log: Box<ValidationLog>,
+}
+
+impl std::fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Gpu({})", self.shared.info.name)
+    }
+}
+
+/// Names a failed call.
+pub(crate) fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
+    move |result| Error::Vulkan { what: what.into(), result }
+}
+
+/// Every device that the loader sees, suitable or not.
+pub fn devices() -> Result<Vec<DeviceListing>> {
+    let (_entry, instance, _) = create_instance(&DeviceQuery::default())?;
+    let listing = list(&instance);
+    // SAFETY: nothing was created from the instance.
+    unsafe { instance.destroy_instance(None) };
+    Ok(listing?.into_iter().map(|(_, l)| l).collect())
+}
+
+impl Gpu {
+    /// Opens a device.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] without a loader or suitable device, [`Error::Usage`] for a device that
+    /// does not exist or validation layers that are not installed.
+    pub fn open(query: &DeviceQuery) -> Result<Self> {
+        let (entry, instance, has_debug) = create_instance(query)?;
+        // From here on everything that exists is destroyed by `Shared`, or here on an error.
+        let debug = has_debug.then(|| Debug::new(&entry, &instance, query.validation)).transpose();
+        let opened = debug.and_then(|debug| open_device(entry.clone(), instance.clone(), debug, query));
+        if opened.is_err() {
+            // SAFETY: opening failed before a device was created from it, or destroyed that device.
+            unsafe { instance.destroy_instance(None) };
+        }
+        Ok(Self { shared: Arc::new(opened?) })
+    }
+
+    /// What the device calls itself.
+    pub fn info(&self) -> &DeviceInfo {
+        &self.shared.info
+    }
+
+    /// What the validation layers said so far; empty without `--validation`.
+    pub fn validation(&self) -> Vec<validation::Message> {
+        self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
+    }
+
+    /// An error if the validation layers said anything outside the allow-list.
+    pub fn check_validation(&self) -> Result<()> {
+        let log: Vec<_> = self.validation().into_iter().filter(|m| !m.allowed).collect();
+        match log.first() {
+            None => Ok(()),
+            Some(first) => Err(Error::Validation { count: log.len(), first: first.text.clone() }),
+        }
+    }
+
+    /// The raw device, for `gpu/` and the window.
+    pub(crate) fn raw(&self) -> &ash::Device {
+        &self.shared.device
+    }
+
+    pub(crate) fn shared(&self) -> &Shared {
+        &self.shared
+    }
+
+    pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
+        self.shared.allocator.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    pub(crate) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+        self.shared.queue.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    pub(crate) fn sampler(&self, sampler: Sampler) -> vk::Sampler {
+        self.shared.samplers.get(sampler)
+    }
+
+    /// Bytes of device memory now allocated through this handle.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.allocator().generate_report().total_allocated_bytes
+    }
+
+    /// The largest width and height of an image.
+    pub fn max_image_size(&self) -> u32 {
+        let l = &self.shared.limits;
+        l.max_image_dimension2_d.min(l.max_framebuffer_width).min(l.max_framebuffer_height)
+    }
+
+    /// Names an object for RenderDoc, Nsight and the validation layers.
+    pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
+        let Some(debug) = &self.shared.debug_device else { return };
+        let name = CString::new(name.replace('\0', " ")).unwrap_or_default();
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        // SAFETY: the handle belongs to this device. A name that can't be set is no loss.
+        let _ = unsafe { debug.set_debug_utils_object_name(&info) };
+    }
+
+    pub(crate) fn begin_label(&self, commands: vk::CommandBuffer, name: &str) {
+        if let Some(debug) = &self.shared.debug_device {
+            let name = CString::new(name.replace('\0', " ")).unwrap_or_default();
+            let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
+            // SAFETY: the command buffer is recording.
+            unsafe { debug.cmd_begin_debug_utils_label(commands, &label) };
+        }
+    }
+
+    pub(crate) fn end_label(&self, commands: vk::CommandBuffer) {
+        if let Some(debug) = &self.shared.debug_device {
+            // SAFETY: the command buffer is recording, inside a label of `begin_label`.
+            unsafe { debug.cmd_end_debug_utils_label(commands) };
+        }
+    }
+}
+
+impl Drop for Shared {
+    fn drop(&mut self) {
+        // SAFETY: the last handle is gone, and with it every resource, since each keeps one; the
+        // device is idle before anything is destroyed.
+        unsafe {
+            let _ = self.device.device_wait_idle();
+            self.samplers.destroy(&self.device);
+            ManuallyDrop::drop(&mut self.allocator);
+            self.device.destroy_device(None);
+            if let Some(debug) = self.debug.take() {
+                debug.destroy();
+            }
+            self.instance.destroy_instance(None);
+        }
+    }
+}
+
+impl Debug {
+    fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool) -> Result<Self> {
+        let loader = ash::ext::debug_utils::Instance::new(entry, instance);
+        let log = Box::<ValidationLog>::default();
+        let messenger = if listen {
+            use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
+            let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
+                .message_severity(S::WARNING | S::ERROR)
+                .message_type(T::VALIDATION | T::PERFORMANCE)
+                .pfn_user_callback(Some(validation::callback))
+                .user_data((&raw const *log).cast_mut().cast());
+            // SAFETY: the log is boxed and is freed after the messenger (`destroy`).
+            Some(
+                unsafe { loader.create_debug_utils_messenger(&info, None) }
+                    .map_err(vulkan("vkCreateDebugUtilsMessengerEXT"))?,
+            )
+        } else {
+            None
+        };
+        Ok(Self { loader, messenger, log })
+    }
+
+    /// # Safety
+    /// The instance is alive and no longer used.
+    unsafe fn destroy(self) {
+        if let Some(messenger) = self.messenger {
+            // SAFETY: by the contract.
+            unsafe { self.loader.destroy_debug_utils_messenger(messenger, None) };
+        }
+    }
+}
+
+fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bool)> {
+    // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
+    let entry = unsafe { ash::Entry::load() }.map_err(|e| {
+        Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}); scripts/setup.sh installs it"))
+    })?;
+    // SAFETY: enumeration has no preconditions.
+    let (layers, extensions) = unsafe {
+        (
+            entry.enumerate_instance_layer_properties().map_err(vulkan("vkEnumerateInstanceLayerProperties"))?,
+            entry
+                .enumerate_instance_extension_properties(None)
+                .map_err(vulkan("vkEnumerateInstanceExtensionProperties"))?,
+        )
+    };
+    let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
+    if query.validation && !has_layer {
+        return Err(Error::Usage(
+            "--validation: the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
+        ));
+    }
+    let has_debug =
+        query.validation || extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::ext::debug_utils::NAME));
+
+    let mut names: Vec<_> = query.instance_extensions.iter().map(|n| n.as_ptr()).collect();
+    if has_debug {
+        names.push(ash::ext::debug_utils::NAME.as_ptr());
+    }
+    let layer_names: Vec<_> = if query.validation { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
+    let application = vk::ApplicationInfo::default().application_name(c"ssct").api_version(vk::API_VERSION_1_3);
+    let enables =
+        [vk::ValidationFeatureEnableEXT::BEST_PRACTICES, vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
+    let mut info = vk::InstanceCreateInfo::default()
+        .application_info(&application)
+        .enabled_extension_names(&names)
+        .enabled_layer_names(&layer_names);
+    if query.validation {
+        info = info.push_next(&mut features);
+    }
+    // SAFETY: the names and structures live through the call.
+    let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+            Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
+        }
+        _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
+    })?;
+    Ok((entry, instance, has_debug))
+}
+
+fn list(instance: &ash::Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
+    // SAFETY: the instance is alive.
+    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
+    Ok(physical
+        .into_iter()
+        .enumerate()
+        .map(|(index, p)| {
+            (p, DeviceListing { index, info: describe(instance, p), unsuitable: unsuitable(instance, p) })
+        })
+        .collect())
+}
+
+fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInfo {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: the physical device belongs to the instance.
+    unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
+    let p = properties.properties;
+    let text =
+        |c: std::result::Result<&CStr, _>| c.map(|c: &CStr| c.to_string_lossy().into_owned()).unwrap_or_default();
+    let v = p.api_version;
+    DeviceInfo {
+        name: text(p.device_name_as_c_str()),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
+            .trim()
+            .to_owned(),
+        api: format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v)),
+        kind: match p.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",
+            vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated GPU",
+            vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual GPU",
+            vk::PhysicalDeviceType::CPU => "CPU",
+            _ => "other",
+        }
+        .to_owned(),
+    }
+}
+
+/// Why a device can't be used, if it can't.
+fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+    // SAFETY: the physical device belongs to the instance.
+    let (properties, families, extensions) = unsafe {
+        (
+            instance.get_physical_device_properties(physical),
+            instance.get_physical_device_queue_family_properties(physical),
+            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
+        )
+    };
+    if properties.api_version < vk::API_VERSION_1_3 {
+        return Some("it has no Vulkan 1.3".into());
+    }
+    let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12).push_next(&mut v13);
+    // SAFETY: as above.
+    unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    let wanted = [
+        (v13.dynamic_rendering, "dynamicRendering"),
+        (v13.synchronization2, "synchronization2"),
+        (v13.maintenance4, "maintenance4"),
+        (v12.host_query_reset, "hostQueryReset"),
+    ];
+    if let Some((_, name)) = wanted.iter().find(|(has, _)| *has == vk::FALSE) {
+        return Some(format!("it lacks the feature {name}"));
+    }
+    if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::khr::push_descriptor::NAME)) {
+        return Some("it lacks VK_KHR_push_descriptor".into());
+    }
+    match families.iter().find(|f| is_universal(f)) {
+        None => Some("it has no queue for graphics and compute".into()),
+        Some(f) if f.timestamp_valid_bits == 0 => Some("its queue has no timestamps".into()),
+        Some(_) => None,
+    }
+}
+
+fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
+    family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
+}
+
+/// The device that the query asks for: by index, by a part of its name, or the best by type.
+fn choose(
+    listing: Vec<(vk::PhysicalDevice, DeviceListing)>,
+    query: &DeviceQuery,
+) -> Result<(vk::PhysicalDevice, DeviceListing)> {
+    let wanted = query.device.clone().or_else(|| std::env::var("SSCT_DEVICE").ok()).filter(|w| !w.is_empty());
+    let Some(wanted) = wanted else {
+        let rank = |l: &DeviceListing| match l.info.kind.as_str() {
+            "discrete GPU" => 0,
+            "integrated GPU" => 1,
+            "virtual GPU" => 2,
+            "CPU" => 3,
+            _ => 4,
+        };
+        let reasons: Vec<_> =
+            listing.iter().filter_map(|(_, l)| Some(format!("{}: {}", l.info.name, l.unsuitable.as_ref()?))).collect();
+        return listing.into_iter().filter(|(_, l)| l.unsuitable.is_none()).min_by_key(|(_, l)| rank(l)).ok_or_else(
+            || {
+                Error::NoDevice(if reasons.is_empty() {
+                    "the loader lists none; Mesa's lavapipe is one that runs on the CPU".into()
+                } else {
+                    reasons.join("; ")
+                })
+            },
+        );
+    };
+    let names: Vec<_> = listing.iter().map(|(_, l)| format!("{} {}", l.index, l.info.name)).collect();
+    let by_index = wanted.parse::<usize>().ok();
+    let found = listing.into_iter().find(|(_, l)| match by_index {
+        Some(index) => l.index == index,
+        None => l.info.name.to_lowercase().contains(&wanted.to_lowercase()),
+    });
+    let (physical, found) = found.ok_or_else(|| {
+        Error::Usage(format!(
+            "no device {wanted:?}; there is: {}",
+            if names.is_empty() { "none".into() } else { names.join(", ") }
+        ))
+    })?;
+    match &found.unsuitable {
+        Some(why) => Err(Error::NoDevice(format!("{} cannot be used: {why}", found.info.name))),
+        None => Ok((physical, found)),
+    }
+}
+
+fn open_device(
+    entry: ash::Entry,
+    instance: ash::Instance,
+    debug: Option<Debug>,
+    query: &DeviceQuery,
+) -> Result<Shared> {
+    // On an early return the messenger must go before the instance.
+    let mut debug = DebugGuard(debug);
+    let (physical, listing) = choose(list(&instance)?, query)?;
+    // SAFETY: the physical device belongs to the instance.
+    let (properties, families, supported, extensions) = unsafe {
+        (
+            instance.get_physical_device_properties(physical),
+            instance.get_physical_device_queue_family_properties(physical),
+            instance.get_physical_device_features(physical),
+            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
+        )
+    };
+    let (queue_family, family) = families
+        .iter()
+        .enumerate()
+        .find(|(_, f)| is_universal(f))
+        .ok_or_else(|| Error::NoDevice("no universal queue".into()))?;
+
+    let mut names = vec![ash::khr::push_descriptor::NAME.as_ptr()];
+    let offers = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+    if !query.instance_extensions.is_empty() {
+        if !offers(ash::khr::swapchain::NAME) {
+            return Err(Error::NoDevice(format!("{} cannot present to a window", listing.info.name)));
+        }
+        names.push(ash::khr::swapchain::NAME.as_ptr());
+    }
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
+    let features = vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+        .shader_storage_image_extended_formats(supported.shader_storage_image_extended_formats == vk::TRUE);
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default().host_query_reset(true);
+    let mut v13 =
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&names)
+        .enabled_features(&features)
+        .push_next(&mut v12)
+        .push_next(&mut v13);
+    // SAFETY: the structures live through the call; features and extensions were found supported.
+    let device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
+
+    let parts = Allocator::new(&AllocatorCreateDesc {
+        instance: instance.clone(),
+        device: device.clone(),
+        physical_device: physical,
+        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+        buffer_device_address: false,
+        allocation_sizes: gpu_allocator::AllocationSizes::default(),
+    })
+    .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })
+    .and_then(|allocator| {
+        Ok((allocator, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
+    });
+    let (allocator, samplers) = match parts {
+        Ok(parts) => parts,
+        Err(e) => {
+            // SAFETY: nothing else was created from the device.
+            unsafe { device.destroy_device(None) };
+            return Err(e);
+        }
+    };
+    let bits = family.timestamp_valid_bits;
+    let debug = debug.0.take();
+    Ok(Shared {
+        push_descriptor: ash::khr::push_descriptor::Device::new(&instance, &device),
+        debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
+        // SAFETY: the queue was asked for above.
+        queue: Mutex::new(unsafe { device.get_device_queue(queue_family as u32, 0) }),
+        entry,
+        instance,
+        debug,
+        physical,
+        device,
+        queue_family: queue_family as u32,
+        samplers,
+        allocator: ManuallyDrop::new(Mutex::new(allocator)),
+        info: listing.info,
+        limits: properties.limits,
+        timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
+        has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
+    })
+}
+
+/// Destroys the messenger if it is dropped with one inside.
+struct DebugGuard(Option<Debug>);
+
+impl Drop for DebugGuard {
+    fn drop(&mut self) {
+        if let Some(debug) = self.0.take() {
+            // SAFETY: dropped only on the way out of a failed `open_device`, before the instance.
+            unsafe { debug.destroy() };
+        }
+    }
+}

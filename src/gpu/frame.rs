@@ -1,0 +1,728 @@
+//! One frame: its passes, each with its label, timestamps and barriers, recorded and submitted.
+//!
+//! A pass states what it reads and writes by naming its shader's bindings and its targets; the
+//! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
+//! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
+
+use super::device::{Gpu, vulkan};
+use super::image::{ImageSlice, Sampler};
+use super::memory::{Buffer, Place};
+use super::pipeline::{ComputePipeline, GraphicsPipeline, Layout};
+use super::shader::BindingKind;
+use super::sync::{Access, State, Transition};
+use super::timing::{PassTime, PassWork, Statistics, Timestamps};
+use crate::error::Result;
+use ash::vk;
+use std::cell::Cell;
+
+/// What a frame is recorded for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// For its images only: exact barriers, no queries.
+    Plain,
+    /// For its times: two timestamps a pass, a full barrier between passes.
+    Timed,
+    /// For its work: pipeline statistics of each pass.
+    Counted,
+}
+
+/// What a shader's binding is given.
+#[derive(Clone, Copy)]
+pub enum Resource<'a> {
+    /// An image, sampled or fetched.
+    Sampled(ImageSlice<'a>, Sampler),
+    /// A level of an image, stored to.
+    Storage(ImageSlice<'a>),
+    /// The bytes of a uniform block.
+    Uniform(&'a [u8]),
+    /// A storage buffer, read and written.
+    Buffer(&'a Buffer),
+}
+
+impl<'a> Resource<'a> {
+    /// Fetched, or sampled at the nearest texel.
+    pub fn nearest(slice: ImageSlice<'a>) -> Self {
+        Self::Sampled(slice, Sampler::NearestClamp)
+    }
+
+    /// Sampled with trilinear filtering.
+    pub fn trilinear(slice: ImageSlice<'a>) -> Self {
+        Self::Sampled(slice, Sampler::TrilinearClamp)
+    }
+}
+
+/// A colour or depth attachment.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    slice: ImageSlice<'a>,
+    clear: Option<[f32; 4]>,
+}
+
+impl<'a> Target<'a> {
+    /// Every texel is written; what was there is lost.
+    pub fn overwrite(slice: ImageSlice<'a>) -> Self {
+        Self { slice, clear: None }
+    }
+
+    /// Cleared first; for depth, the first component.
+    pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
+        Self { slice, clear: Some(value) }
+    }
+}
+
+/// What one submission did.
+#[derive(Debug, Clone, Default)]
+pub struct FrameReport {
+    /// Time of each pass, in order; empty unless [`Mode::Timed`].
+    pub passes: Vec<PassTime>,
+    /// Milliseconds from the frame's first timestamp to its last; 0 unless [`Mode::Timed`].
+    pub frame_ms: f64,
+    /// Work of each pass, in order; empty unless [`Mode::Counted`].
+    pub work: Vec<PassWork>,
+    /// The passes recorded, in order.
+    pub recorded: Vec<String>,
+}
+
+/// The command buffer, queries and uniform memory that frames reuse. One frame at a time.
+pub struct FrameContext {
+    gpu: Gpu,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    uniforms: Buffer,
+    timestamps: Timestamps,
+    statistics: Option<Statistics>,
+}
+
+const UNIFORM_BYTES: u64 = 1 << 20;
+
+impl FrameContext {
+    /// What frames need on a device.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let device = gpu.raw();
+        let uniforms =
+            Buffer::new(gpu, "frame uniforms", UNIFORM_BYTES, vk::BufferUsageFlags::UNIFORM_BUFFER, Place::Upload)?;
+        let timestamps = Timestamps::new(gpu)?;
+        let statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(gpu.shared().queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the create infos are complete; what is made is destroyed in `drop` (a failure
+        // after the pool leaves it to a struct with null handles, which `drop` accepts).
+        let pool = unsafe { device.create_command_pool(&info, None) }.map_err(vulkan("vkCreateCommandPool"))?;
+        let mut context = Self {
+            gpu: gpu.clone(),
+            pool,
+            commands: vk::CommandBuffer::null(),
+            fence: vk::Fence::null(),
+            uniforms,
+            timestamps,
+            statistics,
+        };
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as above; the pool frees its command buffers.
+        unsafe {
+            context.commands = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?[0];
+            context.fence =
+                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
+        }
+        gpu.name(context.commands, "frame");
+        Ok(context)
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Begins a frame. A mode whose queries the device lacks records none.
+    pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
+        let device = self.gpu.raw();
+        // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
+        // never submitted.
+        unsafe {
+            device
+                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .map_err(vulkan("vkResetCommandPool"))?;
+            let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+            device.begin_command_buffer(self.commands, &info).map_err(vulkan("vkBeginCommandBuffer"))?;
+        }
+        match mode {
+            Mode::Plain => {}
+            Mode::Timed => self.timestamps.reset(),
+            Mode::Counted => {
+                if let Some(statistics) = &mut self.statistics {
+                    statistics.reset();
+                }
+            }
+        }
+        let mut frame = Frame {
+            context: self,
+            mode,
+            uniform_bytes: 0,
+            passes: Vec::new(),
+            counted: false,
+            pending: Barriers::default(),
+        };
+        frame.stamp();
+        Ok(frame)
+    }
+
+    /// Records passes and submits them, for uploads and the like.
+    pub fn once(&mut self, record: impl FnOnce(&mut Frame) -> Result<()>) -> Result<()> {
+        let mut frame = self.begin(Mode::Plain)?;
+        record(&mut frame)?;
+        frame.finish().map(|_| ())
+    }
+}
+
+impl Drop for FrameContext {
+    fn drop(&mut self) {
+        let device = self.gpu.raw();
+        // SAFETY: no submission is under way; null handles are allowed.
+        unsafe {
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+/// A frame that is being recorded.
+pub struct Frame<'c> {
+    context: &'c mut FrameContext,
+    mode: Mode,
+    uniform_bytes: u64,
+    passes: Vec<(String, bool)>,
+    counted: bool,
+    pending: Barriers,
+}
+
+/// Barriers collected for one call.
+#[derive(Default)]
+struct Barriers {
+    images: Vec<vk::ImageMemoryBarrier2<'static>>,
+    buffers: Vec<vk::BufferMemoryBarrier2<'static>>,
+}
+
+impl Frame<'_> {
+    /// From here on passes count towards the method's total time.
+    pub fn begin_effect(&mut self) {
+        self.counted = true;
+    }
+
+    /// A fragment shader over whole targets, all of one size.
+    pub fn fullscreen(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
+        resources: &[(&str, Resource)],
+        push: &[u8],
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::FragmentSampled, Access::FragmentStorageRead);
+            frame.rendering(targets, None, false, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                // SAFETY: a pipeline and everything it reads are bound.
+                unsafe { frame.device().cmd_draw(frame.context.commands, 3, 1, 0, 0) };
+                Ok(())
+            })
+        })
+    }
+
+    /// Meshes into targets with a depth buffer; `draw` records them.
+    pub fn raster(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
+        depth: Target,
+        draw: impl FnOnce(&mut Raster) -> Result<()>,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.rendering(targets, Some(depth), true, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                draw(&mut Raster { frame, pipeline })
+            })
+        })
+    }
+
+    /// A compute shader over `threads` threads (rounded up to whole workgroups).
+    pub fn compute(
+        &mut self,
+        name: &str,
+        pipeline: &ComputePipeline,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+        threads: [u32; 3],
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorage);
+            frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
+            let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
+            // SAFETY: a pipeline and everything it reads are bound.
+            unsafe { frame.device().cmd_dispatch(frame.context.commands, x, y, z) };
+            Ok(())
+        })
+    }
+
+    /// Scales one level into another with a linear filter: one step of a hardware mip chain.
+    pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let side = |s: &ImageSlice| {
+                let [w, h] = s.extent();
+                [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
+            };
+            let region = vk::ImageBlit2::default()
+                .src_subresource(layers(&from))
+                .src_offsets(side(&from))
+                .dst_subresource(layers(&to))
+                .dst_offsets(side(&to));
+            let regions = [region];
+            let info = vk::BlitImageInfo2::default()
+                .src_image(from.image().handle())
+                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
+                .dst_image(to.image().handle())
+                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
+                .regions(&regions)
+                .filter(vk::Filter::LINEAR);
+            // SAFETY: both levels are in the layouts named, by the barriers above.
+            unsafe { frame.device().cmd_blit_image2(frame.context.commands, &info) };
+            Ok(())
+        })
+    }
+
+    /// Fills a colour image's levels with one value.
+    pub fn clear(&mut self, name: &str, slice: ImageSlice, value: [f32; 4]) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(slice, Access::TransferWrite);
+            frame.flush();
+            let range = slice.image().range(slice.base_level(), slice.states().count() as u32);
+            // SAFETY: the levels are in the layout named, by the barrier above.
+            unsafe {
+                frame.device().cmd_clear_color_image(
+                    frame.context.commands,
+                    slice.image().handle(),
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &vk::ClearColorValue { float32: value },
+                    &[range],
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// Copies tightly packed texels of all layers from a buffer into a level.
+    pub fn upload(&mut self, name: &str, from: &Buffer, to: ImageSlice) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_buffer(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let region = whole(&to);
+            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
+            unsafe {
+                frame.device().cmd_copy_buffer_to_image(
+                    frame.context.commands,
+                    from.handle(),
+                    to.image().handle(),
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &[region],
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// Copies a level into a readback buffer, tightly packed, for the host.
+    pub fn download(&mut self, name: &str, from: ImageSlice, to: &Buffer) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
+            unsafe {
+                frame.device().cmd_copy_image_to_buffer(
+                    frame.context.commands,
+                    from.image().handle(),
+                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                    to.handle(),
+                    &[whole(&from)],
+                );
+            }
+            frame.use_buffer(to, Access::HostRead);
+            frame.flush();
+            Ok(())
+        })
+    }
+
+    /// Copies one buffer into another, and makes it ready for vertex input.
+    pub fn copy_vertices(&mut self, name: &str, from: &Buffer, to: &Buffer) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_buffer(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            let region = vk::BufferCopy::default().size(from.size().min(to.size()));
+            // SAFETY: both buffers hold the region.
+            unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &[region]) };
+            frame.use_buffer(to, Access::VertexInput);
+            frame.flush();
+            Ok(())
+        })
+    }
+
+    /// Moves levels to a use without a pass of its own: textures after their upload.
+    pub fn make_ready(&mut self, slice: ImageSlice, access: Access) {
+        self.use_image(slice, access);
+        self.flush();
+    }
+
+    /// Submits, waits, and reads the queries.
+    pub fn finish(mut self) -> Result<FrameReport> {
+        self.stamp();
+        let device = self.context.gpu.raw();
+        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.context.commands)];
+        let submit = vk::SubmitInfo2::default().command_buffer_infos(&commands);
+        // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
+        // anything is reused or destroyed.
+        unsafe {
+            device.end_command_buffer(self.context.commands).map_err(vulkan("vkEndCommandBuffer"))?;
+            let queue = self.context.gpu.queue();
+            device.queue_submit2(*queue, &[submit], self.context.fence).map_err(vulkan("vkQueueSubmit2"))?;
+            device.wait_for_fences(&[self.context.fence], true, u64::MAX).map_err(vulkan("vkWaitForFences"))?;
+            device.reset_fences(&[self.context.fence]).map_err(vulkan("vkResetFences"))?;
+        }
+        let mut report =
+            FrameReport { recorded: self.passes.iter().map(|(n, _)| n.clone()).collect(), ..FrameReport::default() };
+        match (self.mode, &self.context.statistics) {
+            (Mode::Timed, _) => {
+                let stamps = self.context.timestamps.milliseconds()?;
+                report.frame_ms = stamps.last().copied().unwrap_or(0.0);
+                report.passes = self
+                    .passes
+                    .into_iter()
+                    .zip(stamps[1..].chunks_exact(2))
+                    .map(|((name, counted), pair)| PassTime { name, ms: pair[1] - pair[0], counted })
+                    .collect();
+            }
+            (Mode::Counted, Some(statistics)) => report.work = statistics.results()?,
+            _ => {}
+        }
+        Ok(report)
+    }
+
+    /// Label, timestamps and statistics of a pass, around what `record` records.
+    fn pass(&mut self, name: &str, record: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+        let commands = self.context.commands;
+        self.context.gpu.begin_label(commands, name);
+        if self.mode == Mode::Timed {
+            self.full_barrier();
+        }
+        self.stamp();
+        if let (Mode::Counted, Some(statistics)) = (self.mode, &self.context.statistics) {
+            statistics.begin(commands);
+        }
+        record(self)?;
+        if let (Mode::Counted, Some(statistics)) = (self.mode, &mut self.context.statistics) {
+            statistics.end(commands);
+        }
+        self.stamp();
+        self.context.gpu.end_label(commands);
+        self.passes.push((name.to_owned(), self.counted));
+        Ok(())
+    }
+
+    fn stamp(&mut self) {
+        if self.mode == Mode::Timed {
+            let commands = self.context.commands;
+            self.context.timestamps.stamp(commands);
+        }
+    }
+
+    fn device(&self) -> &ash::Device {
+        self.context.gpu.raw()
+    }
+
+    /// Everything before is done and visible to everything after.
+    fn full_barrier(&self) {
+        let all = vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
+            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE);
+        let barriers = [all];
+        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+        // SAFETY: outside rendering.
+        unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
+    }
+
+    /// Brings a pass's resources to their use.
+    fn prepare(&mut self, resources: &[(&str, Resource)], sampled: Access, buffer: Access) {
+        for (_, resource) in resources {
+            match *resource {
+                Resource::Sampled(slice, _) => self.use_image(slice, sampled),
+                Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
+                Resource::Buffer(b) => self.use_buffer(b, buffer),
+                Resource::Uniform(_) => {}
+            }
+        }
+        self.flush();
+    }
+    fn use_image(&mut self, slice: ImageSlice, access: Access) {
+        for (level, state) in slice.states() {
+            if let Some(t) = step(state, access) {
+                let image = slice.image();
+                self.pending.images.push(
+                    vk::ImageMemoryBarrier2::default()
+                        .src_stage_mask(t.src_stages)
+                        .src_access_mask(t.src_access)
+                        .dst_stage_mask(t.dst_stages)
+                        .dst_access_mask(t.dst_access)
+                        .old_layout(t.old_layout)
+                        .new_layout(t.new_layout)
+                        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                        .image(image.handle())
+                        .subresource_range(image.range(level, 1)),
+                );
+            }
+        }
+    }
+
+    fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
+        if let Some(t) = step(buffer.state(), access) {
+            self.pending.buffers.push(
+                vk::BufferMemoryBarrier2::default()
+                    .src_stage_mask(t.src_stages)
+                    .src_access_mask(t.src_access)
+                    .dst_stage_mask(t.dst_stages)
+                    .dst_access_mask(t.dst_access)
+                    .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                    .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                    .buffer(buffer.handle())
+                    .size(vk::WHOLE_SIZE),
+            );
+        }
+    }
+
+    /// Records the collected barriers as one call.
+    fn flush(&mut self) {
+        let pending = std::mem::take(&mut self.pending);
+        if !pending.images.is_empty() || !pending.buffers.is_empty() {
+            let info = vk::DependencyInfo::default()
+                .image_memory_barriers(&pending.images)
+                .buffer_memory_barriers(&pending.buffers);
+            // SAFETY: outside rendering; the handles are alive.
+            unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
+        }
+    }
+
+    /// Begins and ends dynamic rendering around `draw`.
+    fn rendering(
+        &mut self,
+        targets: &[Target],
+        depth: Option<Target>,
+        y_up: bool,
+        draw: impl FnOnce(&mut Self) -> Result<()>,
+    ) -> Result<()> {
+        for target in targets {
+            self.use_image(target.slice, Access::ColorAttachment);
+        }
+        if let Some(depth) = depth {
+            self.use_image(depth.slice, Access::DepthAttachment);
+        }
+        self.flush();
+        let attachment = |t: &Target, layout, is_depth: bool| {
+            let value = t.clear.unwrap_or_default();
+            vk::RenderingAttachmentInfo::default()
+                .image_view(t.slice.view())
+                .image_layout(layout)
+                .load_op(if t.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::DONT_CARE })
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(if is_depth {
+                    vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 } }
+                } else {
+                    vk::ClearValue { color: vk::ClearColorValue { float32: value } }
+                })
+        };
+        let colors: Vec<_> =
+            targets.iter().map(|t| attachment(t, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, false)).collect();
+        let depth_attachment = depth.map(|t| attachment(&t, vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL, true));
+        let [width, height] = targets.iter().chain(depth.iter()).map(|t| t.slice.extent()).next().unwrap_or([1, 1]);
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth_attachment {
+            info = info.depth_attachment(depth);
+        }
+        let (w, h) = (width as f32, height as f32);
+        let viewport = if y_up {
+            vk::Viewport { x: 0.0, y: h, width: w, height: -h, min_depth: 0.0, max_depth: 1.0 }
+        } else {
+            vk::Viewport { x: 0.0, y: 0.0, width: w, height: h, min_depth: 0.0, max_depth: 1.0 }
+        };
+        let commands = self.context.commands;
+        // SAFETY: the attachments are in the layouts named, by the barriers above; rendering is
+        // ended below whatever `draw` returns.
+        unsafe {
+            self.device().cmd_begin_rendering(commands, &info);
+            self.device().cmd_set_viewport(commands, 0, &[viewport]);
+            self.device().cmd_set_scissor(commands, 0, &[area]);
+        }
+        let drawn = draw(self);
+        // SAFETY: as above.
+        unsafe { self.device().cmd_end_rendering(commands) };
+        drawn
+    }
+
+    fn bind(&self, pipeline: vk::Pipeline, point: vk::PipelineBindPoint) {
+        // SAFETY: the pipeline is alive and fits the point.
+        unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
+    }
+
+    /// Pushes descriptors and constants.
+    fn push(
+        &mut self,
+        layout: &Layout,
+        point: vk::PipelineBindPoint,
+        name: &str,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+    ) -> Result<()> {
+        assert_eq!(push.len(), layout.push_size as usize, "push constants of {name}");
+        assert_eq!(resources.len(), layout.bindings.len(), "bindings of {name}: {:?}", layout.bindings);
+        let mut images = Vec::with_capacity(resources.len());
+        let mut buffers = Vec::with_capacity(resources.len());
+        let mut kinds = Vec::with_capacity(resources.len());
+        for (binding_name, resource) in resources {
+            let Some(binding) = layout.binding(binding_name) else {
+                panic!("{name} has no binding {binding_name:?}: {:?}", layout.bindings)
+            };
+            let (image, buffer, kind) = self.descriptor(*resource);
+            assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
+            images.push([image]);
+            buffers.push([buffer]);
+            kinds.push(binding);
+        }
+        let writes: Vec<_> = kinds
+            .iter()
+            .enumerate()
+            .map(|(i, b)| {
+                let write = vk::WriteDescriptorSet::default()
+                    .dst_binding(b.binding)
+                    .descriptor_type(b.kind.descriptor_type())
+                    .descriptor_count(1);
+                match b.kind {
+                    BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
+                    BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
+                }
+            })
+            .collect();
+        let commands = self.context.commands;
+        // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
+        // submission, which the host waits for.
+        unsafe {
+            if !writes.is_empty() {
+                let push = &self.context.gpu.shared().push_descriptor;
+                push.cmd_push_descriptor_set(commands, point, layout.pipeline, 0, &writes);
+            }
+            if !push.is_empty() {
+                self.device().cmd_push_constants(commands, layout.pipeline, layout.stages, 0, push);
+            }
+        }
+        Ok(())
+    }
+
+    fn descriptor(&mut self, resource: Resource) -> (vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind) {
+        let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
+        let kind = match resource {
+            Resource::Sampled(slice, sampler) => {
+                image = image
+                    .sampler(self.context.gpu.sampler(sampler))
+                    .image_view(slice.view())
+                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
+                BindingKind::SampledImage
+            }
+            Resource::Storage(slice) => {
+                image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
+                BindingKind::StorageImage
+            }
+            Resource::Buffer(b) => {
+                buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
+                BindingKind::StorageBuffer
+            }
+            Resource::Uniform(bytes) => {
+                let offset = self.uniform(bytes);
+                buffer = buffer.buffer(self.context.uniforms.handle()).offset(offset).range(bytes.len() as u64);
+                BindingKind::UniformBuffer
+            }
+        };
+        (image, buffer, kind)
+    }
+
+    /// Puts a uniform block into this frame's memory; returns its offset.
+    fn uniform(&mut self, bytes: &[u8]) -> u64 {
+        let alignment = self.context.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
+        let offset = self.uniform_bytes.next_multiple_of(alignment);
+        self.uniform_bytes = offset + bytes.len() as u64;
+        assert!(self.uniform_bytes <= UNIFORM_BYTES, "a frame has more than {UNIFORM_BYTES} bytes of uniforms");
+        if let Ok(memory) = self.context.uniforms.bytes_mut() {
+            memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
+        }
+        offset
+    }
+}
+
+/// Records the draws of [`Frame::raster`].
+pub struct Raster<'f, 'c> {
+    frame: &'f mut Frame<'c>,
+    pipeline: &'f GraphicsPipeline,
+}
+
+impl Raster<'_, '_> {
+    /// Binds resources and constants for the draws that follow. Images must have been made ready
+    /// ([`Frame::make_ready`]): no barrier can stand inside rendering.
+    pub fn bind(&mut self, resources: &[(&str, Resource)], push: &[u8]) -> Result<()> {
+        let p = self.pipeline;
+        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, resources, push)
+    }
+
+    /// Draws indexed triangles.
+    pub fn draw(&mut self, vertices: &Buffer, indices: &Buffer, index_count: u32) {
+        let commands = self.frame.context.commands;
+        // SAFETY: the pipeline is bound with its resources; the buffers hold the indices' range.
+        unsafe {
+            self.frame.device().cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);
+            self.frame.device().cmd_bind_index_buffer(commands, indices.handle(), 0, vk::IndexType::UINT32);
+            self.frame.device().cmd_draw_indexed(commands, index_count, 1, 0, 0, 0);
+        }
+    }
+}
+
+fn step(state: &Cell<State>, access: Access) -> Option<Transition> {
+    let mut s = state.get();
+    let transition = s.transition(access);
+    state.set(s);
+    transition
+}
+
+fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
+    vk::ImageSubresourceLayers {
+        aspect_mask: slice.image().aspect(),
+        mip_level: slice.base_level(),
+        base_array_layer: 0,
+        layer_count: slice.image().layers(),
+    }
+}
+
+fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
+    let [width, height] = slice.extent();
+    vk::BufferImageCopy::default().image_subresource(layers(slice)).image_extent(vk::Extent3D {
+        width,
+        height,
+        depth: 1,
+    })
+}

@@ -1,0 +1,315 @@
+//! Images with one view per mip level and one over all of them, and the samplers.
+
+use super::device::{Gpu, vulkan};
+use super::memory;
+use super::sync::State;
+use crate::error::{Error, Result};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::Allocation;
+use std::cell::Cell;
+
+/// What an image is to be.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageDesc<'a> {
+    /// For debuggers and errors.
+    pub name: &'a str,
+    /// Texel format.
+    pub format: vk::Format,
+    /// Width and height of level 0 in texels.
+    pub extent: [u32; 2],
+    /// Number of mip levels; level n is max(1, extent >> n).
+    pub levels: u32,
+    /// 6 for a cube map, else 1.
+    pub layers: u32,
+    /// What it is used for.
+    pub usage: vk::ImageUsageFlags,
+}
+
+/// The number of levels of a full mip chain: 1 + floor(log2(max side)).
+pub fn full_chain(extent: [u32; 2]) -> u32 {
+    extent[0].max(extent[1]).max(1).ilog2() + 1
+}
+
+/// Width and height of a mip level: halved, rounded down, at least 1.
+pub fn level_extent(extent: [u32; 2], level: u32) -> [u32; 2] {
+    [(extent[0] >> level).max(1), (extent[1] >> level).max(1)]
+}
+
+/// An image that owns its memory and views, and destroys itself.
+pub struct Image {
+    gpu: Gpu,
+    handle: vk::Image,
+    allocation: Option<Allocation>,
+    level_views: Vec<vk::ImageView>,
+    whole_view: vk::ImageView,
+    format: vk::Format,
+    extent: [u32; 2],
+    layers: u32,
+    states: Vec<Cell<State>>,
+    name: String,
+}
+
+/// A range of an image's mip levels, as a shader or an attachment sees it.
+#[derive(Clone, Copy)]
+pub struct ImageSlice<'a> {
+    image: &'a Image,
+    base: u32,
+    count: u32,
+}
+
+impl Image {
+    /// Makes an image; its content is undefined.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a size of 0 or beyond the device's limit; [`Error::Memory`] without memory.
+    pub fn new(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
+        let [width, height] = desc.extent;
+        let limit = gpu.max_image_size();
+        if width == 0 || height == 0 || width > limit || height > limit {
+            return Err(Error::Usage(format!(
+                "an image of {width}x{height} is impossible: each side must be 1 to {limit} on {}",
+                gpu.info().name
+            )));
+        }
+        let cube = desc.layers == 6;
+        let info = vk::ImageCreateInfo::default()
+            .flags(if cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() })
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(desc.format)
+            .extent(vk::Extent3D { width, height, depth: 1 })
+            .mip_levels(desc.levels)
+            .array_layers(desc.layers)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(desc.usage)
+            .sharing_mode(vk::SharingMode::EXCLUSIVE);
+        // SAFETY: the create info is complete; the handle is destroyed in `drop`.
+        let handle = unsafe { gpu.raw().create_image(&info, None) }
+            .map_err(vulkan(format!("vkCreateImage for {}", desc.name)))?;
+        gpu.name(handle, desc.name);
+        let mut image = Self {
+            gpu: gpu.clone(),
+            handle,
+            allocation: None,
+            level_views: Vec::new(),
+            whole_view: vk::ImageView::null(),
+            format: desc.format,
+            extent: desc.extent,
+            layers: desc.layers,
+            states: vec![Cell::default(); desc.levels as usize],
+            name: desc.name.to_owned(),
+        };
+        // SAFETY: the handle was just made.
+        let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
+        let allocation = memory::allocate(gpu, desc.name, requirements, MemoryLocation::GpuOnly, false)?;
+        // SAFETY: the memory fits the requirements and is freed after the image.
+        unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) }
+            .map_err(vulkan(format!("vkBindImageMemory for {}", desc.name)))?;
+        image.allocation = Some(allocation);
+        let view_usages = vk::ImageUsageFlags::SAMPLED
+            | vk::ImageUsageFlags::STORAGE
+            | vk::ImageUsageFlags::COLOR_ATTACHMENT
+            | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        if desc.usage.intersects(view_usages) {
+            image.whole_view = image.view(0, desc.levels, cube)?;
+            for level in 0..desc.levels {
+                image.level_views.push(image.view(level, 1, cube)?);
+            }
+        }
+        Ok(image)
+    }
+
+    fn view(&self, base: u32, count: u32, cube: bool) -> Result<vk::ImageView> {
+        let info = vk::ImageViewCreateInfo::default()
+            .image(self.handle)
+            .view_type(if cube { vk::ImageViewType::CUBE } else { vk::ImageViewType::TYPE_2D })
+            .format(self.format)
+            .subresource_range(self.range(base, count));
+        // SAFETY: the image is bound; the view is destroyed in `drop`.
+        let view = unsafe { self.gpu.raw().create_image_view(&info, None) }
+            .map_err(vulkan(format!("vkCreateImageView for {}", self.name)))?;
+        self.gpu.name(view, &format!("{} levels {base}+{count}", self.name));
+        Ok(view)
+    }
+
+    /// Width and height of level 0.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// Texel format.
+    pub fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Number of mip levels.
+    pub fn levels(&self) -> u32 {
+        self.states.len() as u32
+    }
+
+    /// Array layers: 6 for a cube map.
+    pub fn layers(&self) -> u32 {
+        self.layers
+    }
+
+    /// The name it was made with.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// One mip level.
+    pub fn level(&self, level: u32) -> ImageSlice<'_> {
+        assert!(level < self.levels(), "{} has {} levels, not {level}", self.name, self.levels());
+        ImageSlice { image: self, base: level, count: 1 }
+    }
+
+    /// All mip levels.
+    pub fn all(&self) -> ImageSlice<'_> {
+        ImageSlice { image: self, base: 0, count: self.levels() }
+    }
+
+    /// Bytes that its memory takes.
+    pub fn memory_bytes(&self) -> u64 {
+        self.allocation.as_ref().map_or(0, |a| a.size())
+    }
+
+    pub(crate) fn handle(&self) -> vk::Image {
+        self.handle
+    }
+
+    pub(crate) fn aspect(&self) -> vk::ImageAspectFlags {
+        if self.format == vk::Format::D32_SFLOAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
+    }
+
+    pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
+        vk::ImageSubresourceRange {
+            aspect_mask: self.aspect(),
+            base_mip_level: base,
+            level_count: count,
+            base_array_layer: 0,
+            layer_count: self.layers,
+        }
+    }
+}
+
+impl<'a> ImageSlice<'a> {
+    /// The image.
+    pub fn image(&self) -> &'a Image {
+        self.image
+    }
+
+    /// The first level.
+    pub fn base_level(&self) -> u32 {
+        self.base
+    }
+
+    /// Width and height of the first level.
+    pub fn extent(&self) -> [u32; 2] {
+        level_extent(self.image.extent, self.base)
+    }
+
+    pub(crate) fn view(&self) -> vk::ImageView {
+        if self.count == self.image.levels() {
+            self.image.whole_view
+        } else {
+            self.image.level_views[self.base as usize]
+        }
+    }
+
+    /// The tracked state of each level.
+    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Cell<State>)> + use<'a> {
+        let (base, count) = (self.base as usize, self.count as usize);
+        self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
+    }
+}
+
+impl Drop for Image {
+    fn drop(&mut self) {
+        let device = self.gpu.raw();
+        // SAFETY: submissions are waited for before resources go (`FrameContext`); null is allowed.
+        unsafe {
+            for view in self.level_views.drain(..) {
+                device.destroy_image_view(view, None);
+            }
+            device.destroy_image_view(self.whole_view, None);
+            device.destroy_image(self.handle, None);
+        }
+        memory::release(&self.gpu, self.allocation.take());
+    }
+}
+
+/// The samplers that exist.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampler {
+    /// Nearest texel and level, clamped: Hi-Z.
+    NearestClamp,
+    /// Trilinear, clamped: colour and visibility chains.
+    TrilinearClamp,
+    /// Trilinear with anisotropy where there is any, repeating: material maps.
+    Material,
+}
+
+/// One object per [`Sampler`].
+pub(crate) struct Samplers([vk::Sampler; 3]);
+
+impl Samplers {
+    pub(super) fn new(device: &ash::Device, anisotropy: bool, limits: &vk::PhysicalDeviceLimits) -> Result<Self> {
+        use vk::{Filter as F, SamplerAddressMode as A, SamplerMipmapMode as M};
+        let mut made = Self([vk::Sampler::null(); 3]);
+        let kinds = [
+            (F::NEAREST, M::NEAREST, A::CLAMP_TO_EDGE, false),
+            (F::LINEAR, M::LINEAR, A::CLAMP_TO_EDGE, false),
+            (F::LINEAR, M::LINEAR, A::REPEAT, anisotropy),
+        ];
+        for (i, (filter, mipmap, address, anisotropy)) in kinds.into_iter().enumerate() {
+            let info = vk::SamplerCreateInfo::default()
+                .mag_filter(filter)
+                .min_filter(filter)
+                .mipmap_mode(mipmap)
+                .address_mode_u(address)
+                .address_mode_v(address)
+                .address_mode_w(address)
+                .anisotropy_enable(anisotropy)
+                .max_anisotropy(if anisotropy { limits.max_sampler_anisotropy.min(8.0) } else { 1.0 })
+                .max_lod(vk::LOD_CLAMP_NONE);
+            // SAFETY: the create info is complete; destroyed by `destroy`.
+            match unsafe { device.create_sampler(&info, None) } {
+                Ok(sampler) => made.0[i] = sampler,
+                Err(result) => {
+                    // SAFETY: nothing uses them yet; null is allowed.
+                    unsafe { made.destroy(device) };
+                    return Err(Error::Vulkan { what: "vkCreateSampler".into(), result });
+                }
+            }
+        }
+        Ok(made)
+    }
+
+    pub(super) fn get(&self, sampler: Sampler) -> vk::Sampler {
+        self.0[sampler as usize]
+    }
+
+    /// # Safety
+    /// No submission uses them any more.
+    pub(super) unsafe fn destroy(&self, device: &ash::Device) {
+        for sampler in self.0 {
+            // SAFETY: by the contract.
+            unsafe { device.destroy_sampler(sampler, None) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chains_have_the_levels_of_the_specification() {
+        assert_eq!(full_chain([1, 1]), 1);
+        assert_eq!(full_chain([641, 479]), 10);
+        assert_eq!(full_chain([1, 512]), 10);
+        assert_eq!(level_extent([641, 479], 3), [80, 59]);
+        assert_eq!(level_extent([641, 479], 9), [1, 1]);
+    }
+}

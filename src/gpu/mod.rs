@@ -1,0 +1,25 @@
+//! Vulkan, and nothing of reflections: device, memory, images, synchronisation, pipelines, the
+//! frame with its timestamps, and reading results back.
+//!
+//! A [`Gpu`] is a cheap handle that every resource keeps, so that resources destroy themselves.
+//! One [`FrameContext`] records and submits one frame at a time; each of its passes names its
+//! label, its timestamps and its barriers once (`frame.rs`).
+
+pub mod device;
+pub mod frame;
+pub mod image;
+pub mod memory;
+pub mod pipeline;
+pub mod readback;
+pub mod shader;
+pub mod sync;
+pub mod timing;
+pub mod validation;
+
+pub use device::{DeviceInfo, DeviceQuery, Gpu};
+pub use frame::{Frame, FrameContext, FrameReport, Resource, Target};
+pub use image::{Image, ImageDesc, ImageSlice, Sampler};
+pub use memory::Buffer;
+pub use pipeline::{ComputePipeline, GraphicsPipeline};
+pub use readback::Pixels;
+pub use timing::PassTime;

@@ -1,0 +1,281 @@
+//! Graphics and compute pipelines. Set 0 is pushed (VK_KHR_push_descriptor) and laid out as the
+//! shaders' reflection says, so that there is no descriptor pool and resources are bound by name.
+
+use super::device::{Gpu, vulkan};
+use super::shader::{Binding, BindingKind, Shader};
+use crate::error::{Error, Result};
+use ash::vk;
+
+/// Layouts that a pipeline of either kind has.
+pub(crate) struct Layout {
+    gpu: Gpu,
+    set: vk::DescriptorSetLayout,
+    pub pipeline: vk::PipelineLayout,
+    pub bindings: Vec<Binding>,
+    pub push_size: u32,
+    pub stages: vk::ShaderStageFlags,
+}
+
+/// A vertex and a fragment shader with their fixed state.
+pub struct GraphicsPipeline {
+    pub(crate) layout: Layout,
+    pub(crate) handle: vk::Pipeline,
+    pub(crate) name: &'static str,
+}
+
+/// A compute shader.
+pub struct ComputePipeline {
+    pub(crate) layout: Layout,
+    pub(crate) handle: vk::Pipeline,
+    pub(crate) name: &'static str,
+    pub(crate) local_size: [u32; 3],
+}
+
+/// What a draw reads per vertex.
+#[derive(Debug, Clone, Copy)]
+pub struct VertexInput<'a> {
+    /// Bytes from one vertex to the next.
+    pub stride: u32,
+    /// Format and offset of each location, in order.
+    pub attributes: &'a [(vk::Format, u32)],
+}
+
+impl Layout {
+    fn new(gpu: &Gpu, shaders: &[(&Shader, vk::ShaderStageFlags)]) -> Result<Self> {
+        let mut bindings: Vec<Binding> = Vec::new();
+        for (shader, _) in shaders {
+            for b in shader.bindings {
+                if !bindings.iter().any(|known| known.binding == b.binding) {
+                    bindings.push(*b);
+                }
+            }
+        }
+        let stages = shaders.iter().fold(vk::ShaderStageFlags::empty(), |s, (_, stage)| s | *stage);
+        let push_size = shaders.iter().map(|(s, _)| s.push_constant_size).max().unwrap_or(0);
+        let name = shaders.last().map_or("", |(s, _)| s.name);
+        let descriptors: Vec<_> = bindings
+            .iter()
+            .map(|b| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(b.binding)
+                    .descriptor_type(b.kind.descriptor_type())
+                    .descriptor_count(1)
+                    .stage_flags(stages)
+            })
+            .collect();
+        let info = vk::DescriptorSetLayoutCreateInfo::default()
+            .flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR)
+            .bindings(&descriptors);
+        // SAFETY: the create infos live through the calls; both handles are destroyed in `drop`.
+        let set = unsafe { gpu.raw().create_descriptor_set_layout(&info, None) }
+            .map_err(vulkan(format!("vkCreateDescriptorSetLayout for {name}")))?;
+        let mut layout =
+            Self { gpu: gpu.clone(), set, pipeline: vk::PipelineLayout::null(), bindings, push_size, stages };
+        let (sets, pushes) = ([set], [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size }]);
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_size > 0 {
+            &pushes
+        } else {
+            &[]
+        });
+        // SAFETY: as above.
+        layout.pipeline = unsafe { gpu.raw().create_pipeline_layout(&info, None) }
+            .map_err(vulkan(format!("vkCreatePipelineLayout for {name}")))?;
+        gpu.name(layout.pipeline, name);
+        Ok(layout)
+    }
+
+    pub fn binding(&self, name: &str) -> Option<Binding> {
+        self.bindings.iter().copied().find(|b| b.name == name)
+    }
+}
+
+impl BindingKind {
+    pub(crate) fn descriptor_type(self) -> vk::DescriptorType {
+        match self {
+            Self::SampledImage => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
+            Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+            Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
+            Self::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
+        }
+    }
+}
+
+impl Drop for Layout {
+    fn drop(&mut self) {
+        // SAFETY: the pipeline of this layout is destroyed before it (`drop` of the pipelines).
+        unsafe {
+            self.gpu.raw().destroy_pipeline_layout(self.pipeline, None);
+            self.gpu.raw().destroy_descriptor_set_layout(self.set, None);
+        }
+    }
+}
+
+impl GraphicsPipeline {
+    /// A fragment shader over the whole of its targets.
+    pub fn fullscreen(gpu: &Gpu, fragment: &'static Shader, targets: &[vk::Format]) -> Result<Self> {
+        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, None, targets, None)
+    }
+
+    /// Triangles, both sides, with reversed depth (greater wins) where there is a depth format.
+    /// The viewport has negative height, so a triangle whose winding agrees with its normal, by
+    /// the usual cross product in our left-handed world, is front-facing when it faces the camera.
+    pub fn mesh(
+        gpu: &Gpu,
+        vertex: &'static Shader,
+        fragment: &'static Shader,
+        input: VertexInput,
+        targets: &[vk::Format],
+        depth: vk::Format,
+    ) -> Result<Self> {
+        Self::new(gpu, vertex, fragment, Some(input), targets, Some(depth))
+    }
+
+    fn new(
+        gpu: &Gpu,
+        vertex: &'static Shader,
+        fragment: &'static Shader,
+        input: Option<VertexInput>,
+        targets: &[vk::Format],
+        depth: Option<vk::Format>,
+    ) -> Result<Self> {
+        let layout =
+            Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
+        let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
+        let stages = [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
+        let vertex_bindings = input.map(|i| {
+            [vk::VertexInputBindingDescription {
+                binding: 0,
+                stride: i.stride,
+                input_rate: vk::VertexInputRate::VERTEX,
+            }]
+        });
+        let attributes: Vec<_> = input
+            .iter()
+            .flat_map(|i| i.attributes)
+            .zip(0..)
+            .map(|(&(format, offset), location)| vk::VertexInputAttributeDescription {
+                location,
+                binding: 0,
+                format,
+                offset,
+            })
+            .collect();
+        let vertex_state = vk::PipelineVertexInputStateCreateInfo::default()
+            .vertex_binding_descriptions(vertex_bindings.as_ref().map_or(&[], |b| b.as_slice()))
+            .vertex_attribute_descriptions(&attributes);
+        let assembly =
+            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(vk::CullModeFlags::NONE)
+            .front_face(vk::FrontFace::CLOCKWISE)
+            .line_width(1.0);
+        let multisample =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(depth.is_some())
+            .depth_write_enable(depth.is_some())
+            .depth_compare_op(vk::CompareOp::GREATER);
+        let blends = vec![
+            vk::PipelineColorBlendAttachmentState::default()
+                .color_write_mask(vk::ColorComponentFlags::RGBA);
+            targets.len()
+        ];
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default()
+            .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
+        let mut rendering = vk::PipelineRenderingCreateInfo::default()
+            .color_attachment_formats(targets)
+            .depth_attachment_format(depth.unwrap_or(vk::Format::UNDEFINED));
+        let info = vk::GraphicsPipelineCreateInfo::default()
+            .stages(&stages)
+            .vertex_input_state(&vertex_state)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&raster)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth_state)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(layout.pipeline)
+            .push_next(&mut rendering);
+        // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
+        let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let handle = first(made, fragment.name)?;
+        gpu.name(handle, fragment.name);
+        Ok(Self { layout, handle, name: fragment.name })
+    }
+}
+
+impl ComputePipeline {
+    /// A pipeline of one compute shader.
+    pub fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
+        let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
+        let module = Module::new(gpu, shader)?;
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .layout(layout.pipeline);
+        // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
+        let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let handle = first(made, shader.name)?;
+        gpu.name(handle, shader.name);
+        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size })
+    }
+}
+
+fn first(
+    made: std::result::Result<Vec<vk::Pipeline>, (Vec<vk::Pipeline>, vk::Result)>,
+    name: &str,
+) -> Result<vk::Pipeline> {
+    let pipelines =
+        made.map_err(|(_, result)| Error::Vulkan { what: format!("creating the pipeline {name}"), result })?;
+    pipelines.first().copied().ok_or_else(|| Error::Vulkan {
+        what: format!("creating the pipeline {name}"),
+        result: vk::Result::ERROR_UNKNOWN,
+    })
+}
+
+impl Drop for GraphicsPipeline {
+    fn drop(&mut self) {
+        // SAFETY: submissions are waited for before resources go (`FrameContext`).
+        unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };
+    }
+}
+
+impl Drop for ComputePipeline {
+    fn drop(&mut self) {
+        // SAFETY: as above.
+        unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };
+    }
+}
+
+/// A shader module, alive while a pipeline is made from it.
+struct Module {
+    gpu: Gpu,
+    handle: vk::ShaderModule,
+}
+
+impl Module {
+    fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
+        let words = ash::util::read_spv(&mut std::io::Cursor::new(shader.spirv))
+            .map_err(|e| Error::Memory { what: shader.name.to_owned(), message: e.to_string() })?;
+        let info = vk::ShaderModuleCreateInfo::default().code(&words);
+        // SAFETY: the words are a module that shaderc made; destroyed in `drop`.
+        let handle = unsafe { gpu.raw().create_shader_module(&info, None) }
+            .map_err(vulkan(format!("vkCreateShaderModule for {}", shader.name)))?;
+        gpu.name(handle, shader.name);
+        Ok(Self { gpu: gpu.clone(), handle })
+    }
+
+    fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
+        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.handle).name(c"main")
+    }
+}
+
+impl Drop for Module {
+    fn drop(&mut self) {
+        // SAFETY: pipelines keep what they need of a module.
+        unsafe { self.gpu.raw().destroy_shader_module(self.handle, None) };
+    }
+}

@@ -1,0 +1,80 @@
+//! Images back on the host as 32-bit floats.
+
+use super::frame::FrameContext;
+use super::image::ImageSlice;
+use super::memory::{Buffer, Place};
+use crate::error::{Error, Result};
+use ash::vk;
+
+/// Texels on the host, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pixels {
+    /// Width in texels.
+    pub width: u32,
+    /// Height in texels.
+    pub height: u32,
+    /// 1, 2 or 4.
+    pub channels: usize,
+    /// `channels · width · height` values; sRGB formats are decoded to linear.
+    pub values: Vec<f32>,
+}
+
+impl Pixels {
+    /// The channels of a texel.
+    pub fn at(&self, x: u32, y: u32) -> &[f32] {
+        let i = (y as usize * self.width as usize + x as usize) * self.channels;
+        &self.values[i..i + self.channels]
+    }
+
+    /// The texels, in rows from the top.
+    pub fn texels(&self) -> impl Iterator<Item = &[f32]> {
+        self.values.chunks_exact(self.channels)
+    }
+}
+
+impl FrameContext {
+    /// Reads a mip level back.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a format without a decoder.
+    pub fn read(&mut self, slice: ImageSlice) -> Result<Pixels> {
+        let format = slice.image().format();
+        let (channels, texel_bytes, decode) = decoder(format)
+            .ok_or_else(|| Error::Usage(format!("{}: {format:?} cannot be read back", slice.image().name())))?;
+        let [width, height] = slice.extent();
+        let bytes = u64::from(width) * u64::from(height) * texel_bytes as u64;
+        let buffer = Buffer::new(self.gpu(), "readback", bytes, vk::BufferUsageFlags::TRANSFER_DST, Place::Readback)?;
+        self.once(|frame| frame.download("readback", slice, &buffer))?;
+        let values = decode(&buffer.bytes()?[..bytes as usize]);
+        Ok(Pixels { width, height, channels, values })
+    }
+}
+
+type Decode = fn(&[u8]) -> Vec<f32>;
+
+/// Channels, bytes a texel, and how to read them.
+fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
+    let f32s: Decode = |b| b.chunks_exact(4).map(|c| f32::from_ne_bytes([c[0], c[1], c[2], c[3]])).collect();
+    let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();
+    let unorm: Decode = |b| b.iter().map(|v| f32::from(*v) / 255.0).collect();
+    let srgb: Decode =
+        |b| {
+            b.iter()
+                .enumerate()
+                .map(|(i, v)| {
+                    if i % 4 == 3 { f32::from(*v) / 255.0 } else { crate::math::srgb_to_linear(f32::from(*v) / 255.0) }
+                })
+                .collect()
+        };
+    Some(match format {
+        vk::Format::D32_SFLOAT | vk::Format::R32_SFLOAT => (1, 4, f32s),
+        vk::Format::R32G32_SFLOAT => (2, 8, f32s),
+        vk::Format::R32G32B32A32_SFLOAT => (4, 16, f32s),
+        vk::Format::R16G16_SFLOAT => (2, 4, f16s),
+        vk::Format::R16G16B16A16_SFLOAT => (4, 8, f16s),
+        vk::Format::R8_UNORM => (1, 1, unorm),
+        vk::Format::R8G8B8A8_UNORM => (4, 4, unorm),
+        vk::Format::R8G8B8A8_SRGB => (4, 4, srgb),
+        _ => return None,
+    })
+}

@@ -1,0 +1,271 @@
+//! The one table from a use of an image or buffer to stage, access and layout, and the state that
+//! says which barrier the next use needs. Nothing else in the crate writes a barrier.
+
+use ash::vk;
+
+/// How a pass uses an image or a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Access {
+    /// Colour attachment, loaded or cleared, and stored.
+    ColorAttachment,
+    /// Depth attachment, tested and written.
+    DepthAttachment,
+    /// Sampled or fetched in a fragment shader.
+    FragmentSampled,
+    /// Sampled or fetched in a compute shader.
+    ComputeSampled,
+    /// Stored to (and possibly loaded from) in a compute shader.
+    ComputeStorage,
+    /// Loaded only, as a storage buffer or image, in a compute shader.
+    ComputeStorageRead,
+    /// Loaded only, as a storage buffer, in a fragment shader.
+    FragmentStorageRead,
+    /// Source of a copy or blit.
+    TransferRead,
+    /// Destination of a copy, blit, clear or fill.
+    TransferWrite,
+    /// Vertex or index data.
+    VertexInput,
+    /// Arguments of an indirect draw or dispatch.
+    Indirect,
+    /// Read by the host after the submission.
+    HostRead,
+    /// Handed to the presentation engine.
+    Present,
+}
+
+/// What an [`Access`] means to Vulkan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct AccessInfo {
+    /// Pipeline stages.
+    pub stages: vk::PipelineStageFlags2,
+    /// Memory accesses.
+    pub access: vk::AccessFlags2,
+    /// Image layout; undefined for a use that only buffers have.
+    pub layout: vk::ImageLayout,
+    /// Whether it writes.
+    pub writes: bool,
+}
+
+impl Access {
+    /// Every use, for tests and tools.
+    pub const ALL: [Self; 13] = [
+        Self::ColorAttachment,
+        Self::DepthAttachment,
+        Self::FragmentSampled,
+        Self::ComputeSampled,
+        Self::ComputeStorage,
+        Self::ComputeStorageRead,
+        Self::FragmentStorageRead,
+        Self::TransferRead,
+        Self::TransferWrite,
+        Self::VertexInput,
+        Self::Indirect,
+        Self::HostRead,
+        Self::Present,
+    ];
+
+    /// The table.
+    pub const fn info(self) -> AccessInfo {
+        use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
+        let (stages, access, layout, writes) = match self {
+            Self::ColorAttachment => (
+                S::COLOR_ATTACHMENT_OUTPUT,
+                A::from_raw(A::COLOR_ATTACHMENT_READ.as_raw() | A::COLOR_ATTACHMENT_WRITE.as_raw()),
+                L::COLOR_ATTACHMENT_OPTIMAL,
+                true,
+            ),
+            Self::DepthAttachment => (
+                S::from_raw(S::EARLY_FRAGMENT_TESTS.as_raw() | S::LATE_FRAGMENT_TESTS.as_raw()),
+                A::from_raw(A::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | A::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw()),
+                L::DEPTH_ATTACHMENT_OPTIMAL,
+                true,
+            ),
+            Self::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
+            Self::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
+            Self::ComputeStorage => (
+                S::COMPUTE_SHADER,
+                A::from_raw(A::SHADER_STORAGE_READ.as_raw() | A::SHADER_STORAGE_WRITE.as_raw()),
+                L::GENERAL,
+                true,
+            ),
+            Self::ComputeStorageRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, L::GENERAL, false),
+            Self::FragmentStorageRead => (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, L::GENERAL, false),
+            Self::TransferRead => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false),
+            Self::TransferWrite => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true),
+            Self::VertexInput => (
+                S::VERTEX_INPUT,
+                A::from_raw(A::VERTEX_ATTRIBUTE_READ.as_raw() | A::INDEX_READ.as_raw()),
+                L::UNDEFINED,
+                false,
+            ),
+            Self::Indirect => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED, false),
+            Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL, false),
+            // Presentation is ordered by a semaphore; the barrier only changes the layout.
+            Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR, false),
+        };
+        AccessInfo { stages, access, layout, writes }
+    }
+}
+
+/// A barrier's two sides, ready for an image or a memory barrier.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Transition {
+    /// Stages that must be done.
+    pub src_stages: vk::PipelineStageFlags2,
+    /// Writes that must be available.
+    pub src_access: vk::AccessFlags2,
+    /// Stages that wait.
+    pub dst_stages: vk::PipelineStageFlags2,
+    /// Accesses to which the writes become visible.
+    pub dst_access: vk::AccessFlags2,
+    /// Layout before.
+    pub old_layout: vk::ImageLayout,
+    /// Layout after.
+    pub new_layout: vk::ImageLayout,
+}
+
+/// What has happened to an image level or a buffer so far.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct State {
+    layout: vk::ImageLayout,
+    /// The last write (or layout change, which counts as one), and what of it is not yet available.
+    write_stages: vk::PipelineStageFlags2,
+    write_access: vk::AccessFlags2,
+    /// Reads that already see that write.
+    read_stages: vk::PipelineStageFlags2,
+    read_access: vk::AccessFlags2,
+}
+
+impl Default for State {
+    /// Fresh memory: nothing written, layout undefined.
+    fn default() -> Self {
+        Self {
+            layout: vk::ImageLayout::UNDEFINED,
+            write_stages: vk::PipelineStageFlags2::NONE,
+            write_access: vk::AccessFlags2::NONE,
+            read_stages: vk::PipelineStageFlags2::NONE,
+            read_access: vk::AccessFlags2::NONE,
+        }
+    }
+}
+
+impl State {
+    /// The present layout.
+    pub fn layout(&self) -> vk::ImageLayout {
+        self.layout
+    }
+
+    /// Moves to the next use; returns the barrier that it needs, if any.
+    pub fn transition(&mut self, next: Access) -> Option<Transition> {
+        let info = next.info();
+        let moves = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
+        let sees = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);
+        let untouched = self.write_stages.is_empty() && self.read_stages.is_empty();
+        let before = *self;
+        if info.writes || moves {
+            *self = Self {
+                layout: if moves { info.layout } else { self.layout },
+                write_stages: info.stages,
+                write_access: if info.writes { info.access } else { vk::AccessFlags2::NONE },
+                read_stages: if info.writes { vk::PipelineStageFlags2::NONE } else { info.stages },
+                read_access: if info.writes { vk::AccessFlags2::NONE } else { info.access },
+            };
+        } else {
+            self.read_stages |= info.stages;
+            self.read_access |= info.access;
+        }
+        let needed =
+            moves || (!untouched && (info.writes || !sees) && !(before.write_stages.is_empty() && !info.writes));
+        needed.then(|| Transition {
+            // A write waits for the reads before it; the write before those is already ordered.
+            src_stages: before.write_stages
+                | if info.writes || moves { before.read_stages } else { vk::PipelineStageFlags2::NONE },
+            src_access: before.write_access,
+            dst_stages: info.stages,
+            dst_access: info.access,
+            old_layout: before.layout,
+            new_layout: if moves { info.layout } else { before.layout },
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
+
+    #[test]
+    fn the_table_is_what_the_specification_asks_for() {
+        for access in Access::ALL {
+            let i = access.info();
+            let write_bits = A::COLOR_ATTACHMENT_WRITE
+                | A::DEPTH_STENCIL_ATTACHMENT_WRITE
+                | A::SHADER_STORAGE_WRITE
+                | A::TRANSFER_WRITE;
+            assert_eq!(i.writes, i.access.intersects(write_bits), "{access:?}");
+            // Every access flag belongs to one of its stages (Vulkan 1.3, table 4).
+            let pairs = [
+                (A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE, S::COLOR_ATTACHMENT_OUTPUT),
+                (
+                    A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
+                    S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
+                ),
+                (A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
+                (A::SHADER_STORAGE_WRITE, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
+                (A::TRANSFER_READ | A::TRANSFER_WRITE, S::ALL_TRANSFER),
+                (A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, S::VERTEX_INPUT),
+                (A::INDIRECT_COMMAND_READ, S::DRAW_INDIRECT),
+                (A::HOST_READ, S::HOST),
+            ];
+            for (flags, stages) in pairs {
+                if i.access.intersects(flags) {
+                    assert!(i.stages.intersects(stages), "{access:?}: {flags:?} without {stages:?}");
+                }
+            }
+        }
+        assert_eq!(Access::ColorAttachment.info().layout, L::COLOR_ATTACHMENT_OPTIMAL);
+        assert_eq!(Access::ComputeStorage.info().layout, L::GENERAL);
+        assert_eq!(Access::FragmentSampled.info().layout, L::SHADER_READ_ONLY_OPTIMAL);
+    }
+
+    #[test]
+    fn a_read_after_a_write_waits_for_it_once() {
+        let mut s = State::default();
+        let t = s.transition(Access::ColorAttachment).expect("from undefined");
+        assert_eq!((t.old_layout, t.new_layout), (L::UNDEFINED, L::COLOR_ATTACHMENT_OPTIMAL));
+        let t = s.transition(Access::FragmentSampled).expect("write, then read");
+        assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE) && t.dst_access == A::SHADER_SAMPLED_READ);
+        assert_eq!(s.transition(Access::FragmentSampled), None, "the same read again");
+    }
+
+    #[test]
+    fn a_second_reader_stage_is_made_to_see_the_write() {
+        let mut s = State::default();
+        s.transition(Access::ComputeStorage);
+        s.transition(Access::FragmentSampled);
+        let t = s.transition(Access::ComputeSampled).expect("another stage");
+        assert_eq!((t.src_stages, t.dst_stages), (S::FRAGMENT_SHADER, S::COMPUTE_SHADER));
+        assert_eq!(t.old_layout, t.new_layout);
+    }
+
+    #[test]
+    fn a_write_waits_for_every_reader_and_for_the_write_before_it() {
+        let mut s = State::default();
+        s.transition(Access::TransferWrite);
+        s.transition(Access::FragmentSampled);
+        s.transition(Access::ComputeSampled);
+        let t = s.transition(Access::ColorAttachment).expect("write after reads");
+        assert!(t.src_stages.contains(S::FRAGMENT_SHADER | S::COMPUTE_SHADER));
+        let t = s.transition(Access::ColorAttachment).expect("write after write");
+        assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE));
+    }
+
+    #[test]
+    fn storage_written_twice_has_a_barrier_between_dispatches() {
+        let mut s = State::default();
+        s.transition(Access::ComputeStorage);
+        let t = s.transition(Access::ComputeStorage).expect("dispatch after dispatch");
+        assert!(t.src_access.contains(A::SHADER_STORAGE_WRITE) && t.dst_access.contains(A::SHADER_STORAGE_READ));
+    }
+}

@@ -1,0 +1,64 @@
+//! `ssct`: Hi-Z tracing, a linear march for rays towards the camera, and cone tracing (thesis ch. 4).
+//! `hzct` is the same without the march; both are [`ThesisMethod`].
+
+use super::thesis::{self, Preset};
+use super::{Method, MethodInfo, Output, Setup};
+use crate::error::Result;
+use crate::gpu::{Frame, Gpu};
+use crate::passes::color_chain::ColorChainPass;
+use crate::passes::composite::CompositePass;
+use crate::passes::hi_z::HiZPass;
+use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
+use crate::passes::visibility::VisibilityPass;
+use crate::passes::{GBuffer, gbuffer};
+use crate::scene::Camera;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    name: "ssct",
+    summary: "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
+    source: "Hermanns 2015, ch. 4",
+    create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, true)?)),
+};
+
+/// The thesis's passes in their order.
+pub struct ThesisMethod {
+    hi_z: HiZPass,
+    visibility: VisibilityPass,
+    color: ColorChainPass,
+    trace: ThesisTracePass,
+    composite: CompositePass,
+    preset: Preset,
+    fallback: bool,
+    fade: bool,
+}
+
+impl ThesisMethod {
+    /// With the linear fallback (`ssct`) or without (`hzct`).
+    pub fn new(gpu: &Gpu, setup: &Setup, fallback: bool) -> Result<Self> {
+        Ok(Self {
+            hi_z: HiZPass::new(gpu, setup.extent)?,
+            visibility: VisibilityPass::new(gpu, setup.extent)?,
+            color: ColorChainPass::new(gpu, setup.extent, gbuffer::COLOR, setup.chain_filter)?,
+            trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
+            composite: CompositePass::new(gpu, setup.extent)?,
+            preset: setup.preset,
+            fallback,
+            fade: setup.fade,
+        })
+    }
+}
+
+impl Method for ThesisMethod {
+    fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer<'a>, camera: &Camera) -> Result<Output<'a>> {
+        let hi_z = self.hi_z.record(frame, gbuffer)?;
+        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
+        let color = self.color.record(frame, gbuffer)?;
+        let extent = gbuffer.depth.extent();
+        let parameters = thesis::parameters(self.preset, camera, extent, hi_z.0.levels(), !self.fallback, self.fade);
+        let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
+        let (reflection, hits) = self.trace.record(frame, &input, &parameters)?;
+        let composite = self.composite.record(frame, gbuffer, reflection)?;
+        Ok(Output { reflection, composite, hits, hi_z: Some(hi_z), visibility: Some(visibility), color: Some(color) })
+    }
+}

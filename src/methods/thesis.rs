@@ -1,0 +1,76 @@
+//! The two presets of the thesis's methods: which number stands in print, which is the author's.
+//! Sources: thesis §4.2, and the facts on the author's own program (named "author" below).
+
+use crate::gpu::shader::ThesisBlock;
+use crate::scene::Camera;
+
+/// Whose constants a published method uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// What the thesis prints, and the author's value where it prints nothing.
+    #[default]
+    Published,
+    /// The author's own program.
+    Author,
+}
+
+/// A bound for loops that the thesis leaves unbounded (DEFINITIONS, "Time").
+pub const UNBOUNDED: i32 = 1024;
+
+/// The parameters of a preset for a camera and a size in pixels. `levels` is the length of the
+/// Hi-Z chain; `towards_camera_fade` adds `hzct`'s fade.
+pub fn parameters(
+    preset: Preset,
+    camera: &Camera,
+    extent: [u32; 2],
+    levels: u32,
+    towards_camera_fade: bool,
+    fade: bool,
+) -> ThesisBlock {
+    let projection = camera.view_to_clip().as_dmat4();
+    let shared = ThesisBlock {
+        projection: projection.as_mat4().to_cols_array_2d(),
+        inverse_projection: projection.inverse().as_mat4().to_cols_array_2d(),
+        resolution: extent.map(|v| v as f32),
+        near_plane: camera.lens.near_m,
+        far_plane: camera.lens.far_m,
+        max_level: levels as i32 - 1,
+        // Not printed: the author's values, in both presets.
+        reflection_offset: camera.lens.near_m,
+        view_direction_epsilon: 1e-5,
+        cross_offset: 0.5,
+        linear_march_stride: 0.001,
+        fade_towards_camera: if towards_camera_fade { 10.0 } else { 0.0 },
+        // Printed, and the same in the author's program.
+        linear_march_count: 100,
+        linear_march_increase: 1.5,
+        binary_search_decrease: 0.5,
+        cone_samples: 7,
+        fade_start: 0.8,
+        fade_end: 1.0,
+        fade: i32::from(fade),
+        ..ThesisBlock::default()
+    };
+    match preset {
+        Preset::Published => ThesisBlock {
+            start_level: 0,            // Alg. 4, line 2
+            iterations: UNBOUNDED,     // Alg. 4, line 3: while
+            binary_search_count: 32,   // listing in §4.2.2
+            depth_delta_epsilon: 0.01, // the same
+            binary_search_first: 1.0,  // the same: dir * stride
+            cone_lengthened: 0,        // Alg. 5, line 2
+            ..shared
+        },
+        Preset::Author => ThesisBlock {
+            start_level: 2.min(levels as i32 - 1),
+            iterations: 64,
+            binary_search_count: 30,
+            depth_delta_epsilon: 2e-4,
+            // A quarter of the last step; the listing's stride has grown since that step.
+            binary_search_first: 0.25 / 1.5,
+            cone_lengthened: 1,
+            ..shared
+        },
+    }
+}

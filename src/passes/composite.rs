@@ -1,0 +1,46 @@
+//! Composite: lit colour + reflectivity · fade · reflection (DEFINITIONS, "Surfaces").
+
+use super::{GBuffer, Reflection};
+use crate::error::Result;
+use crate::gpu::shader::COMMON_COMPOSITE_FRAG;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use ash::vk;
+
+const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+
+/// Pipeline and image of one size.
+pub struct CompositePass {
+    pipeline: GraphicsPipeline,
+    image: Image,
+}
+
+impl CompositePass {
+    /// An image of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_COMPOSITE_FRAG, &[FORMAT])?,
+            image: Image::new(
+                gpu,
+                &ImageDesc { name: "composite", format: FORMAT, extent, levels: 1, layers: 1, usage },
+            )?,
+        })
+    }
+
+    /// Pass "composite"; the image is linear.
+    pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, reflection: Reflection) -> Result<&'a Image> {
+        frame.fullscreen(
+            "composite",
+            &self.pipeline,
+            &[Target::overwrite(self.image.all())],
+            &[
+                ("color_buffer", Resource::nearest(gbuffer.color.level(0))),
+                ("reflection_buffer", Resource::nearest(reflection.0.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ],
+            &[],
+        )?;
+        Ok(&self.image)
+    }
+}

@@ -1,0 +1,153 @@
+//! The G-buffer: albedo, normal, material and reversed depth of the nearest surface, from the
+//! meshes that the frustum may see. A scene pass: its time is reported, not counted.
+
+use super::scene_data::{MeshData, SceneData};
+use super::{GBuffer, camera_block};
+use crate::error::Result;
+use crate::gpu::pipeline::VertexInput;
+use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image};
+use crate::math::frustum::Frustum;
+use crate::scene::{Camera, Material, Surface, Vertex};
+use ash::vk;
+use std::mem::offset_of;
+
+/// Pipeline and images of one size.
+pub struct GBufferPass {
+    pipeline: GraphicsPipeline,
+    depth: Image,
+    albedo: Image,
+    normal: Image,
+    material: Image,
+    color: Image,
+}
+
+/// What was drawn.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Drawn {
+    /// Meshes drawn.
+    pub meshes: usize,
+    /// Meshes that the frustum can't see.
+    pub culled: usize,
+    /// Triangles drawn.
+    pub triangles: usize,
+}
+
+const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
+const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
+const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+/// Format of the lit colour.
+pub const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+
+impl GBufferPass {
+    /// Images of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let make = |name, format, levels, usage| {
+            Image::new(
+                gpu,
+                &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED | U::TRANSFER_SRC },
+            )
+        };
+        let input = VertexInput {
+            stride: size_of::<Vertex>() as u32,
+            attributes: &[
+                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
+                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal) as u32),
+                (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+                (vk::Format::R32G32B32A32_SFLOAT, offset_of!(Vertex, tangent) as u32),
+            ],
+        };
+        Ok(Self {
+            depth: make("depth", DEPTH, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
+            albedo: make("albedo", ALBEDO, 1, U::COLOR_ATTACHMENT)?,
+            normal: make("normal", NORMAL, 1, U::COLOR_ATTACHMENT)?,
+            material: make("material", MATERIAL, 1, U::COLOR_ATTACHMENT)?,
+            color: make("color", COLOR, image::full_chain(extent), U::COLOR_ATTACHMENT | U::TRANSFER_DST)?,
+            pipeline: GraphicsPipeline::mesh(
+                gpu,
+                &SCENE_GBUFFER_VERT,
+                &SCENE_GBUFFER_FRAG,
+                input,
+                &[ALBEDO, NORMAL, MATERIAL],
+                DEPTH,
+            )?,
+        })
+    }
+
+    /// The images, whose colour the lighting pass writes.
+    pub fn gbuffer(&self) -> GBuffer<'_> {
+        GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color }
+    }
+
+    /// Albedo (a: 1 lit, 0 shows the sky).
+    pub fn albedo(&self) -> &Image {
+        &self.albedo
+    }
+
+    /// Draws the scene with some materials (those of [`SceneData`]'s scene, possibly changed).
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        scene: &SceneData,
+        materials: &[Material],
+        camera: &Camera,
+    ) -> Result<Drawn> {
+        let extent = self.depth.extent();
+        let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
+        let frustum = Frustum::new(&world_to_clip.as_mat4());
+        let (seen, culled): (Vec<&MeshData>, Vec<_>) =
+            scene.meshes.iter().partition(|m| frustum.may_see(m.bounds.min, m.bounds.max));
+        let camera = camera_block(camera, extent);
+        let targets = [
+            Target::cleared(self.albedo.all(), [0.0; 4]),
+            Target::cleared(self.normal.all(), [0.0; 4]),
+            Target::cleared(self.material.all(), [0.0; 4]),
+        ];
+        let drawn = Drawn {
+            meshes: seen.len(),
+            culled: culled.len(),
+            triangles: seen.iter().map(|m| m.index_count as usize / 3).sum(),
+        };
+        frame.raster("g-buffer", &self.pipeline, &targets, Target::cleared(self.depth.all(), [0.0; 4]), |raster| {
+            let mut bound = None;
+            for mesh in seen {
+                if bound != Some(mesh.material) {
+                    let material = &materials[mesh.material];
+                    let map = |index: Option<usize>| {
+                        let image = index.map_or(&scene.white, |i| &scene.textures[i]);
+                        Resource::Sampled(image.all(), Sampler::Material)
+                    };
+                    let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
+                    raster.bind(
+                        &[
+                            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
+                            ("albedo_map", map(material.albedo_map)),
+                            ("normal_map", map(material.normal_map)),
+                            ("alpha_mask", map(material.alpha_mask)),
+                            ("reflectivity_map", map(material.reflectivity_map)),
+                        ],
+                        bytemuck::bytes_of(&block),
+                    )?;
+                    bound = Some(mesh.material);
+                }
+                raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
+            }
+            Ok(())
+        })?;
+        Ok(drawn)
+    }
+}
+
+fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
+    let lit = material.surface == Surface::Lit;
+    DrawBlock {
+        world_to_clip,
+        albedo: material.albedo.extend(if lit { 1.0 } else { 0.0 }).to_array(),
+        reflectivity: if lit { material.reflectivity } else { 0.0 },
+        roughness: material.roughness,
+        normal_deviation: material.normal_deviation,
+        maps: u32::from(material.normal_map.is_some()) | u32::from(material.alpha_mask.is_some()) << 1,
+    }
+}

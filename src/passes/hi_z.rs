@@ -1,0 +1,67 @@
+//! The Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1): level 0 is the standard depth, each further
+//! level the minimum and maximum of four texels of the level below. CPU twin: `reference::hi_z`.
+
+use super::{GBuffer, HiZ};
+use crate::error::Result;
+use crate::gpu::shader::{HiZBlock, THESIS_DEPTH_FRAG, THESIS_HI_Z_FRAG};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use ash::vk;
+
+const FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
+
+/// Pipelines and the chain of one size.
+pub struct HiZPass {
+    depth: GraphicsPipeline,
+    reduce: GraphicsPipeline,
+    chain: Image,
+}
+
+impl HiZPass {
+    /// A full chain over a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        Ok(Self {
+            depth: GraphicsPipeline::fullscreen(gpu, &THESIS_DEPTH_FRAG, &[FORMAT])?,
+            reduce: GraphicsPipeline::fullscreen(gpu, &THESIS_HI_Z_FRAG, &[FORMAT])?,
+            chain: Image::new(
+                gpu,
+                &ImageDesc {
+                    name: "hi-z",
+                    format: FORMAT,
+                    extent,
+                    levels: image::full_chain(extent),
+                    layers: 1,
+                    usage: U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC,
+                },
+            )?,
+        })
+    }
+
+    /// Passes "depth" and "hi-z/1" to the coarsest level.
+    pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<HiZ<'a>> {
+        frame.fullscreen(
+            "depth",
+            &self.depth,
+            &[Target::overwrite(self.chain.level(0))],
+            &[("depth_buffer", Resource::nearest(gbuffer.depth.all()))],
+            &[],
+        )?;
+        for level in 1..self.chain.levels() {
+            let below = self.chain.level(level - 1);
+            let push = HiZBlock { Offset: below.extent().map(offset) };
+            frame.fullscreen(
+                &format!("hi-z/{level}"),
+                &self.reduce,
+                &[Target::overwrite(self.chain.level(level))],
+                &[("Tex", Resource::nearest(below))],
+                bytemuck::bytes_of(&push),
+            )?;
+        }
+        Ok(HiZ(&self.chain))
+    }
+}
+
+/// Eq. 4.1 for one side of the level below.
+fn offset(side: u32) -> i32 {
+    if side.is_multiple_of(2) { 1 } else { 2 }
+}

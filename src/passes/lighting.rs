@@ -1,0 +1,65 @@
+//! Lit colour from the G-buffer: direct light without shadows, and the sky. A scene pass.
+
+use super::scene_data::SceneData;
+use super::{GBuffer, camera_block, gbuffer};
+use crate::error::Result;
+use crate::gpu::shader::{LightBlock, LightData, SCENE_LIGHTING_FRAG};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::scene::{Camera, Light};
+
+/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
+pub const MAX_LIGHTS: usize = 16;
+
+/// The pipeline.
+pub struct LightingPass {
+    pipeline: GraphicsPipeline,
+}
+
+impl LightingPass {
+    /// Compiles the pipeline.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[gbuffer::COLOR])? })
+    }
+
+    /// Writes level 0 of the G-buffer's colour.
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        albedo: &Image,
+        scene: &SceneData,
+        camera: &Camera,
+    ) -> Result<()> {
+        let camera_data = camera_block(camera, gbuffer.depth.extent());
+        let lights = light_block(&scene.lights, camera);
+        frame.fullscreen(
+            "lighting",
+            &self.pipeline,
+            &[Target::overwrite(gbuffer.color.level(0))],
+            &[
+                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
+                ("scene", Resource::Uniform(bytemuck::bytes_of(&lights))),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("albedo_buffer", Resource::nearest(albedo.all())),
+                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+                ("environment", Resource::trilinear(scene.sky.all())),
+            ],
+            &[],
+        )
+    }
+}
+
+/// Lights in view space. Lights beyond [`MAX_LIGHTS`] are left out; loading refuses such scenes.
+fn light_block(lights: &[Light], camera: &Camera) -> LightBlock {
+    let mut block = LightBlock { count: lights.len().min(MAX_LIGHTS) as u32, ..LightBlock::default() };
+    for (data, light) in block.lights.iter_mut().zip(lights) {
+        let (place, energy) = match *light {
+            Light::Point { position, energy } => (camera.world_to_view.transform_point3(position).extend(1.0), energy),
+            Light::Directional { direction, energy } => {
+                (-camera.world_to_view.transform_vector3(direction).normalize().extend(0.0), energy)
+            }
+        };
+        *data = LightData { place: place.to_array(), energy: [energy, 0.0, 0.0, 0.0] };
+    }
+    block
+}

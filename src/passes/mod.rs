@@ -1,0 +1,117 @@
+//! The passes, one file each, and the typed values that flow between them.
+//!
+//! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
+//! what it wrote. No pass knows a method or another pass, only the types below.
+
+pub mod color_chain;
+pub mod composite;
+pub mod gbuffer;
+pub mod hi_z;
+pub mod lighting;
+pub mod scene_data;
+pub mod thesis_trace;
+pub mod visibility;
+
+use crate::gpu::Image;
+use crate::gpu::shader::CameraBlock;
+use crate::scene::Camera;
+
+/// What the scene passes leave for the methods. All images have one size.
+#[derive(Clone, Copy)]
+pub struct GBuffer<'a> {
+    /// Reversed depth (near 1, far 0; 0 is sky), D32.
+    pub depth: &'a Image,
+    /// View-space unit normal in xyz; zero where nothing stands. RGBA16F.
+    pub normal: &'a Image,
+    /// Reflectivity and roughness. RG16F.
+    pub material: &'a Image,
+    /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
+    pub color: &'a Image,
+}
+
+/// Standard depth, minimum in R and maximum in G, full chain. RG32F.
+#[derive(Clone, Copy)]
+pub struct HiZ<'a>(pub &'a Image);
+
+/// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
+#[derive(Clone, Copy)]
+pub struct Visibility<'a>(pub &'a Image);
+
+/// Lit colour with its pre-convolved levels. RGBA16F.
+#[derive(Clone, Copy)]
+pub struct ColorChain<'a>(pub &'a Image);
+
+/// Where each ray ended: texture coordinates, standard depth, and a [`PathCode`]. RGBA32F.
+#[derive(Clone, Copy)]
+pub struct Hits<'a>(pub &'a Image);
+
+/// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
+#[derive(Clone, Copy)]
+pub struct Reflection<'a>(pub &'a Image);
+
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PathCode {
+    /// The pixel does not reflect.
+    None = 0,
+    /// Hit by Hi-Z traversal.
+    HiZ = 1,
+    /// Hit by the linear fallback.
+    Linear = 2,
+    /// Hi-Z traversal left the screen.
+    Miss = 3,
+    /// The linear fallback found nothing.
+    LinearMiss = 4,
+    /// Out of iterations; the thesis takes it for a hit.
+    Exhausted = 5,
+    /// Towards the camera, and the method has no fallback.
+    Untraced = 6,
+}
+
+impl PathCode {
+    /// The code of a channel value; `None` for a value that is no code.
+    pub fn from_channel(value: f32) -> Option<Self> {
+        const CODES: [PathCode; 7] = [
+            PathCode::None,
+            PathCode::HiZ,
+            PathCode::Linear,
+            PathCode::Miss,
+            PathCode::LinearMiss,
+            PathCode::Exhausted,
+            PathCode::Untraced,
+        ];
+        CODES.into_iter().find(|c| *c as u8 as f32 == value)
+    }
+
+    /// Whether the method takes the ray for a hit.
+    pub fn is_hit(self) -> bool {
+        matches!(self, Self::HiZ | Self::Linear | Self::Exhausted)
+    }
+
+    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
+    pub fn by_hi_z(self) -> Option<bool> {
+        match self {
+            Self::HiZ | Self::Miss | Self::Exhausted => Some(true),
+            Self::Linear | Self::LinearMiss => Some(false),
+            Self::None | Self::Untraced => None,
+        }
+    }
+}
+
+/// The camera's uniform block. Matrices are inverted and multiplied in f64, then rounded once.
+pub fn camera_block(camera: &Camera, extent: [u32; 2]) -> CameraBlock {
+    let standard = camera.view_to_clip().as_dmat4();
+    let reversed = camera.view_to_clip_reversed().as_dmat4();
+    let view = camera.world_to_view.as_dmat4();
+    CameraBlock {
+        view_to_clip: standard.as_mat4().to_cols_array_2d(),
+        clip_to_view: standard.inverse().as_mat4().to_cols_array_2d(),
+        view_to_clip_reversed: reversed.as_mat4().to_cols_array_2d(),
+        clip_to_view_reversed: reversed.inverse().as_mat4().to_cols_array_2d(),
+        world_to_view: view.as_mat4().to_cols_array_2d(),
+        view_to_world: view.inverse().as_mat4().to_cols_array_2d(),
+        resolution: extent.map(|v| v as f32),
+        near_plane: camera.lens.near_m,
+        far_plane: camera.lens.far_m,
+    }
+}

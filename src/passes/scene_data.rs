@@ -1,0 +1,131 @@
+//! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
+
+use crate::error::Result;
+use crate::gpu::sync::Access;
+use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
+use crate::scene::{Aabb, Encoding, Light, Scene, Texture, Vertex, sky};
+use ash::vk;
+
+/// Side of a face of the sky's cube map, in texels.
+const SKY_SIZE: u32 = 256;
+
+/// What the scene passes draw from.
+pub struct SceneData {
+    pub(super) meshes: Vec<MeshData>,
+    pub(super) textures: Vec<Image>,
+    /// A white texel, for materials without a map.
+    pub(super) white: Image,
+    /// The environment as a cube map in world axes.
+    pub(super) sky: Image,
+    pub(super) lights: Vec<Light>,
+}
+
+/// A mesh in device memory.
+pub(super) struct MeshData {
+    pub vertices: Buffer,
+    pub indices: Buffer,
+    pub index_count: u32,
+    pub material: usize,
+    pub bounds: Aabb,
+}
+
+impl SceneData {
+    /// Uploads a scene.
+    pub fn upload(context: &mut FrameContext, scene: &Scene) -> Result<Self> {
+        let mut meshes = Vec::with_capacity(scene.meshes.len());
+        for mesh in scene.meshes.iter().filter(|m| !m.indices.is_empty()) {
+            meshes.push(MeshData {
+                vertices: device_buffer(
+                    context,
+                    &mesh.name,
+                    bytemuck::cast_slice::<Vertex, u8>(&mesh.vertices),
+                    vk::BufferUsageFlags::VERTEX_BUFFER,
+                )?,
+                indices: device_buffer(
+                    context,
+                    &mesh.name,
+                    bytemuck::cast_slice(&mesh.indices),
+                    vk::BufferUsageFlags::INDEX_BUFFER,
+                )?,
+                index_count: mesh.indices.len() as u32,
+                material: mesh.material,
+                bounds: mesh.bounds,
+            });
+        }
+        // Neighbouring draws of one material save descriptor pushes.
+        meshes.sort_by_key(|m| m.material);
+        let textures = scene.textures.iter().map(|t| texture(context, t)).collect::<Result<_>>()?;
+        let white =
+            Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Linear };
+        Ok(Self {
+            meshes,
+            textures,
+            white: texture(context, &white)?,
+            sky: environment(context)?,
+            lights: scene.lights.clone(),
+        })
+    }
+}
+
+fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {
+    let gpu: Gpu = context.gpu().clone();
+    let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+    let buffer =
+        Buffer::new(&gpu, name, bytes.len() as u64, usage | vk::BufferUsageFlags::TRANSFER_DST, Place::Device)?;
+    context.once(|frame| frame.copy_vertices("upload", &staging, &buffer))?;
+    Ok(buffer)
+}
+
+/// A material map with its mip chain, ready for fragment shaders.
+fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
+    let extent = [texture.width, texture.height];
+    let made = Image::new(
+        context.gpu(),
+        &ImageDesc {
+            name: &texture.name,
+            format: match texture.encoding {
+                Encoding::Srgb => vk::Format::R8G8B8A8_SRGB,
+                Encoding::Linear => vk::Format::R8G8B8A8_UNORM,
+            },
+            extent,
+            levels: image::full_chain(extent),
+            layers: 1,
+            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
+        },
+    )?;
+    let staging = Buffer::upload(context.gpu(), "staging", &texture.rgba, vk::BufferUsageFlags::TRANSFER_SRC)?;
+    context.once(|frame| {
+        frame.upload("upload", &staging, made.level(0))?;
+        for level in 1..made.levels() {
+            frame.blit("material mip", made.level(level - 1), made.level(level))?;
+        }
+        frame.make_ready(made.all(), Access::FragmentSampled);
+        Ok(())
+    })?;
+    Ok(made)
+}
+
+/// The generated sky as a cube map.
+fn environment(context: &mut FrameContext) -> Result<Image> {
+    let made = Image::new(
+        context.gpu(),
+        &ImageDesc {
+            name: "sky",
+            format: vk::Format::R16G16B16A16_SFLOAT,
+            extent: [SKY_SIZE, SKY_SIZE],
+            levels: 1,
+            layers: 6,
+            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+        },
+    )?;
+    let texels: Vec<u16> =
+        sky::cube_map(SKY_SIZE).iter().flatten().flatten().map(|v| half::f16::from_f32(*v).to_bits()).collect();
+    let staging =
+        Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(&texels), vk::BufferUsageFlags::TRANSFER_SRC)?;
+    context.once(|frame| {
+        frame.upload("upload", &staging, made.level(0))?;
+        frame.make_ready(made.all(), Access::FragmentSampled);
+        Ok(())
+    })?;
+    Ok(made)
+}

@@ -1,0 +1,96 @@
+//! Ray tracing and cone tracing of `ssct` and `hzct` (thesis §4.2.2, 4.2.7–4.2.10), in one shader
+//! as the thesis combined them, or split in two.
+
+use super::{ColorChain, GBuffer, HiZ, Hits, Reflection, Visibility};
+use crate::error::Result;
+use crate::gpu::shader::{
+    THESIS_CONE_TRACE_FRAG, THESIS_HZCT_FRAG, THESIS_HZCT_RAY_TRACE_FRAG, THESIS_SSCT_FRAG, THESIS_SSCT_RAY_TRACE_FRAG,
+    ThesisBlock,
+};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use ash::vk;
+
+const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Pipelines and images of one size.
+pub struct ThesisTracePass {
+    stages: Stages,
+    reflection: Image,
+}
+
+enum Stages {
+    Combined(GraphicsPipeline),
+    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Image },
+}
+
+/// What the pass reads.
+#[derive(Clone, Copy)]
+pub struct TraceInput<'a> {
+    /// Normals and materials.
+    pub gbuffer: GBuffer<'a>,
+    /// Depth chain.
+    pub hi_z: HiZ<'a>,
+    /// Visibility chain.
+    pub visibility: Visibility<'a>,
+    /// Colour chain.
+    pub color: ColorChain<'a>,
+}
+
+impl ThesisTracePass {
+    /// With or without the linear fallback; combined or split.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], fallback: bool, split: bool) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let image = |name, format| {
+            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        };
+        let stages = if split {
+            let trace = if fallback { &THESIS_SSCT_RAY_TRACE_FRAG } else { &THESIS_HZCT_RAY_TRACE_FRAG };
+            Stages::Split {
+                trace: GraphicsPipeline::fullscreen(gpu, trace, &[HITS])?,
+                cone: GraphicsPipeline::fullscreen(gpu, &THESIS_CONE_TRACE_FRAG, &[REFLECTION])?,
+                hits: image("hits", HITS)?,
+            }
+        } else {
+            let shader = if fallback { &THESIS_SSCT_FRAG } else { &THESIS_HZCT_FRAG };
+            Stages::Combined(GraphicsPipeline::fullscreen(gpu, shader, &[REFLECTION])?)
+        };
+        Ok(Self { stages, reflection: image("reflection", REFLECTION)? })
+    }
+
+    /// Pass "trace+cone", or passes "ray trace" and "cone trace", which also give the hits.
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        input: &TraceInput,
+        parameters: &ThesisBlock,
+    ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
+        let block = Resource::Uniform(bytemuck::bytes_of(parameters));
+        let traced = [
+            ("thesis", block),
+            ("hiZBuffer", Resource::nearest(input.hi_z.0.all())),
+            ("normalBuffer", Resource::nearest(input.gbuffer.normal.all())),
+            ("materialBuffer", Resource::nearest(input.gbuffer.material.all())),
+        ];
+        let coned = [
+            ("colorBuffer", Resource::trilinear(input.color.0.all())),
+            ("visibilityBuffer", Resource::trilinear(input.visibility.0.all())),
+        ];
+        let target = [Target::overwrite(self.reflection.all())];
+        let hits = match &self.stages {
+            Stages::Combined(pipeline) => {
+                let resources = [&traced[..], &coned[..]].concat();
+                frame.fullscreen("trace+cone", pipeline, &target, &resources, &[])?;
+                None
+            }
+            Stages::Split { trace, cone, hits } => {
+                frame.fullscreen("ray trace", trace, &[Target::overwrite(hits.all())], &traced, &[])?;
+                let resources = [&traced[..], &coned[..], &[("hitBuffer", Resource::nearest(hits.all()))]].concat();
+                frame.fullscreen("cone trace", cone, &target, &resources, &[])?;
+                Some(Hits(hits))
+            }
+        };
+        Ok((Reflection(&self.reflection), hits))
+    }
+}

@@ -1,0 +1,57 @@
+//! Pre-integration: the visibility buffer (thesis §4.2.5, Eq. 4.2 and its listing). CPU twin:
+//! `reference::visibility`.
+
+use super::{HiZ, Visibility};
+use crate::error::Result;
+use crate::gpu::shader::{THESIS_VISIBILITY_FRAG, VisibilityBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::scene::Lens;
+use ash::vk;
+
+const FORMAT: vk::Format = vk::Format::R8_UNORM;
+
+/// Pipeline and the chain of one size.
+pub struct VisibilityPass {
+    pipeline: GraphicsPipeline,
+    chain: Image,
+}
+
+impl VisibilityPass {
+    /// A full chain over a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_VISIBILITY_FRAG, &[FORMAT])?,
+            chain: Image::new(
+                gpu,
+                &ImageDesc {
+                    name: "visibility",
+                    format: FORMAT,
+                    extent,
+                    levels: image::full_chain(extent),
+                    layers: 1,
+                    usage: U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST,
+                },
+            )?,
+        })
+    }
+
+    /// Passes "visibility/0", which clears level 0 to 1, to the coarsest level.
+    pub fn record<'a>(&'a self, frame: &mut Frame, hi_z: HiZ, lens: &Lens) -> Result<Visibility<'a>> {
+        frame.clear("visibility/0", self.chain.level(0), [1.0; 4])?;
+        let push = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };
+        for level in 1..self.chain.levels() {
+            frame.fullscreen(
+                &format!("visibility/{level}"),
+                &self.pipeline,
+                &[Target::overwrite(self.chain.level(level))],
+                &[
+                    ("depthMap", Resource::nearest(hi_z.0.level(level - 1))),
+                    ("visibilityMap", Resource::nearest(self.chain.level(level - 1))),
+                ],
+                bytemuck::bytes_of(&push),
+            )?;
+        }
+        Ok(Visibility(&self.chain))
+    }
+}
