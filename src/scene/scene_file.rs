@@ -1,1 +1,342 @@
-//! (being written)
+//! `NAME.scene.toml`: which OBJ files make a scene, and what they do not say themselves: what
+//! reflects, lights, lenses and named views (DEFINITIONS, "Scene files").
+
+use super::obj::{self, Handedness, ObjFile, ObjOptions};
+use super::{Lens, Light, Material, MaterialChange, Scene, Surface, View};
+use crate::error::{Error, Result};
+use glam::Vec3;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// The section and the name in a view's `materials` that stand for all materials not named.
+const DEFAULT: &str = "default";
+
+/// The largest scene file that is read, in bytes.
+const MAX_FILE_BYTES: u64 = 1 << 20;
+
+/// Loads a scene file with the OBJ files that it names (relative to it).
+///
+/// `extra_scale` (1 for none, finite and > 0) enlarges the scene as a whole: it multiplies the file's
+/// `scale`, and the positions of views and point lights, which are in metres, go along with it; lenses
+/// and energies stay.
+///
+/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, those of a bare OBJ
+/// stand in. A material's section replaces what the MTL file says; `[material.default]` speaks for all
+/// materials without a section of their own. A section for a material that no mesh has is a warning.
+///
+/// # Errors
+/// As [`obj::load`]; and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
+/// numbers out of range.
+pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
+    if !(extra_scale.is_finite() && extra_scale > 0.0) {
+        return Err(Error::Usage(format!("the scale must be a positive number, not {extra_scale}")));
+    }
+    let text = read(path)?;
+    let source = Source { path, text: &text };
+    let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+    let scale = match &sections.scale {
+        Some(scale) => source.positive("scale", scale)?,
+        None => 1.0,
+    };
+    let lens = source.lens(&sections.camera, Lens::default(), 0..0)?;
+    let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
+    let views = source.views(sections.view, lens, extra_scale)?;
+    let changes = source.changes(sections.material)?;
+    let files = source.meshes(sections.mesh)?;
+
+    let scale = scale * extra_scale;
+    let mut scene = obj::load_unlit(&files, &ObjOptions { handedness: sections.handedness, scale })?;
+    scene.name = sections.name.unwrap_or_else(|| stem(path));
+    if sections.camera != LensSection::default() || !views.is_empty() {
+        scene.lens = lens;
+    }
+    scene.lights = if lights.is_empty() { vec![obj::default_light()] } else { lights };
+    scene.views = if views.is_empty() { vec![obj::default_view(&scene)] } else { views };
+    apply_changes(path, &changes, &mut scene);
+    Ok(scene)
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Sections {
+    name: Option<String>,
+    #[serde(default)]
+    handedness: Handedness,
+    scale: Option<Spanned<f32>>,
+    #[serde(default)]
+    mesh: Vec<MeshSection>,
+    #[serde(default)]
+    material: BTreeMap<String, ChangeSection>,
+    #[serde(default)]
+    light: Vec<Spanned<LightSection>>,
+    #[serde(default)]
+    camera: LensSection,
+    #[serde(default)]
+    view: BTreeMap<String, Spanned<ViewSection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshSection {
+    file: Spanned<String>,
+    #[serde(default)]
+    surface: SurfaceName,
+}
+
+#[derive(Deserialize, Default, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum SurfaceName {
+    #[default]
+    Lit,
+    Sky,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ChangeSection {
+    reflectivity: Option<Spanned<f32>>,
+    roughness: Option<Spanned<f32>>,
+    normal_deviation: Option<Spanned<f32>>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum LightKind {
+    Point,
+    Directional,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LightSection {
+    kind: LightKind,
+    position: Option<Spanned<[f32; 3]>>,
+    direction: Option<Spanned<[f32; 3]>>,
+    energy: Spanned<f32>,
+}
+
+#[derive(Deserialize, Default, Clone, PartialEq)]
+#[serde(deny_unknown_fields)]
+struct LensSection {
+    fov_y_deg: Option<Spanned<f32>>,
+    near: Option<Spanned<f32>>,
+    far: Option<Spanned<f32>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ViewSection {
+    eye: Spanned<[f32; 3]>,
+    look_at: Spanned<[f32; 3]>,
+    fov_y_deg: Option<Spanned<f32>>,
+    near: Option<Spanned<f32>>,
+    far: Option<Spanned<f32>>,
+    #[serde(default)]
+    materials: BTreeMap<String, ChangeSection>,
+}
+
+/// The text of a scene file, for errors that name the line.
+struct Source<'a> {
+    path: &'a Path,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    /// An error at a byte range of the text.
+    fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
+        let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
+        let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
+        Error::malformed(self.path, Some(line), message)
+    }
+
+    fn syntax_error(&self, error: &toml::de::Error) -> Error {
+        let message = error.message().trim().replace('\n', "; ");
+        match error.span() {
+            Some(span) => self.error(span, message),
+            None => Error::malformed(self.path, None, message),
+        }
+    }
+
+    fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
+        let number = *value.get_ref();
+        if number.is_finite() && number > 0.0 {
+            return Ok(number);
+        }
+        Err(self.error(value.span(), format!("{what} must be a number > 0, not {number}")))
+    }
+
+    fn unit(&self, what: &str, value: &Option<Spanned<f32>>) -> Result<Option<f32>> {
+        match value {
+            Some(v) if !(0.0..=1.0).contains(v.get_ref()) => {
+                Err(self.error(v.span(), format!("{what} must lie in 0 to 1, but is {}", v.get_ref())))
+            }
+            value => Ok(value.as_ref().map(|v| *v.get_ref())),
+        }
+    }
+
+    fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+        let vector = Vec3::from(*value.get_ref());
+        if vector.is_finite() {
+            return Ok(vector);
+        }
+        Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
+    }
+
+    /// The lens that a section makes of `base`; `at` is where the whole stands.
+    fn lens(&self, section: &LensSection, base: Lens, at: std::ops::Range<usize>) -> Result<Lens> {
+        let mut lens = base;
+        if let Some(fov) = &section.fov_y_deg {
+            let degrees = self.positive("fov_y_deg", fov)?;
+            if degrees >= 180.0 {
+                let message = format!("fov_y_deg must lie between 0 and 180, but is {degrees}");
+                return Err(self.error(fov.span(), message));
+            }
+            lens.fov_y_radians = degrees.to_radians();
+        }
+        if let Some(near) = &section.near {
+            lens.near_m = self.positive("near", near)?;
+        }
+        if let Some(far) = &section.far {
+            lens.far_m = self.positive("far", far)?;
+        }
+        if lens.far_m <= lens.near_m {
+            let at = section.far.as_ref().or(section.near.as_ref()).map_or(at, Spanned::span);
+            let message = format!("far ({}) must be greater than near ({})", lens.far_m, lens.near_m);
+            return Err(self.error(at, message));
+        }
+        Ok(lens)
+    }
+
+    fn light(&self, section: &Spanned<LightSection>, extra_scale: f32) -> Result<Light> {
+        let LightSection { kind, position, direction, energy } = section.get_ref();
+        let energy = self.positive("energy", energy)?;
+        match (kind, position, direction) {
+            (LightKind::Point, Some(position), None) => {
+                let position = self.vector("position", position)? * extra_scale;
+                Ok(Light::Point { position, energy })
+            }
+            (LightKind::Directional, None, Some(direction)) => {
+                let unit = self.vector("direction", direction)?.as_dvec3().normalize_or_zero().as_vec3();
+                if unit == Vec3::ZERO {
+                    return Err(self.error(direction.span(), "direction must not be zero"));
+                }
+                Ok(Light::Directional { direction: unit, energy })
+            }
+            (LightKind::Point, ..) => Err(self.error(section.span(), "a point light has a position and no direction")),
+            (LightKind::Directional, ..) => {
+                Err(self.error(section.span(), "a directional light has a direction and no position"))
+            }
+        }
+    }
+
+    /// The views in the order of the file.
+    fn views(
+        &self,
+        sections: BTreeMap<String, Spanned<ViewSection>>,
+        base: Lens,
+        extra_scale: f32,
+    ) -> Result<Vec<View>> {
+        let mut sections: Vec<_> = sections.into_iter().collect();
+        sections.sort_by_key(|(_, section)| section.span().start);
+        sections.into_iter().map(|(name, section)| self.view(name, section, base, extra_scale)).collect()
+    }
+
+    fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
+        let at = section.span();
+        let ViewSection { eye, look_at, fov_y_deg, near, far, materials } = section.into_inner();
+        let look_at_span = look_at.span();
+        let (eye, look_at) = (self.vector("eye", &eye)?, self.vector("look_at", &look_at)?);
+        if (look_at - eye).try_normalize().is_none() {
+            let message = format!("view {name:?} looks at its own eye; look_at must be another point");
+            return Err(self.error(look_at_span, message));
+        }
+        let own = LensSection { fov_y_deg, near, far };
+        let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, base, at)?) };
+        let materials = self.changes(materials)?.into_iter().collect();
+        Ok(View { name, eye: eye * extra_scale, look_at: look_at * extra_scale, lens, materials })
+    }
+
+    fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
+        let change = |(name, section): (String, ChangeSection)| {
+            let change = MaterialChange {
+                reflectivity: self.unit("reflectivity", &section.reflectivity)?,
+                roughness: self.unit("roughness", &section.roughness)?,
+                normal_deviation: self.unit("normal_deviation", &section.normal_deviation)?,
+            };
+            Ok((name, change))
+        };
+        sections.into_iter().map(change).collect()
+    }
+
+    fn meshes(&self, sections: Vec<MeshSection>) -> Result<Vec<ObjFile>> {
+        if sections.is_empty() {
+            return Err(Error::malformed(self.path, None, "a scene file needs at least one [[mesh]]"));
+        }
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let file = |section: MeshSection| {
+            let name = section.file.get_ref();
+            let Some(path) = obj::resolve(folder, name) else {
+                return Err(self.error(section.file.span(), format!("there is no file {name:?} here")));
+            };
+            let surface = match section.surface {
+                SurfaceName::Lit => Surface::Lit,
+                SurfaceName::Sky => Surface::Sky,
+            };
+            Ok(ObjFile { path, surface })
+        };
+        sections.into_iter().map(file).collect()
+    }
+}
+
+/// Applies the file's material sections to the scene, spells out what `default` means in the views,
+/// and warns of names that no material has.
+fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
+    for material in &mut scene.materials {
+        if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {
+            change.apply(material);
+        }
+    }
+    let names: Vec<String> = scene.materials.iter().map(|m: &Material| m.name.clone()).collect();
+    let unknown = |name: &String| name != DEFAULT && !names.contains(name);
+    let place = path.display();
+    for name in changes.keys().filter(|n| unknown(n)) {
+        scene.warnings.push(format!("{place}: [material.{name}] changes nothing: no mesh has this material"));
+    }
+    for view in &mut scene.views {
+        for (name, _) in view.materials.iter().filter(|(n, _)| unknown(n)) {
+            let what = format!("changes material {name}, which no mesh has");
+            scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
+        }
+        let default = view.materials.iter().position(|(n, _)| n == DEFAULT).map(|i| view.materials.remove(i).1);
+        if let Some(change) = default {
+            let mut others: Vec<String> = names.clone();
+            others.retain(|n| view.materials.iter().all(|(m, _)| m != n));
+            others.sort();
+            others.dedup();
+            view.materials.extend(others.into_iter().map(|name| (name, change)));
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<String> {
+    let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
+    if length > MAX_FILE_BYTES {
+        let message = format!("a scene file of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
+        return Err(Error::malformed(path, None, message));
+    }
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = e.utf8_error().valid_up_to();
+        let line = 1 + e.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();
+        Error::malformed(path, Some(line), "a scene file must be UTF-8 text")
+    })
+}
+
+/// The file name without `.scene.toml`.
+fn stem(path: &Path) -> String {
+    let name = PathBuf::from(path.file_stem().unwrap_or_default());
+    let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
+    stem.to_string_lossy().into_owned()
+}

@@ -1,4 +1,20 @@
-//! Images of materials.
+//! Images of materials: the type, decoding from files with limits, and the conversions that a loaded
+//! material needs (masks, reflectivity, normal maps from height fields).
+
+use crate::error::{Error, Result};
+use glam::{Vec2, Vec3};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::path::Path;
+
+/// The widest and highest image that is read, in texels: what every Vulkan device of interest takes.
+pub const MAX_EXTENT: u32 = 16384;
+
+/// The depth of a height field without a factor, in texels (see [`normal_map_from_height`]).
+pub const RELIEF_TEXELS: f32 = 2.0;
+
+/// Below this correlation the green of a normal map points down. Maps with green up lie above 0, the
+/// ones of Crytek's Sponza (down) mostly below −0.2; what is between says too little to act on.
+const GREEN_DOWN: f64 = -0.15;
 
 /// How the bytes of a texture stand for numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,5 +43,261 @@ pub struct Texture {
 impl std::fmt::Debug for Texture {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "Texture({:?}, {}x{}, {:?})", self.name, self.width, self.height, self.encoding)
+    }
+}
+
+impl Texture {
+    /// Decodes a PNG, JPEG, TGA or BMP file. The content decides the format, else the file name.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be opened, [`Error::Malformed`] if it is no such image or is
+    /// larger than [`MAX_EXTENT`] on a side (which is found out before memory is taken for it).
+    pub fn decode(path: &Path, encoding: Encoding) -> Result<Self> {
+        let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
+        let mut reader = ImageReader::open(path)
+            .and_then(ImageReader::with_guessed_format)
+            .map_err(|e| Error::io("read", path, e))?;
+        let mut limits = Limits::default();
+        limits.max_image_width = Some(MAX_EXTENT);
+        limits.max_image_height = Some(MAX_EXTENT);
+        // 16 bits a channel at the largest extent.
+        limits.max_alloc = Some(8 * u64::from(MAX_EXTENT) * u64::from(MAX_EXTENT));
+        reader.limits(limits);
+        let decoder = reader.into_decoder().map_err(malformed)?;
+        let (width, height) = decoder.dimensions();
+        if width == 0 || height == 0 || width > MAX_EXTENT || height > MAX_EXTENT {
+            let message = format!("an image of {width} x {height} texels is not within 1 to {MAX_EXTENT}");
+            return Err(Error::malformed(path, None, message));
+        }
+        let rgba = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgba8().into_raw();
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Self { name, width, height, rgba, encoding })
+    }
+
+    /// The image as an alpha mask: its alpha channel where that says anything, else its luminance,
+    /// in all channels.
+    pub fn into_mask(self) -> Self {
+        let has_alpha = self.rgba.chunks_exact(4).any(|t| t[3] < 255);
+        self.map_to_grey(|t| if has_alpha { t[3] } else { to_byte(encoded_luminance(t)) })
+    }
+
+    /// The image as a factor on the reflectivity: the luminance of its decoded colour, stored
+    /// linearly in all channels.
+    pub fn into_reflectivity(self) -> Self {
+        self.map_to_grey(|t| to_byte(luminance(srgb_to_linear(t))))
+    }
+
+    /// The image as a tangent-space normal map, green up, linear, whose tilt is times `tilt`.
+    ///
+    /// An image that is one by its content ([`Texture::is_normal_map`]) is kept: its unused black
+    /// texels become flat, and green is turned over if it points down. Any other image counts as a
+    /// height field of [`RELIEF_TEXELS`] · `tilt`.
+    pub fn into_normal_map(mut self, tilt: f32) -> Self {
+        if !self.is_normal_map() {
+            return normal_map_from_height(&self, RELIEF_TEXELS * tilt);
+        }
+        let green = if self.green_correlation() < GREEN_DOWN { -tilt } else { tilt };
+        for texel in self.rgba.chunks_exact_mut(4) {
+            if is_unused(texel) {
+                texel[..3].copy_from_slice(&encode_vector(Vec3::Z));
+            } else if (tilt, green) != (1.0, 1.0) {
+                let vector = decode_vector(texel);
+                let scaled = Vec3::new(vector.x * tilt, vector.y * green, vector.z.max(1e-3));
+                texel[..3].copy_from_slice(&encode_vector(scaled.normalize()));
+            }
+        }
+        self.encoding = Encoding::Linear;
+        self
+    }
+
+    /// Whether this is a normal map by its content rather than a height field or a colour: of the
+    /// texels that are not black (unused), nine in ten decode to vectors of length 1 ± 0.2 with z > 0,
+    /// and their sum leans to the z axis, which that of no grey image does.
+    pub fn is_normal_map(&self) -> bool {
+        let (mut sum, mut fitting, mut used) = (Vec3::ZERO, 0_usize, 0_usize);
+        for vector in self.rgba.chunks_exact(4).filter(|t| !is_unused(t)).map(decode_vector) {
+            sum += vector;
+            fitting += usize::from(vector.z > 0.0 && (vector.length() - 1.0).abs() <= 0.2);
+            used += 1;
+        }
+        used > 0 && fitting * 10 >= used * 9 && sum.z > 2.0 * sum.x.abs().max(sum.y.abs())
+    }
+
+    /// Which way green points in a normal map, −1 (down) to 1 (up); about 0 says nothing.
+    ///
+    /// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. This is the correlation of
+    /// both sides, with green taken as up.
+    fn green_correlation(&self) -> f64 {
+        let (width, height) = (self.width as usize, self.height as usize);
+        let texel = |x: usize, y: usize| &self.rgba[4 * (y * width + x)..][..4];
+        let slope = |x, y| {
+            let vector = decode_vector(texel(x, y));
+            (-vector.truncate() / vector.z.max(0.2)).as_dvec2()
+        };
+        let (mut both, mut left_squared, mut right_squared) = (0.0, 0.0, 0.0);
+        for y in 1..height.saturating_sub(1) {
+            for x in 1..width.saturating_sub(1) {
+                let stencil = [(x, y - 1), (x, y + 1), (x - 1, y), (x + 1, y)];
+                if stencil.iter().any(|&(x, y)| is_unused(texel(x, y))) {
+                    continue;
+                }
+                let [above, below, before, after] = stencil.map(|(x, y)| slope(x, y));
+                let (left, right) = (above.x - below.x, after.y - before.y);
+                both += left * right;
+                left_squared += left * left;
+                right_squared += right * right;
+            }
+        }
+        both / (left_squared * right_squared).sqrt().max(f64::MIN_POSITIVE)
+    }
+
+    fn map_to_grey(mut self, value: impl Fn(&[u8]) -> u8) -> Self {
+        for texel in self.rgba.chunks_exact_mut(4) {
+            let grey = value(texel);
+            texel.copy_from_slice(&[grey, grey, grey, 255]);
+        }
+        self.encoding = Encoding::Linear;
+        self
+    }
+}
+
+/// A tangent-space normal map (green up, linear) of a height field, which is the luminance of the
+/// image's bytes; it wraps round. White lies `depth_texels` texel widths above black: 2 makes a
+/// modest relief, negative values turn it inside out.
+pub fn normal_map_from_height(image: &Texture, depth_texels: f32) -> Texture {
+    let (width, height) = (image.width as usize, image.height as usize);
+    let heights: Vec<f32> = image.rgba.chunks_exact(4).map(encoded_luminance).collect();
+    let mut rgba = Vec::with_capacity(image.rgba.len());
+    for y in 0..height {
+        let (above, below) = ((y + height - 1) % height * width, (y + 1) % height * width);
+        for x in 0..width {
+            let (left, right) = ((x + width - 1) % width, (x + 1) % width);
+            let slope_right = 0.5 * (heights[y * width + right] - heights[y * width + left]);
+            let slope_up = 0.5 * (heights[above + x] - heights[below + x]);
+            let slope = Vec2::new(slope_right, slope_up) * depth_texels;
+            rgba.extend(encode_vector((-slope).extend(1.0).normalize()));
+            rgba.push(255);
+        }
+    }
+    Texture { name: image.name.clone(), width: image.width, height: image.height, rgba, encoding: Encoding::Linear }
+}
+
+/// Luminance of a linear colour with the primaries of sRGB (Rec. 709).
+pub fn luminance(linear: Vec3) -> f32 {
+    linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
+}
+
+/// Luminance weights on the bytes as they stand, 0…1: for heights and masks, which are data.
+fn encoded_luminance(texel: &[u8]) -> f32 {
+    luminance(Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 255.0)
+}
+
+fn srgb_to_linear(texel: &[u8]) -> Vec3 {
+    let decode = |byte: u8| {
+        let c = f32::from(byte) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    };
+    Vec3::new(decode(texel[0]), decode(texel[1]), decode(texel[2]))
+}
+
+fn to_byte(unit: f32) -> u8 {
+    (unit.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+fn decode_vector(texel: &[u8]) -> Vec3 {
+    Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 127.5 - 1.0
+}
+
+/// Black: what the unused parts of a normal map are filled with; it decodes to no direction.
+fn is_unused(texel: &[u8]) -> bool {
+    texel[..3].iter().all(|&byte| byte <= 8)
+}
+
+fn encode_vector(unit: Vec3) -> [u8; 3] {
+    (unit * 0.5 + 0.5).to_array().map(to_byte)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(width: u32, height: u32, value: impl Fn(u32, u32) -> u8) -> Texture {
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let rgba = texels.flat_map(|(x, y)| [value(x, y), value(x, y), value(x, y), 255]).collect();
+        Texture { name: "grey".into(), width, height, rgba, encoding: Encoding::Srgb }
+    }
+
+    fn normal_at(map: &Texture, x: u32, y: u32) -> Vec3 {
+        let at = 4 * (y * map.width + x) as usize;
+        decode_vector(&map.rgba[at..at + 4])
+    }
+
+    #[test]
+    fn a_flat_height_field_points_straight_out() {
+        let map = normal_map_from_height(&grey(4, 4, |_, _| 90), 2.0);
+        assert!((normal_at(&map, 1, 2) - Vec3::Z).length() < 0.02);
+        assert_eq!(map.encoding, Encoding::Linear);
+    }
+
+    #[test]
+    fn slopes_lean_away_from_the_rise() {
+        let rises_right = normal_map_from_height(&grey(8, 8, |x, _| (x * 30) as u8), 4.0);
+        assert!(normal_at(&rises_right, 4, 4).x < -0.2);
+        // Row 0 is the top: rising downwards means that the normal leans up, and green is up.
+        let rises_down = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), 4.0);
+        assert!(normal_at(&rises_down, 4, 4).y > 0.2);
+        let inverted = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), -4.0);
+        assert!(normal_at(&inverted, 4, 4).y < -0.2);
+    }
+
+    #[test]
+    fn no_grey_is_a_normal_map_and_a_derived_map_is() {
+        for value in 0..=255 {
+            assert!(!grey(2, 2, |_, _| value).is_normal_map(), "grey {value}");
+        }
+        let bumps = grey(16, 16, |x, y| ((x * 53 + y * 91) % 256) as u8);
+        assert!(!bumps.is_normal_map());
+        assert!(normal_map_from_height(&bumps, 2.0).is_normal_map());
+    }
+
+    fn bumps() -> Texture {
+        let wave = |x: u32, y: u32| (0.4 * x as f32).sin() * (0.3 * y as f32).cos() * 90.0 + 128.0;
+        grey(32, 32, |x, y| wave(x, y) as u8)
+    }
+
+    #[test]
+    fn a_factor_on_the_tilt_flattens_or_steepens() {
+        let map = normal_map_from_height(&bumps(), 4.0);
+        let tilt = |m: &Texture| (0..32).map(|i| normal_at(m, i, 7).x.abs()).sum::<f32>();
+        assert_eq!(map.clone().into_normal_map(1.0), map);
+        assert!(tilt(&map.clone().into_normal_map(0.5)) < 0.7 * tilt(&map));
+        assert!(tilt(&map.clone().into_normal_map(2.0)) > 1.3 * tilt(&map));
+        assert!(tilt(&map.clone().into_normal_map(0.0)) < 0.2);
+    }
+
+    #[test]
+    fn green_down_is_turned_over_and_black_is_flattened() {
+        let map = normal_map_from_height(&bumps(), 4.0);
+        assert!(map.green_correlation() > 0.5, "{}", map.green_correlation());
+        let mut down = map.clone();
+        down.rgba.chunks_exact_mut(4).for_each(|t| t[1] = 255 - t[1]);
+        assert!(down.green_correlation() < -0.5);
+        down.rgba[..4 * 32 * 8].fill(0);
+        let turned = down.into_normal_map(1.0);
+        assert!((normal_at(&turned, 3, 3) - Vec3::Z).length() < 0.02);
+        for (x, y) in [(3, 12), (17, 20), (30, 30)] {
+            let (is, was) = (normal_at(&turned, x, y), normal_at(&map, x, y));
+            assert!((is - was).length() < 0.03, "{is} {was}");
+        }
+    }
+
+    #[test]
+    fn masks_prefer_alpha_and_reflectivity_is_linear() {
+        let mut image = grey(1, 2, |_, _| 188);
+        assert_eq!(image.clone().into_mask().rgba, [188, 188, 188, 255].repeat(2));
+        image.rgba[3] = 0;
+        assert_eq!(image.clone().into_mask().rgba, [0, 0, 0, 255, 255, 255, 255, 255]);
+        // sRGB 188 is half of the light.
+        assert!(image.into_reflectivity().rgba[0].abs_diff(128) <= 1);
     }
 }

@@ -1,0 +1,248 @@
+//! Triangles with normals, in world space, from the groups and polygons that tobj finds.
+
+use super::text::Statements;
+use super::{Handedness, ObjOptions};
+use crate::error::{Error, Result};
+use crate::scene::Vertex;
+use glam::{DVec2, DVec3, Vec3};
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::Path;
+
+/// The farthest coordinate from the origin, in metres: products of two differences stay in f32.
+const MAX_COORDINATE_M: f32 = 1e8;
+
+/// A triangle's corners; normals that are zero are not known yet.
+pub(super) type Triangle = [Vertex; 3];
+
+/// The triangles of one group and one material.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// Group or object name.
+    pub name: String,
+    /// Index into the file's material names.
+    pub material: usize,
+    /// Triangles with unit normals and matching winding; no tangents yet.
+    pub triangles: Vec<Triangle>,
+    /// Smoothing group of each triangle.
+    smoothing: Vec<u32>,
+}
+
+/// The parts of the file at `path` (which errors and warnings name).
+pub(super) fn build(
+    path: &Path,
+    statements: Statements,
+    options: &ObjOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Part>> {
+    let Statements { vertices, faces, material_names, smoothing, .. } = statements;
+    let materials: Vec<_> = (0..material_names.len())
+        .map(|i| tobj::Material { name: i.to_string(), ..Default::default() })
+        .collect();
+    let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i));
+    let library = Ok((materials.clone(), by_name.collect()));
+    let how = tobj::LoadOptions { single_index: true, ..Default::default() };
+    let (models, _) = tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
+        .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
+    drop((vertices, faces));
+
+    let mut smoothing = smoothing.into_iter();
+    let mut parts = Vec::new();
+    let mut without_area = 0;
+    for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
+        let corners = world_vertices(path, &mesh, options)?;
+        let material = mesh.material_id.unwrap_or_default();
+        let mut part = Part { name, material, triangles: Vec::new(), smoothing: Vec::new() };
+        let mut start = 0;
+        let uniform = mesh.face_arities.is_empty().then_some(3);
+        let arities = mesh.face_arities.iter().map(|&n| n as usize);
+        let faces = uniform.map_or(0, |n| mesh.indices.len() / n);
+        for arity in arities.chain(std::iter::repeat_n(3, faces)) {
+            let polygon: Vec<Vertex> =
+                mesh.indices[start..start + arity].iter().map(|&i| corners[i as usize]).collect();
+            start += arity;
+            without_area += part.push(&polygon, smoothing.next().unwrap_or(0), options.handedness);
+        }
+        parts.push(part);
+    }
+    if parts.iter().all(|p| p.triangles.is_empty()) {
+        return Err(Error::malformed(path, None, "no face of this file has an area"));
+    }
+    if without_area > 0 {
+        let plural = if without_area == 1 { "triangle" } else { "triangles" };
+        warnings.push(format!("{}: {without_area} {plural} without area left out", path.display()));
+    }
+    parts.retain(|p| !p.triangles.is_empty());
+    fill_normals(&mut parts);
+    Ok(parts)
+}
+
+/// The vertices of a group in world space; a normal that is missing or has no length is zero.
+fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Result<Vec<Vertex>> {
+    let mirror = match options.handedness {
+        Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
+        Handedness::Left => Vec3::ONE,
+    };
+    // Adding zero makes −0 equal 0 bit by bit, for welding.
+    let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
+    let positions = mesh.positions.chunks_exact(3);
+    let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
+    let vertices = positions.zip(attributes).map(|(position, (normal, uv))| {
+        let position = to_world(position, mirror * options.scale);
+        if position.abs().max_element() > MAX_COORDINATE_M {
+            let message = format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin");
+            return Err(Error::malformed(path, None, message));
+        }
+        let normal = to_world(normal, mirror).as_dvec3().normalize_or_zero().as_vec3();
+        // A corner without texture coordinates has NaN here.
+        let uv = if uv[0].is_nan() { [0.0, 0.0] } else { [uv[0] + 0.0, 1.0 - uv[1]] };
+        let position = position.to_array();
+        Ok(Vertex { position, normal: normal.to_array(), uv, tangent: [0.0; 4] })
+    });
+    vertices.collect()
+}
+
+impl Part {
+    /// Adds a polygon's triangles, with the winding that its stated normals ask for, and says how
+    /// many had no area and were left out.
+    fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
+        let mut without_area = 0;
+        let positions: Vec<DVec3> = polygon.iter().map(|v| position(v)).collect();
+        for [a, b, c] in triangulate(&positions) {
+            let (b, c) = if handedness == Handedness::Right { (c, b) } else { (b, c) };
+            let mut triangle = [polygon[a], polygon[b], polygon[c]];
+            let edges = [1, 2, 0].map(|i| position(&triangle[i]) - position(&triangle[(i + 2) % 3]));
+            let longest = edges.iter().map(|e| e.length_squared()).fold(0.0, f64::max);
+            let cross = twice_area(&triangle);
+            if cross.length() <= 1e-7 * longest {
+                without_area += 1;
+                continue;
+            }
+            let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
+            if stated.dot(cross) < 0.0 {
+                triangle.swap(1, 2);
+            }
+            self.triangles.push(triangle);
+            self.smoothing.push(smoothing);
+        }
+        without_area
+    }
+}
+
+/// Gives every vertex without a normal that of its smoothing group, or of its face.
+fn fill_normals(parts: &mut [Part]) {
+    let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
+    let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
+    for part in parts.iter() {
+        for (triangle, &group) in part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
+            for vertex in triangle.iter().filter(|v| v.normal == [0.0; 3]) {
+                *smooth.entry(key(vertex, group)).or_default() += twice_area(triangle);
+            }
+        }
+    }
+    for part in parts {
+        for (triangle, &group) in part.triangles.iter_mut().zip(&part.smoothing) {
+            let face = twice_area(triangle).normalize();
+            for vertex in triangle.iter_mut().filter(|v| v.normal == [0.0; 3]) {
+                let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
+                // Across a fold the mean may point behind the face.
+                let normal = if mean.dot(face) > 0.0 { mean } else { face };
+                vertex.normal = normal.as_vec3().normalize().to_array();
+            }
+        }
+    }
+}
+
+fn position(vertex: &Vertex) -> DVec3 {
+    Vec3::from(vertex.position).as_dvec3()
+}
+
+/// (b − a) × (c − a): along the face's normal, as long as twice its area.
+pub(super) fn twice_area(triangle: &Triangle) -> DVec3 {
+    let [a, b, c] = triangle.each_ref().map(position);
+    (b - a).cross(c - a)
+}
+
+/// Cuts a polygon into n − 2 triangles of its orientation: a fan if it is convex, else by cutting
+/// off ears. What is left of a polygon that crosses itself is cut as a fan.
+fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
+    let fan = |corners: &[usize]| -> Vec<[usize; 3]> {
+        corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
+    };
+    let mut corners: Vec<usize> = (0..polygon.len()).collect();
+    if polygon.len() <= 3 {
+        return fan(&corners);
+    }
+    let flat = project(polygon);
+    let turn = |a: usize, b: usize, c: usize| (flat[b] - flat[a]).perp_dot(flat[c] - flat[b]);
+    let n = polygon.len();
+    if (0..n).all(|i| turn(i, (i + 1) % n, (i + 2) % n) >= 0.0) {
+        return fan(&corners);
+    }
+    let mut triangles = Vec::with_capacity(n - 2);
+    while corners.len() > 3 {
+        let n = corners.len();
+        let is_ear = |i: usize| {
+            let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
+            let inside = |p: usize| {
+                let apart = [a, b, c].iter().all(|&q| flat[q] != flat[p]);
+                apart && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
+            };
+            turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
+        };
+        let Some(ear) = (0..n).find(|&i| is_ear(i)) else { break };
+        triangles.push([corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]]);
+        corners.remove(ear);
+    }
+    triangles.extend(fan(&corners));
+    triangles
+}
+
+/// The polygon in its own plane (Newell's normal), counter-clockwise.
+fn project(polygon: &[DVec3]) -> Vec<DVec2> {
+    let next = polygon.iter().cycle().skip(1);
+    let normal: DVec3 = polygon.iter().zip(next).map(|(a, b)| (a - polygon[0]).cross(b - polygon[0])).sum();
+    let normal = normal.try_normalize().unwrap_or(DVec3::Z);
+    let (x, y) = normal.any_orthonormal_pair();
+    polygon.iter().map(|p| DVec2::new((p - polygon[0]).dot(x), (p - polygon[0]).dot(y))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(polygon: &[DVec3], triangles: &[[usize; 3]]) -> (f64, f64) {
+        let cross = |t: &[usize; 3]| (polygon[t[1]] - polygon[t[0]]).cross(polygon[t[2]] - polygon[t[0]]);
+        let sum: DVec3 = triangles.iter().map(cross).sum();
+        (0.5 * triangles.iter().map(|t| cross(t).length()).sum::<f64>(), 0.5 * sum.length())
+    }
+
+    #[test]
+    fn a_concave_polygon_is_covered_once() {
+        let arrow = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]];
+        let polygon = arrow.map(|[x, y]| DVec3::new(x, 3.0, -y));
+        let triangles = triangulate(&polygon);
+        assert_eq!(triangles.len(), 3);
+        let (unsigned, signed) = area(&polygon, &triangles);
+        // The shoelace formula gives 10; overlapping triangles would sum to more.
+        assert!((unsigned - 10.0).abs() < 1e-9 && (signed - 10.0).abs() < 1e-9, "{unsigned} {signed}");
+    }
+
+    #[test]
+    fn a_dart_is_cut_along_its_inner_diagonal() {
+        let dart = [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [2.0, 4.0]];
+        for start in 0..4 {
+            let polygon: Vec<_> = (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
+            assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
+        }
+    }
+
+    #[test]
+    fn any_polygon_gives_two_triangles_less_than_corners() {
+        let crossing = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0], [1.0, 5.0]];
+        let polygon = crossing.map(|[x, y]| DVec3::new(x, y, 0.0));
+        assert_eq!(triangulate(&polygon).len(), 3);
+        assert_eq!(triangulate(&[DVec3::ONE; 6]).len(), 4);
+    }
+}

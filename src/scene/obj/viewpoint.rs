@@ -1,0 +1,78 @@
+//! A lens and a view that show something plausible of a scene that states none.
+
+use crate::scene::{Aabb, Lens, Scene, Vertex, View};
+use glam::Vec3;
+
+/// Directions round the horizon that are looked along.
+const AZIMUTHS: usize = 16;
+
+/// The default lens, with its planes moved where the bounds would not fit between them.
+pub(super) fn lens(bounds: Aabb) -> Lens {
+    let lens = Lens::default();
+    let diagonal = (bounds.max - bounds.min).length();
+    Lens { near_m: lens.near_m.min(diagonal * 1e-2), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
+}
+
+/// A view named `default`, towards the middle of the bounds.
+///
+/// If the first surface that is seen from the middle faces it in half of the directions, the scene is
+/// an interior: the eye stands where the free horizontal path from the middle is longest. Else it
+/// stands outside, in front and a little above, so far that the bounding sphere fits.
+pub(in crate::scene) fn default_view(scene: &Scene) -> View {
+    let bounds = scene.bounds();
+    let centre = 0.5 * (bounds.min + bounds.max);
+    let directions: Vec<Vec3> = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height)).collect();
+    let seen = first_hits(scene, centre, &directions);
+    let facing = seen.iter().filter(|hit| hit.facing).count();
+    let eye = if 2 * facing >= directions.len() {
+        let horizontal = directions.iter().zip(&seen).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
+        let farthest = horizontal.max_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+        farthest.map(|(direction, hit)| centre + 0.8 * hit.distance * *direction)
+    } else {
+        None
+    };
+    let eye = eye.filter(|eye| eye.distance(centre) > 2.0 * scene.lens.near_m).unwrap_or_else(|| {
+        let radius = 0.5 * (bounds.max - bounds.min).length();
+        let distance = 1.05 * radius / (0.5 * scene.lens.fov_y_radians).sin();
+        centre + distance * Vec3::new(0.35, 0.35, -1.0).normalize()
+    });
+    View { name: "default".into(), eye, look_at: centre, ..View::default() }
+}
+
+fn round(height: f32) -> impl Iterator<Item = Vec3> {
+    (0..AZIMUTHS).map(move |i| {
+        let (sin, cos) = (i as f32 / AZIMUTHS as f32 * std::f32::consts::TAU).sin_cos();
+        Vec3::new(sin, height, cos).normalize()
+    })
+}
+
+/// The nearest surface along a direction; its distance is infinite if there is none.
+#[derive(Clone, Copy)]
+struct Hit {
+    distance: f32,
+    facing: bool,
+}
+
+fn first_hits(scene: &Scene, origin: Vec3, directions: &[Vec3]) -> Vec<Hit> {
+    let mut hits = vec![Hit { distance: f32::INFINITY, facing: false }; directions.len()];
+    let position = |v: &Vertex| Vec3::from(v.position);
+    for mesh in &scene.meshes {
+        for triangle in mesh.indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| position(&mesh.vertices[triangle[i] as usize]));
+            let normal = (b - a).cross(c - a);
+            for (hit, &direction) in hits.iter_mut().zip(directions) {
+                let across = normal.dot(direction);
+                let distance = normal.dot(a - origin) / across;
+                if !(distance > 0.0 && distance < hit.distance) {
+                    continue;
+                }
+                let point = origin + distance * direction;
+                let inside = |from: Vec3, to: Vec3| (to - from).cross(point - from).dot(normal) >= 0.0;
+                if inside(a, b) && inside(b, c) && inside(c, a) {
+                    *hit = Hit { distance, facing: across < 0.0 };
+                }
+            }
+        }
+    }
+    hits
+}

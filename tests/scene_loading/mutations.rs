@@ -1,0 +1,88 @@
+//! Random damage to small files: an error or a sound scene, never a panic.
+
+use super::*;
+use proptest::prelude::*;
+use ssct::scene::scene_file;
+
+const OBJ: &str = "mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nv -1 0.5 2\n\
+    vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0.6 0 0.8\nf 1/1/1 2/2/2 3/3/1 4/1/2\nf 1 2 5\nf -1 -2 -3 -4 -5\n\
+    usemtl n\nf 1//1 3//2 5//1\n";
+
+const MTL: &str = "newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump -bm 0.5 x.png\nmap_d x.png\n\
+    newmtl n\nPr 0.5\nmap_Ks -s 1 1 x.png\nd 1\n";
+
+const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurface = \"sky\"\n[material.m]\n\
+    roughness = 0.5\n[camera]\nnear = 0.1\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\nenergy = 1.0\n\
+    [view.a]\neye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nmaterials = { n = { reflectivity = 1.0 } }\n";
+
+/// A place as a share of the text, what to do there, and a byte for it.
+type Mutation = (prop::sample::Index, u8, u8);
+
+fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
+    let mut bytes = text.as_bytes().to_vec();
+    for (place, action, byte) in mutations {
+        let at = place.index(bytes.len());
+        // Mostly bytes that numbers and statements are made of, so that much still parses.
+        let byte = if action & 8 == 0 { b"0123456789-./ \n\\e#fvnt"[usize::from(*byte) % 22] } else { *byte };
+        match action % 4 {
+            0 => bytes[at] = byte,
+            1 => bytes.insert(at, byte),
+            2 if bytes.len() > 1 => drop(bytes.remove(at)),
+            _ => {
+                let end = (at + usize::from(byte)).min(bytes.len());
+                let copy = bytes[at..end].to_vec();
+                bytes.splice(at..at, copy);
+            }
+        }
+    }
+    bytes
+}
+
+fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
+    prop::collection::vec(any::<Mutation>(), 0..6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 512, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_files_never_panic(obj in mutations(), mtl in mutations(), scene in mutations()) {
+        let folder = Folder::new(&[]);
+        folder.write("a.obj", &mutate(OBJ, &obj));
+        folder.write("a.mtl", &mutate(MTL, &mtl));
+        folder.write("a.scene.toml", &mutate(SCENE, &scene));
+        folder.image("x.png", 4, 4, |x, y| [x as u8 * 60, y as u8 * 60, 255, 255]);
+        if let Ok(scene) = folder.load("a.obj", &ObjOptions::default()) {
+            assert_sound(&scene);
+        }
+        if let Ok(scene) = scene_file::load(&folder.path("a.scene.toml"), 1.0) {
+            assert_sound(&scene);
+        }
+    }
+
+    #[test]
+    fn damaged_images_never_panic(damage in mutations(), format in 0_usize..4) {
+        let name = ["x.png", "x.jpg", "x.tga", "x.bmp"][format];
+        let folder = square("mtllib a.mtl\nusemtl m\nf 1/1 2/2 3/3\n");
+        folder.write("a.mtl", format!("newmtl m\nmap_Kd {name}\nbump {name}\n").as_bytes());
+        image::RgbImage::from_fn(8, 8, |x, y| image::Rgb([x as u8 * 30, y as u8 * 30, 200])).save(folder.path(name)).unwrap();
+        let mut bytes = std::fs::read(folder.path(name)).unwrap();
+        for (place, action, byte) in &damage {
+            // Half of the damage goes to the header.
+            let reach = if action & 1 == 0 { bytes.len() } else { bytes.len().min(32) };
+            let at = place.index(reach);
+            bytes[at] = *byte;
+        }
+        folder.write(name, &bytes);
+        assert_sound(&folder.scene());
+    }
+}
+
+#[test]
+fn the_files_are_sound_before_they_are_damaged() {
+    let folder = Folder::new(&[("a.obj", OBJ), ("a.mtl", MTL), ("a.scene.toml", SCENE)]);
+    folder.image("x.png", 4, 4, |x, y| [x as u8 * 60, y as u8 * 60, 255, 255]);
+    let scene = scene_file::load(&folder.path("a.scene.toml"), 1.0).unwrap();
+    assert_eq!((scene.warnings.len(), scene.triangle_count(), scene.textures.len()), (0, 7, 4));
+    assert_sound(&scene);
+}
