@@ -13,6 +13,7 @@ const ROOT: &str = "shaders-glsl";
 fn main() {
     println!("cargo:rerun-if-changed={ROOT}");
     println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rustc-env=SSCT_COMMIT={}", commit());
     if let Err(message) = run() {
         eprintln!("{message}");
         std::process::exit(1);
@@ -357,4 +358,26 @@ impl ExecutionModes for Module {
 /// `thesis/hi_z.frag` → `THESIS_HI_Z_FRAG`.
 fn constant_name(path: &str) -> String {
     path.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
+}
+
+/// The commit that is built, for records; "unknown" outside a repository, "+" after it for a
+/// working tree that differs.
+fn commit() -> String {
+    // The index changes with every commit and checkout; without a repository there is none.
+    for file in [".git/HEAD", ".git/index"] {
+        if Path::new(file).exists() {
+            println!("cargo:rerun-if-changed={file}");
+        }
+    }
+    let git = |args: &[&str]| {
+        let output = std::process::Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
+        Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    };
+    match git(&["rev-parse", "--short=10", "HEAD"]) {
+        None => "unknown".into(),
+        Some(commit) => match git(&["status", "--porcelain", "--untracked-files=no"]) {
+            Some(changes) if changes.is_empty() => commit,
+            _ => commit + "+",
+        },
+    }
 }

@@ -1,8 +1,11 @@
 //! Screen-space cone tracing for glossy reflections, on Vulkan.
 
+pub mod app;
 pub mod error;
 pub mod gpu;
 pub mod math;
 pub mod methods;
 pub mod passes;
+pub mod report;
 pub mod scene;
+pub mod study;

@@ -1,2 +1,5 @@
-//! The `ssct` command.
-fn main() {}
+//! The `ssct` command. Everything is in the library, under `app`.
+
+fn main() -> std::process::ExitCode {
+    ssct::app::run()
+}

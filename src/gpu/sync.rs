@@ -81,8 +81,9 @@ impl Access {
                 L::DEPTH_ATTACHMENT_OPTIMAL,
                 true,
             ),
-            Self::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
-            Self::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
+            Self::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
+            // SHADER_READ, not SHADER_SAMPLED_READ: best practices of 1.3.239 know only the former.
+            Self::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
             Self::ComputeStorage => (
                 S::COMPUTE_SHADER,
                 A::from_raw(A::SHADER_STORAGE_READ.as_raw() | A::SHADER_STORAGE_WRITE.as_raw()),
@@ -211,7 +212,7 @@ mod tests {
                     A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
                     S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
                 ),
-                (A::SHADER_SAMPLED_READ | A::SHADER_STORAGE_READ, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
+                (A::SHADER_READ | A::SHADER_STORAGE_READ, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
                 (A::SHADER_STORAGE_WRITE, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
                 (A::TRANSFER_READ | A::TRANSFER_WRITE, S::ALL_TRANSFER),
                 (A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, S::VERTEX_INPUT),
@@ -235,7 +236,7 @@ mod tests {
         let t = s.transition(Access::ColorAttachment).expect("from undefined");
         assert_eq!((t.old_layout, t.new_layout), (L::UNDEFINED, L::COLOR_ATTACHMENT_OPTIMAL));
         let t = s.transition(Access::FragmentSampled).expect("write, then read");
-        assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE) && t.dst_access == A::SHADER_SAMPLED_READ);
+        assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE) && t.dst_access == A::SHADER_READ);
         assert_eq!(s.transition(Access::FragmentSampled), None, "the same read again");
     }
 

@@ -207,6 +207,25 @@ impl Scene {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
+    /// Scales all coordinates about the origin, views and lights too.
+    pub fn scale(&mut self, factor: f32) {
+        for mesh in &mut self.meshes {
+            for v in &mut mesh.vertices {
+                v.position = v.position.map(|c| c * factor);
+            }
+            mesh.bounds = Aabb::of(&mesh.vertices);
+        }
+        for view in &mut self.views {
+            view.eye *= factor;
+            view.look_at *= factor;
+        }
+        for light in &mut self.lights {
+            if let Light::Point { position, .. } = light {
+                *position *= factor;
+            }
+        }
+    }
+
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|m| m.indices.len() / 3).sum()

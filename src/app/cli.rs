@@ -1,0 +1,156 @@
+//! The flags, each declared once. What they mean together is decided in `resolve`.
+
+use crate::methods::Preset;
+use crate::passes::color_chain::ChainFilter;
+use crate::report::figures::Figure;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::Vec3;
+use std::path::PathBuf;
+
+/// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
+#[derive(Debug, Parser)]
+#[command(name = "ssct", version, about, propagate_version = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List what Vulkan offers here.
+    Devices(DevicesOptions),
+    /// Render one image.
+    Render(RenderOptions),
+}
+
+/// Options of `ssct devices`.
+#[derive(Debug, Args)]
+pub struct DevicesOptions {
+    /// Print the list as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options that mean the same everywhere.
+#[derive(Debug, Args)]
+pub struct CommonOptions {
+    /// A built-in scene, a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    #[arg(long, value_name = "NAME|FILE", default_value = "rooms")]
+    pub scene: Vec<PathBuf>,
+    /// Scale factor on the scene's coordinates.
+    #[arg(long, default_value_t = 1.0)]
+    pub scale: f32,
+    /// A named view of the scene; without it, the scene's first.
+    #[arg(long, conflicts_with_all = ["eye", "look_at"])]
+    pub view: Option<String>,
+    /// Camera position in metres.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "look_at")]
+    pub eye: Option<Vec3>,
+    /// Where the camera looks.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
+    pub look_at: Option<Vec3>,
+    /// Vertical field of view in degrees.
+    #[arg(long, value_name = "DEG")]
+    pub fov: Option<f32>,
+    /// Near plane in metres.
+    #[arg(long, value_name = "M")]
+    pub near: Option<f32>,
+    /// Far plane in metres.
+    #[arg(long, value_name = "M")]
+    pub far: Option<f32>,
+    /// Replace every material's roughness (0 is a mirror, 1 the roughest).
+    #[arg(long, value_name = "R", value_delimiter = ',')]
+    pub roughness: Vec<f32>,
+    /// Scale every material's reflectivity.
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
+    pub reflectivity: f32,
+    /// Replace every material's normal deviation (0 is the geometric normal, 1 the normal map).
+    #[arg(long, value_name = "D")]
+    pub normal_deviation: Option<f32>,
+    /// Whose constants a published method uses.
+    #[arg(long, value_enum, default_value_t)]
+    pub preset: Preset,
+    /// How the colour chain is filtered.
+    #[arg(long, value_enum, default_value_t)]
+    pub chain_filter: ChainFilter,
+    /// Trace rays and cones in two passes instead of one.
+    #[arg(long)]
+    pub split: bool,
+    /// Fade reflections at the screen's border.
+    #[arg(long, value_enum, default_value_t)]
+    pub fade: Switch,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// Which device, and whether it is watched.
+#[derive(Debug, Args)]
+pub struct DeviceOptions {
+    /// An index of `ssct devices`, or a part of a name; also the variable SSCT_DEVICE.
+    #[arg(long, value_name = "INDEX|NAME")]
+    pub device: Option<String>,
+    /// Run under the validation layers; any message outside the allow-list fails the run.
+    #[arg(long)]
+    pub validation: bool,
+}
+
+/// Options of `ssct render`.
+#[derive(Debug, Args)]
+pub struct RenderOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// The method.
+    #[arg(long, default_value = "ssct")]
+    pub method: String,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
+    pub size: [u32; 2],
+    /// The image: .png (display) or .exr (linear).
+    #[arg(short, long, value_name = "FILE", required_unless_present = "dump")]
+    pub output: Option<PathBuf>,
+    /// Write every intermediate into a folder, as PNG and EXR.
+    #[arg(long, value_name = "DIR")]
+    pub dump: Option<PathBuf>,
+    /// Write a figure of the thesis instead of the image.
+    #[arg(long, value_enum, requires = "output")]
+    pub figure: Option<Figure>,
+    /// Show only the reflection, as the composite adds it.
+    #[arg(long, conflicts_with = "figure")]
+    pub reflection_only: bool,
+    /// Print what was drawn and recorded, as JSON.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// On or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum Switch {
+    /// Yes.
+    #[default]
+    On,
+    /// No.
+    Off,
+}
+
+/// `960x540`.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("{text:?} is no size; write it as 960x540");
+    let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());
+    match (w, h) {
+        (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
+        (Ok(w), Ok(h)) => Ok([w, h]),
+        _ => Err(wrong()),
+    }
+}
+
+/// `1.5,0,-3`.
+fn point(text: &str) -> Result<Vec3, String> {
+    let parts: Vec<_> = text.split(',').map(|v| v.trim().parse::<f32>()).collect();
+    match parts[..] {
+        [Ok(x), Ok(y), Ok(z)] if Vec3::new(x, y, z).is_finite() => Ok(Vec3::new(x, y, z)),
+        _ => Err(format!("{text:?} is no point; write it as 1.5,0,-3")),
+    }
+}

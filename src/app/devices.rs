@@ -1,0 +1,23 @@
+//! `ssct devices`.
+
+use super::cli::DevicesOptions;
+use crate::gpu::device;
+use std::io::Write;
+
+/// Lists the devices; the one that is taken by default comes by type, not by order.
+pub fn run(options: &DevicesOptions) -> anyhow::Result<()> {
+    let listing = device::devices()?;
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        writeln!(out, "{}", serde_json::to_string_pretty(&listing)?)?;
+        return Ok(());
+    }
+    for d in &listing {
+        let why = d.unsuitable.as_ref().map(|w| format!(" (unusable: {w})")).unwrap_or_default();
+        writeln!(out, "{}  {}, {}, Vulkan {}, {}{why}", d.index, d.info.name, d.info.kind, d.info.api, d.info.driver)?;
+    }
+    if listing.is_empty() {
+        writeln!(out, "no Vulkan device; scripts/setup.sh installs one that runs on the CPU")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,47 @@
+//! The command: arguments, headless runs, exit status. The only place that prints.
+
+mod cli;
+mod devices;
+mod progress;
+mod render;
+mod resolve;
+
+use crate::error::Error;
+use clap::Parser;
+use cli::{Cli, Command};
+use std::process::ExitCode;
+
+/// Runs the command line; returns the exit status: 0 done, 1 the run failed or a bar was missed,
+/// 2 the arguments are wrong.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            let status = u8::try_from(e.exit_code()).unwrap_or(2);
+            // Printing to a closed pipe may fail, and there is nobody left to tell.
+            let _ = e.print();
+            return ExitCode::from(status);
+        }
+    };
+    tracing_subscriber::fmt()
+        .with_env_filter(tracing_subscriber::EnvFilter::from_env("SSCT_LOG"))
+        .with_writer(std::io::stderr)
+        .init();
+    let done = match &cli.command {
+        Command::Devices(options) => devices::run(options),
+        Command::Render(options) => render::run(options),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
+        Err(e) => {
+            eprintln!("ssct: {e:#}");
+            ExitCode::from(e.downcast_ref::<Error>().map_or(1, Error::exit_status))
+        }
+    }
+}
+
+/// The reader of our output went away: not our failure.
+fn is_closed_pipe(e: &anyhow::Error) -> bool {
+    e.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == std::io::ErrorKind::BrokenPipe)
+}

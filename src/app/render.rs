@@ -1,0 +1,59 @@
+//! `ssct render`.
+
+use super::cli::RenderOptions;
+use super::resolve;
+use crate::error::Error;
+use crate::methods;
+use crate::report::{figures, images};
+use crate::study::timing::camera;
+use crate::study::{Shot, Stage, image};
+use std::io::Write;
+
+/// Renders one image, its intermediates or a figure.
+pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+    let common = &options.common;
+    let method = methods::find(&options.method)?;
+    let globals = match resolve::globals(common)?[..] {
+        [one] => one,
+        _ => return Err(Error::Usage("render makes one image: give one --roughness".into()).into()),
+    };
+    if let Some(path) = &options.output {
+        images::check_extension(path)?;
+    }
+    let scene = resolve::scene(&common.scene, common.scale)?;
+    let view = resolve::view(&scene, common)?;
+    let gpu = resolve::gpu(&common.device)?;
+
+    // The hits exist only where ray trace and cone trace are two passes; the image is the same.
+    let inside = options.dump.is_some() || options.figure.is_some();
+    let mut setup = resolve::setup(common, options.size);
+    setup.split |= inside;
+    let mut stage = Stage::new(&gpu, &scene)?;
+    let camera = camera(&scene, &view, options.size);
+    let shot = Shot::new(&gpu, method, &setup, camera, globals.materials(&scene, &view))?;
+    let rendered = image::render(&mut stage, &shot, inside)?;
+
+    let intermediates = rendered.intermediates.as_ref();
+    if let (Some(folder), Some(all)) = (&options.dump, intermediates) {
+        images::write_intermediates(folder, all, &camera.lens)?;
+    }
+    if let Some(path) = &options.output {
+        match (options.figure, intermediates) {
+            (Some(figure), Some(all)) => figures::draw(figure, all, &camera.lens)?.write_png(path)?,
+            _ if options.reflection_only => images::write_image(path, &rendered.reflection)?,
+            _ => images::write_image(path, &rendered.composite)?,
+        }
+    }
+    if options.json {
+        let summary = serde_json::json!({
+            "kind": "render", "definitions": crate::study::record::DEFINITIONS, "scene": scene.name, "view": view.name,
+            "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
+            "drawn": rendered.drawn, "recorded": rendered.report.recorded,
+            "validation": common.device.validation.then(|| gpu.validation().len()),
+        });
+        writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
+    }
+    drop((shot, stage));
+    gpu.check_validation()?;
+    Ok(())
+}

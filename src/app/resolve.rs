@@ -1,0 +1,107 @@
+//! From flags to what they mean together: scene, view, device, factors.
+
+use super::cli::{CommonOptions, DeviceOptions, Switch};
+use crate::error::{Error, Result};
+use crate::gpu::{DeviceQuery, Gpu};
+use crate::methods::Setup;
+use crate::scene::{Scene, View, library, obj, scene_file};
+use crate::study::Globals;
+use std::path::{Path, PathBuf};
+
+/// Opens the device.
+pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
+    Gpu::open(&DeviceQuery {
+        device: options.device.clone(),
+        validation: options.validation,
+        instance_extensions: Vec::new(),
+    })
+}
+
+/// Loads a scene by built-in name, scene file, or OBJ files.
+pub fn scene(sources: &[PathBuf], scale: f32) -> Result<Scene> {
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
+    }
+    let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
+    let scene = match sources {
+        [one] if extension(one).as_deref() == Some("toml") => scene_file::load(one, scale)?,
+        _ if sources.iter().all(|p| extension(p).as_deref() == Some("obj")) => {
+            let files: Vec<_> = sources.iter().map(obj::ObjFile::from).collect();
+            obj::load(&files, &obj::ObjOptions { scale, ..obj::ObjOptions::default() })?
+        }
+        [name] => {
+            let name = name.to_string_lossy();
+            let mut scene = library::scene(&name).ok_or_else(|| {
+                Error::Usage(format!(
+                    "--scene {name}: neither a built-in scene ({}) nor a .scene.toml or .obj file",
+                    library::names().join(", ")
+                ))
+            })?;
+            if scale != 1.0 {
+                scene.scale(scale);
+            }
+            scene
+        }
+        _ => return Err(Error::Usage("--scene may repeat for OBJ files only".into())),
+    };
+    for warning in &scene.warnings {
+        eprintln!("ssct: warning: {warning}");
+    }
+    Ok(scene)
+}
+
+/// The view that the flags name, with their lens.
+pub fn view(scene: &Scene, options: &CommonOptions) -> Result<View> {
+    let mut view = match (&options.view, options.eye, options.look_at) {
+        (Some(name), ..) => scene.view(name)?.clone(),
+        (None, Some(eye), Some(look_at)) => {
+            if eye.distance(look_at) < 1e-6 {
+                return Err(Error::Usage("--eye and --look-at are the same point".into()));
+            }
+            View { name: "custom".into(), eye, look_at, ..View::default() }
+        }
+        _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
+    };
+    let mut lens = view.lens.unwrap_or(scene.lens);
+    if let Some(fov) = options.fov {
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
+        }
+        lens.fov_y_radians = fov.to_radians();
+    }
+    lens.near_m = options.near.unwrap_or(lens.near_m);
+    lens.far_m = options.far.unwrap_or(lens.far_m);
+    if !(lens.near_m > 0.0 && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
+        return Err(Error::Usage(format!(
+            "near {} and far {}: near must be above 0 and below far",
+            lens.near_m, lens.far_m
+        )));
+    }
+    view.lens = Some(lens);
+    Ok(view)
+}
+
+/// The global factors: one for each `--roughness`, or one that keeps the materials' own.
+pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
+    let in_unit = |flag: &str, v: f32| {
+        if (0.0..=1.0).contains(&v) { Ok(v) } else { Err(Error::Usage(format!("{flag} {v}: must lie between 0 and 1"))) }
+    };
+    let reflectivity = in_unit("--reflectivity", options.reflectivity)?;
+    let normal_deviation = options.normal_deviation.map(|d| in_unit("--normal-deviation", d)).transpose()?;
+    let of = |roughness| Globals { roughness, reflectivity, normal_deviation };
+    if options.roughness.is_empty() {
+        return Ok(vec![of(None)]);
+    }
+    options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
+}
+
+/// How methods are set up at a size.
+pub fn setup(options: &CommonOptions, extent: [u32; 2]) -> Setup {
+    Setup {
+        extent,
+        preset: options.preset,
+        split: options.split,
+        chain_filter: options.chain_filter,
+        fade: options.fade == Switch::On,
+    }
+}

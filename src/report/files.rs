@@ -1,0 +1,64 @@
+//! Files written whole or not at all: a temporary name beside the target, then a rename.
+
+use crate::error::{Error, Result};
+use crate::study::TimeRecord;
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes a file through a temporary one in the same folder, which is made if it is missing.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    write_with(path, |file| file.write_all(bytes))
+}
+
+/// As [`write`], with the content streamed by `fill`.
+pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
+    let failed = |e| Error::io("write", path, e);
+    let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
+    fill(file.as_file_mut()).map_err(failed)?;
+    // A temporary file is private; a result is as readable as any other file.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        file.as_file().set_permissions(std::fs::Permissions::from_mode(0o644)).map_err(failed)?;
+    }
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// Records as a JSON array, one record a line.
+pub fn json<T: Serialize>(records: &[T]) -> String {
+    let lines: Vec<String> = records.iter().map(|r| serde_json::to_string(r).unwrap_or_else(|e| e.to_string())).collect();
+    format!("[{}]\n", lines.join(",\n "))
+}
+
+/// Raw samples of time records as CSV: one row a sample and pass.
+pub fn samples_csv(records: &[TimeRecord]) -> String {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let header = ["scene", "view", "method", "preset", "width", "height", "roughness", "sample", "pass", "counted", "ms"];
+    // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
+    let _ = writer.write_record(header);
+    for r in records {
+        for (n, sample) in r.samples.iter().enumerate() {
+            for (pass, ms) in r.passes.iter().zip(sample) {
+                let preset = serde_json::to_value(r.head.preset).ok().and_then(|v| v.as_str().map(str::to_owned));
+                let _ = writer.write_record([
+                    r.head.scene.clone(),
+                    r.head.view.clone(),
+                    r.head.method.clone(),
+                    preset.unwrap_or_default(),
+                    r.head.width.to_string(),
+                    r.head.height.to_string(),
+                    r.head.roughness.map(|v| v.to_string()).unwrap_or_default(),
+                    n.to_string(),
+                    pass.name.clone(),
+                    pass.counted.to_string(),
+                    format!("{ms:.6}"),
+                ]);
+            }
+        }
+    }
+    String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}

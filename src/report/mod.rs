@@ -1,0 +1,8 @@
+//! Records and images become files. A file is written whole or not at all.
+
+pub mod files;
+pub mod figures;
+pub mod html;
+pub mod images;
+pub mod plot;
+pub mod tables;

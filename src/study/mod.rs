@@ -1,0 +1,11 @@
+//! Measurements: run and return plain records. Nothing here prints or writes files.
+
+pub mod image;
+pub mod record;
+pub mod stage;
+pub mod table;
+pub mod timing;
+
+pub use image::{Dump, Intermediates, RenderedImage};
+pub use record::{Stats, TimeRecord};
+pub use stage::{Globals, Shot, Stage};

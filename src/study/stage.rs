@@ -1,0 +1,109 @@
+//! A scene on a device, and a shot of it: one camera, one size, one method.
+
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
+use crate::methods::{Method, MethodInfo, Output, Setup};
+use crate::passes::gbuffer::{Drawn, GBufferPass};
+use crate::passes::lighting::LightingPass;
+use crate::passes::scene_data::SceneData;
+use crate::scene::{Camera, Material, Scene, View};
+
+/// The global factors of the command line; they replace or scale every material's values
+/// (DEFINITIONS, "Surfaces").
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Globals {
+    /// Replaces every roughness.
+    pub roughness: Option<f32>,
+    /// Scales every reflectivity.
+    pub reflectivity: f32,
+    /// Replaces every normal deviation.
+    pub normal_deviation: Option<f32>,
+}
+
+impl Default for Globals {
+    fn default() -> Self {
+        Self { roughness: None, reflectivity: 1.0, normal_deviation: None }
+    }
+}
+
+impl Globals {
+    /// The materials of a view with these factors.
+    pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
+        let mut materials = scene.materials_in(view);
+        for m in &mut materials {
+            m.roughness = self.roughness.unwrap_or(m.roughness);
+            m.normal_deviation = self.normal_deviation.unwrap_or(m.normal_deviation);
+            m.reflectivity *= self.reflectivity;
+        }
+        materials
+    }
+}
+
+/// A scene on a device, and what frames are recorded with.
+pub struct Stage {
+    /// Records, submits and reads back.
+    pub context: FrameContext,
+    data: SceneData,
+}
+
+impl Stage {
+    /// Uploads a scene.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+        let mut context = FrameContext::new(gpu)?;
+        let data = SceneData::upload(&mut context, scene)?;
+        Ok(Self { context, data })
+    }
+
+    /// Runs one frame of a shot.
+    pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, Drawn)> {
+        let mut frame = self.context.begin(mode)?;
+        let (drawn, _) = shot.record(&mut frame, &self.data)?;
+        Ok((frame.finish()?, drawn))
+    }
+
+    /// Runs one frame of a shot and hands over what it made.
+    pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+        let mut frame = self.context.begin(Mode::Plain)?;
+        let (drawn, output) = shot.record(&mut frame, &self.data)?;
+        Ok((frame.finish()?, drawn, output))
+    }
+}
+
+/// One camera, one size, one method: the scene passes and the method's.
+pub struct Shot {
+    /// The G-buffer pass and its images.
+    pub gbuffer: GBufferPass,
+    lighting: LightingPass,
+    method: Box<dyn Method>,
+    /// Where it looks from.
+    pub camera: Camera,
+    materials: Vec<Material>,
+}
+
+impl Shot {
+    /// Makes pipelines and images.
+    pub fn new(gpu: &Gpu, method: &MethodInfo, setup: &Setup, camera: Camera, materials: Vec<Material>) -> Result<Self> {
+        Ok(Self {
+            gbuffer: GBufferPass::new(gpu, setup.extent)?,
+            lighting: LightingPass::new(gpu)?,
+            method: (method.create)(gpu, setup)?,
+            camera,
+            materials,
+        })
+    }
+
+    /// Replaces the materials.
+    pub fn set_materials(&mut self, materials: Vec<Material>) {
+        self.materials = materials;
+    }
+
+    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
+        let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
+        let gbuffer = self.gbuffer.gbuffer();
+        self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
+        frame.begin_effect();
+        let output = self.method.record(frame, &gbuffer, &self.camera)?;
+        Ok((drawn, output))
+    }
+}

@@ -1,0 +1,106 @@
+//! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
+
+use super::record::TimeRecord;
+use serde::Serialize;
+
+/// A row of table 5.8 (thesis ch. 5, below figure 5.8; NVIDIA GeForce GTX 670), milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Published {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Roughness, and normal deviation.
+    pub roughness: f32,
+    /// SSCT.
+    pub ssct: f64,
+    /// HZCT.
+    pub hzct: f64,
+    /// SSLR.
+    pub sslr: f64,
+}
+
+const fn row(width: u32, height: u32, roughness: f32, ssct: f64, hzct: f64, sslr: f64) -> Published {
+    Published { size: [width, height], roughness, ssct, hzct, sslr }
+}
+
+/// Table 5.8.
+pub const TABLE_5_8: [Published; 10] = [
+    row(640, 480, 0.0, 0.76, 0.69, 1.14),
+    row(640, 480, 0.1, 0.81, 0.74, 0.68),
+    row(800, 600, 0.0, 1.12, 1.02, 1.69),
+    row(800, 600, 0.1, 1.17, 1.10, 0.99),
+    row(960, 540, 0.0, 1.50, 1.10, 1.86),
+    row(960, 540, 0.1, 1.54, 1.19, 1.09),
+    row(1280, 768, 0.0, 2.45, 1.92, 3.31),
+    row(1280, 768, 0.1, 2.66, 2.07, 1.95),
+    row(1920, 1080, 0.0, 4.92, 4.07, 6.09),
+    row(1920, 1080, 0.1, 5.30, 4.49, 4.02),
+];
+
+impl Published {
+    /// The time of a method, if the table has it.
+    pub fn of(&self, method: &str) -> Option<f64> {
+        match method {
+            "ssct" => Some(self.ssct),
+            "hzct" => Some(self.hzct),
+            "sslr" => Some(self.sslr),
+            _ => None,
+        }
+    }
+}
+
+/// A row with both times and both ratios. The ratio carries over between machines; times don't.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Compared {
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Roughness, and normal deviation.
+    pub roughness: f32,
+    /// Per method: name, published and measured milliseconds, and both over `ssct`'s.
+    pub columns: Vec<Column>,
+}
+
+/// A method in a row.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Column {
+    /// Method.
+    pub method: String,
+    /// Milliseconds in print.
+    pub published_ms: f64,
+    /// Median milliseconds here.
+    pub measured_ms: f64,
+    /// Published, over SSCT's; null for SSCT itself.
+    pub published_ratio: Option<f64>,
+    /// Measured, over SSCT's; null for SSCT itself or where SSCT was not measured.
+    pub measured_ratio: Option<f64>,
+}
+
+/// Sets measured records beside the table's rows; sizes and roughness values that are in only one
+/// of them are left out.
+pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
+    let rows = TABLE_5_8.iter().filter_map(|published| {
+        let here: Vec<_> = records
+            .iter()
+            .filter(|r| [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness))
+            .collect();
+        let ssct = here.iter().find(|r| r.head.method == "ssct").map(|r| r.total.median_ms);
+        let columns: Vec<_> = here
+            .iter()
+            .filter_map(|r| {
+                let published_ms = published.of(&r.head.method)?;
+                let other = r.head.method != "ssct";
+                Some(Column {
+                    method: r.head.method.clone(),
+                    published_ms,
+                    measured_ms: r.total.median_ms,
+                    published_ratio: other.then_some(published_ms / published.ssct),
+                    measured_ratio: ssct.filter(|_| other).map(|s| r.total.median_ms / s),
+                })
+            })
+            .collect();
+        let [width, height] = published.size;
+        (!columns.is_empty()).then_some(Compared { width, height, roughness: published.roughness, columns })
+    });
+    rows.collect()
+}
