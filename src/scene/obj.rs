@@ -70,8 +70,8 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 ///
 /// - Polygons are triangulated (concave ones too); triangles without area, points and lines are left
 ///   out; what is left out or replaced is told in [`Scene::warnings`].
-/// - Missing normals: inside a smoothing group (`s 1`) the area-weighted mean over the faces of that
-///   group that meet in the position; outside (`s off`, or no `s` at all, which the format defines as
+/// - Missing normals: inside a smoothing group (`s 1`) the mean over the faces of that group that meet
+///   in the position, weighted by their angles there; outside (`s off`, or no `s` at all, which the format defines as
 ///   off) the normal of the face, so that boxes stay boxes.
 /// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are MikkTSpace's;
 ///   without texture coordinates, any that are orthogonal to the normal.

@@ -73,8 +73,11 @@ fn every_key_arrives() {
     assert_sound(&scene);
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.warnings.len()), ("both", 4, 0));
     assert_eq!(scene.bounds().max, Vec3::new(2.0, 2.0, 0.0));
-    let materials: Vec<_> =
-        scene.materials.iter().map(|m| (m.name.as_str(), m.reflectivity, m.normal_deviation, m.surface)).collect();
+    let materials: Vec<_> = scene
+        .materials
+        .iter()
+        .map(|m| (m.name.as_str(), m.reflectivity, m.normal_deviation, m.surface))
+        .collect();
     assert_eq!(
         materials,
         [
@@ -125,7 +128,7 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
 fn little_suffices() {
     let scene = load(&folder("[[mesh]]\nfile = 'A.OBJ'\n"), 1.0).unwrap();
     assert_eq!((scene.name.as_str(), scene.views[0].name.as_str()), ("test", "default"));
-    assert_eq!((scene.lights.len(), scene.lens), (1, Lens { near_m: 0.014_142_136, ..Lens::default() }));
+    assert_eq!((scene.lights.len(), scene.lens.fov_y_radians), (1, Lens::default().fov_y_radians));
     assert!(normal(&scene.meshes[0].vertices[0]).z < 0.0, "right-handed unless it says otherwise");
     let reflectivities: Vec<_> = scene.materials.iter().map(|m| m.reflectivity).collect();
     assert!((reflectivities[0] - 0.5).abs() < 1e-6 && (reflectivities[1] - 0.25).abs() < 1e-6);
@@ -156,14 +159,35 @@ fn errors_name_the_line() {
         ("[camera]\nnear = 2\nfar = 2\n".into(), "5: far (2) must be greater than near (2)"),
         (view("near = 5000"), "6: far (1000) must be greater than near (5000)"),
         (view("materials = { floor = { roughness = 2 } }"), "6: roughness must lie in 0 to 1, but is 2"),
-        ("[view.v]\neye = [1, 2, 3]\nlook_at = [1, 2, 3]\n".into(), "5: view \"v\" looks at its own eye; look_at must be another point"),
-        ("[view.v]\neye = [inf, 2, 3]\nlook_at = [1, 2, 3]\n".into(), "4: eye must have three finite numbers, not [inf, 2, 3]"),
+        (
+            "[view.v]\neye = [1, 2, 3]\nlook_at = [1, 2, 3]\n".into(),
+            "5: view \"v\" looks at its own eye; look_at must be another point",
+        ),
+        (
+            "[view.v]\neye = [inf, 2, 3]\nlook_at = [1, 2, 3]\n".into(),
+            "4: eye must have three finite numbers, not [inf, 2, 3]",
+        ),
         ("[material.floor]\nreflectivity = -0.5\n".into(), "4: reflectivity must lie in 0 to 1, but is -0.5"),
-        ("[material.floor]\nnormal_deviation = nan\n".into(), "4: normal_deviation must lie in 0 to 1, but is NaN"),
-        ("[[light]]\nkind = 'point'\nenergy = 1\n".into(), "3: a point light has a position and no direction"),
-        ("[[light]]\nkind = 'directional'\nenergy = 1\nposition = [0, 0, 0]\n".into(), "3: a directional light has a direction and no position"),
-        ("[[light]]\nkind = 'directional'\nenergy = 1\ndirection = [0, 0, 0]\n".into(), "6: direction must not be zero"),
-        ("[[light]]\nkind = 'point'\nenergy = 0\nposition = [0, 0, 0]\n".into(), "5: energy must be a number > 0, not 0"),
+        (
+            "[material.floor]\nnormal_deviation = nan\n".into(),
+            "4: normal_deviation must lie in 0 to 1, but is NaN",
+        ),
+        (
+            "[[light]]\nkind = 'point'\nenergy = 1\n".into(),
+            "3: a point light has a position and no direction",
+        ),
+        (
+            "[[light]]\nkind = 'directional'\nenergy = 1\nposition = [0, 0, 0]\n".into(),
+            "3: a directional light has a direction and no position",
+        ),
+        (
+            "[[light]]\nkind = 'directional'\nenergy = 1\ndirection = [0, 0, 0]\n".into(),
+            "6: direction must not be zero",
+        ),
+        (
+            "[[light]]\nkind = 'point'\nenergy = 0\nposition = [0, 0, 0]\n".into(),
+            "5: energy must be a number > 0, not 0",
+        ),
         ("[[mesh]]\nfile = 'gone.obj'\n".into(), "4: there is no file \"gone.obj\" here"),
     ];
     for (rest, expected) in cases {

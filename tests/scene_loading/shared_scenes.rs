@@ -64,7 +64,8 @@ fn the_rooms_load_as_their_scene_file_says() {
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.materials.len()), ("ssct-rooms", 1542, 7));
     assert_near(scene.bounds().min, Vec3::new(-6.0, -1.0, -5.0));
     assert_near(scene.bounds().max, Vec3::new(6.0, 1.951_34, 5.158_07));
-    let sky: Vec<_> = scene.meshes.iter().filter(|m| scene.materials[m.material].surface == Surface::Sky).collect();
+    let sky: Vec<_> =
+        scene.meshes.iter().filter(|m| scene.materials[m.material].surface == Surface::Sky).collect();
     assert_eq!(sky.iter().map(|m| m.indices.len() / 3).sum::<usize>(), 6, "three windows");
     assert!(scene.materials.iter().all(|m| m.reflectivity == 1.0 && m.roughness == 0.0));
     let views: Vec<_> = scene.views.iter().map(|v| v.name.as_str()).collect();

@@ -42,8 +42,9 @@ pub(super) fn build(
     let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i));
     let library = Ok((materials.clone(), by_name.collect()));
     let how = tobj::LoadOptions { single_index: true, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
-        .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
+    let (models, _) =
+        tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
+            .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
     drop((vertices, faces));
 
     let mut smoothing = smoothing.into_iter();
@@ -83,7 +84,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
         Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
         Handedness::Left => Vec3::ONE,
     };
-    // Adding zero makes −0 equal 0 bit by bit, for welding.
+    // Adding zero as in `fill_normals`.
     let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
@@ -107,7 +108,7 @@ impl Part {
     /// many had no area and were left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
-        let positions: Vec<DVec3> = polygon.iter().map(|v| position(v)).collect();
+        let positions: Vec<DVec3> = polygon.iter().map(position).collect();
         for [a, b, c] in triangulate(&positions) {
             let (b, c) = if handedness == Handedness::Right { (c, b) } else { (b, c) };
             let mut triangle = [polygon[a], polygon[b], polygon[c]];
@@ -130,13 +131,17 @@ impl Part {
 }
 
 /// Gives every vertex without a normal that of its smoothing group, or of its face.
+///
+/// The faces of a group count by their angles in the position: weights by area would depend on where
+/// a quad's diagonal runs.
 fn fill_normals(parts: &mut [Part]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
         for (triangle, &group) in part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
-            for vertex in triangle.iter().filter(|v| v.normal == [0.0; 3]) {
-                *smooth.entry(key(vertex, group)).or_default() += twice_area(triangle);
+            let face = twice_area(triangle).normalize();
+            for (i, vertex) in triangle.iter().enumerate().filter(|(_, v)| v.normal == [0.0; 3]) {
+                *smooth.entry(key(vertex, group)).or_default() += angle(triangle, i) * face;
             }
         }
     }
@@ -147,7 +152,8 @@ fn fill_normals(parts: &mut [Part]) {
                 let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
                 // Across a fold the mean may point behind the face.
                 let normal = if mean.dot(face) > 0.0 { mean } else { face };
-                vertex.normal = normal.as_vec3().normalize().to_array();
+                // Adding zero makes −0 equal 0 bit by bit, for welding.
+                vertex.normal = (normal.as_vec3().normalize() + Vec3::ZERO).to_array();
             }
         }
     }
@@ -161,6 +167,12 @@ fn position(vertex: &Vertex) -> DVec3 {
 pub(super) fn twice_area(triangle: &Triangle) -> DVec3 {
     let [a, b, c] = triangle.each_ref().map(position);
     (b - a).cross(c - a)
+}
+
+/// The angle at a corner, in radians.
+fn angle(triangle: &Triangle, corner: usize) -> f64 {
+    let [at, next, last] = [0, 1, 2].map(|i| position(&triangle[(corner + i) % 3]));
+    (next - at).angle_between(last - at)
 }
 
 /// Cuts a polygon into n − 2 triangles of its orientation: a fan if it is convex, else by cutting
@@ -232,7 +244,8 @@ mod tests {
     fn a_dart_is_cut_along_its_inner_diagonal() {
         let dart = [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [2.0, 4.0]];
         for start in 0..4 {
-            let polygon: Vec<_> = (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let polygon: Vec<_> =
+                (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
             let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
             assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
         }

@@ -16,9 +16,11 @@ pub(super) fn generate(triangles: &mut [Triangle]) {
         let normal = Vec3::from(vertex.normal);
         let [x, y, z, sign] = vertex.tangent;
         let along = Vec3::new(x, y, z).reject_from_normalized(normal);
-        let unit = along.try_normalize().filter(|t| t.is_finite());
+        // A tangent along the normal says nothing; what rounding leaves of it least of all.
+        let unit = along.try_normalize().filter(|_| along.length() > 1e-2);
         let tangent = unit.unwrap_or_else(|| normal.any_orthonormal_vector());
-        vertex.tangent = tangent.extend(if sign < 0.0 { -1.0 } else { 1.0 }).to_array();
+        // Adding zero makes −0 equal 0 bit by bit, for welding.
+        vertex.tangent = (tangent + Vec3::ZERO).extend(if sign < 0.0 { -1.0 } else { 1.0 }).to_array();
     }
 }
 

@@ -137,12 +137,20 @@ impl<'a> Scan<'a> {
             let word = match words.next() {
                 Some(word) => word,
                 None if i >= needed => "0",
-                None => return Err(self.error(format!("a {} needs {needed} numbers, not {i}", KINDS[kind]))),
+                None => {
+                    return Err(
+                        self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind]))
+                    );
+                }
             };
             match word.parse::<f32>() {
                 Ok(number) if number.is_finite() => {}
-                Ok(_) => return Err(self.error(format!("a {} has {word:?}, which is not finite", KINDS[kind]))),
-                Err(_) => return Err(self.error(format!("a {} has {word:?}, which is no number", KINDS[kind]))),
+                Ok(_) => {
+                    return Err(self.error(format!("a {} has {word:?}, which is not finite", KINDS[kind])));
+                }
+                Err(_) => {
+                    return Err(self.error(format!("a {} has {word:?}, which is no number", KINDS[kind])));
+                }
             }
             self.out.vertices.push(' ');
             self.out.vertices.push_str(word);
