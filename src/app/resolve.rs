@@ -84,7 +84,11 @@ pub fn view(scene: &Scene, options: &CommonOptions) -> Result<View> {
 /// The global factors: one for each `--roughness`, or one that keeps the materials' own.
 pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
     let in_unit = |flag: &str, v: f32| {
-        if (0.0..=1.0).contains(&v) { Ok(v) } else { Err(Error::Usage(format!("{flag} {v}: must lie between 0 and 1"))) }
+        if (0.0..=1.0).contains(&v) {
+            Ok(v)
+        } else {
+            Err(Error::Usage(format!("{flag} {v}: must lie between 0 and 1")))
+        }
     };
     let reflectivity = in_unit("--reflectivity", options.reflectivity)?;
     let normal_deviation = options.normal_deviation.map(|d| in_unit("--normal-deviation", d)).transpose()?;

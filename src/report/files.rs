@@ -30,14 +30,16 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io:
 
 /// Records as a JSON array, one record a line.
 pub fn json<T: Serialize>(records: &[T]) -> String {
-    let lines: Vec<String> = records.iter().map(|r| serde_json::to_string(r).unwrap_or_else(|e| e.to_string())).collect();
+    let lines: Vec<String> =
+        records.iter().map(|r| serde_json::to_string(r).unwrap_or_else(|e| e.to_string())).collect();
     format!("[{}]\n", lines.join(",\n "))
 }
 
 /// Raw samples of time records as CSV: one row a sample and pass.
 pub fn samples_csv(records: &[TimeRecord]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let header = ["scene", "view", "method", "preset", "width", "height", "roughness", "sample", "pass", "counted", "ms"];
+    let header =
+        ["scene", "view", "method", "preset", "width", "height", "roughness", "sample", "pass", "counted", "ms"];
     // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
     let _ = writer.write_record(header);
     for r in records {

@@ -68,7 +68,9 @@ fn is(path: &Path, extension: &str) -> bool {
 
 /// Writes every channel as 32-bit floats, under the names given.
 pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
-    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage};
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
+    };
     let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = (0..pixels.channels)
         .map(|c| AnyChannel::new(names[c], FlatSamples::F32(pixels.texels().map(|t| t[c]).collect())))
         .collect();
@@ -112,13 +114,21 @@ pub fn picture(kind: Dump, pixels: &Pixels, lens: &Lens) -> Rgb {
     let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     match kind {
         Dump::Color => display(pixels),
-        Dump::Normal => Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit(c[i] * 0.5 + 0.5) })),
+        Dump::Normal => {
+            Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit(c[i] * 0.5 + 0.5) }))
+        }
         Dump::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
-        Dump::StandardDepth => Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0]),
+        Dump::StandardDepth => {
+            Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0])
+        }
         Dump::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
         Dump::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
         Dump::Hits => Rgb::from_pixels(pixels, |c| {
-            if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) { [unit(c[0]), unit(c[1]), 0] } else { [0; 3] }
+            if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) {
+                [unit(c[0]), unit(c[1]), 0]
+            } else {
+                [0; 3]
+            }
         }),
     }
 }

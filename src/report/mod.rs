@@ -1,7 +1,7 @@
 //! Records and images become files. A file is written whole or not at all.
 
-pub mod files;
 pub mod figures;
+pub mod files;
 pub mod html;
 pub mod images;
 pub mod plot;

@@ -125,8 +125,7 @@ fn load_file(
     let statements = text::normalise(&file.path, &String::from_utf8_lossy(&bytes))?;
     drop(bytes);
     let names = statements.material_names.clone();
-    let statements_lack_library =
-        statements.libraries.is_empty() && names.iter().any(|n| n != text::NO_MATERIAL);
+    let statements_lack_library = statements.libraries.is_empty() && names.iter().any(|n| n != text::NO_MATERIAL);
     let definitions = mtl::read_libraries(&file.path, &statements.libraries, &mut scene.warnings)?;
     let parts = polygons::build(&file.path, statements, options, &mut scene.warnings)?;
 
@@ -140,10 +139,9 @@ fn load_file(
             let name = &names[part.material];
             let definition = definitions.get(name);
             if definition.is_none() && name != text::NO_MATERIAL && !definitions.is_empty() {
-                scene.warnings.push(format!(
-                    "{}: material {name} is defined in no MTL file; it is white",
-                    file.path.display()
-                ));
+                scene
+                    .warnings
+                    .push(format!("{}: material {name} is defined in no MTL file; it is white", file.path.display()));
             }
             scene_index[part.material] = Some(scene.materials.len());
             scene.materials.push(definition.map_or_else(Default::default, mtl::Definition::material));

@@ -224,9 +224,7 @@ impl Source<'_> {
                 }
                 Ok(Light::Directional { direction: unit, energy })
             }
-            (LightKind::Point, ..) => {
-                Err(self.error(section.span(), "a point light has a position and no direction"))
-            }
+            (LightKind::Point, ..) => Err(self.error(section.span(), "a point light has a position and no direction")),
             (LightKind::Directional, ..) => {
                 Err(self.error(section.span(), "a directional light has a direction and no position"))
             }
@@ -245,13 +243,7 @@ impl Source<'_> {
         sections.into_iter().map(|(name, section)| self.view(name, section, base, extra_scale)).collect()
     }
 
-    fn view(
-        &self,
-        name: String,
-        section: Spanned<ViewSection>,
-        base: Lens,
-        extra_scale: f32,
-    ) -> Result<View> {
+    fn view(&self, name: String, section: Spanned<ViewSection>, base: Lens, extra_scale: f32) -> Result<View> {
         let at = section.span();
         let ViewSection { eye, look_at, fov_y_deg, near, far, materials } = section.into_inner();
         let look_at_span = look_at.span();
@@ -317,8 +309,7 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
             let what = format!("changes material {name}, which no mesh has");
             scene.warnings.push(format!("{place}: [view.{}] {what}", view.name));
         }
-        let default =
-            view.materials.iter().position(|(n, _)| n == DEFAULT).map(|i| view.materials.remove(i).1);
+        let default = view.materials.iter().position(|(n, _)| n == DEFAULT).map(|i| view.materials.remove(i).1);
         if let Some(change) = default {
             let mut others: Vec<String> = names.clone();
             others.retain(|n| view.materials.iter().all(|(m, _)| m != n));
@@ -332,8 +323,7 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
 fn read(path: &Path) -> Result<String> {
     let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
     if length > MAX_FILE_BYTES {
-        let message =
-            format!("a scene file of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
+        let message = format!("a scene file of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
         return Err(Error::malformed(path, None, message));
     }
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;

@@ -53,8 +53,7 @@ impl Texture {
     /// [`Error::Io`] if the file cannot be opened, [`Error::Malformed`] if it is no such image or is
     /// larger than [`MAX_EXTENT`] on a side (which is found out before memory is taken for it).
     pub fn decode(path: &Path, encoding: Encoding) -> Result<Self> {
-        let malformed =
-            |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
+        let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
         let mut reader = ImageReader::open(path)
             .and_then(ImageReader::with_guessed_format)
             .map_err(|e| Error::io("read", path, e))?;
@@ -180,13 +179,7 @@ pub fn normal_map_from_height(image: &Texture, depth_texels: f32) -> Texture {
             rgba.push(255);
         }
     }
-    Texture {
-        name: image.name.clone(),
-        width: image.width,
-        height: image.height,
-        rgba,
-        encoding: Encoding::Linear,
-    }
+    Texture { name: image.name.clone(), width: image.width, height: image.height, rgba, encoding: Encoding::Linear }
 }
 
 /// Luminance of a linear colour with the primaries of sRGB (Rec. 709).

@@ -33,7 +33,12 @@ impl Stats {
             return Self { median_ms: 0.0, min_ms: 0.0, p95_ms: 0.0, samples: 0 };
         }
         let p95 = (0.95 * n as f64).ceil() as usize - 1;
-        Self { median_ms: (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0, min_ms: sorted[0], p95_ms: sorted[p95], samples: n }
+        Self {
+            median_ms: (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0,
+            min_ms: sorted[0],
+            p95_ms: sorted[p95],
+            samples: n,
+        }
     }
 }
 

@@ -83,7 +83,13 @@ pub struct Shot {
 
 impl Shot {
     /// Makes pipelines and images.
-    pub fn new(gpu: &Gpu, method: &MethodInfo, setup: &Setup, camera: Camera, materials: Vec<Material>) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        method: &MethodInfo,
+        setup: &Setup,
+        camera: Camera,
+        materials: Vec<Material>,
+    ) -> Result<Self> {
         Ok(Self {
             gbuffer: GBufferPass::new(gpu, setup.extent)?,
             lighting: LightingPass::new(gpu)?,

@@ -82,7 +82,9 @@ pub fn compare(records: &[TimeRecord]) -> Vec<Compared> {
     let rows = TABLE_5_8.iter().filter_map(|published| {
         let here: Vec<_> = records
             .iter()
-            .filter(|r| [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness))
+            .filter(|r| {
+                [r.head.width, r.head.height] == published.size && r.head.roughness == Some(published.roughness)
+            })
             .collect();
         let ssct = here.iter().find(|r| r.head.method == "ssct").map(|r| r.total.median_ms);
         let columns: Vec<_> = here

@@ -51,10 +51,7 @@ fn missing_empty_and_huge_files_are_refused() {
     folder.write("a.obj", b"");
     assert_eq!(folder.error(), "a.obj: there are no faces in this file");
     std::fs::File::create(folder.path("a.obj")).unwrap().set_len(3 << 30).unwrap();
-    assert_eq!(
-        folder.error(),
-        "a.obj: a file of 3221225472 bytes is larger than the 1073741824 that are read"
-    );
+    assert_eq!(folder.error(), "a.obj: a file of 3221225472 bytes is larger than the 1073741824 that are read");
 }
 
 #[test]

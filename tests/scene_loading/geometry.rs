@@ -6,8 +6,7 @@ use super::*;
 fn polygons_are_triangulated() {
     let scene = square("f 1 2 3 4\n").scene();
     assert_eq!((scene.triangle_count(), area(&scene)), (2, 1.0));
-    let concave =
-        Folder::new(&[("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n")]).scene();
+    let concave = Folder::new(&[("a.obj", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 2 1 0\nv 0 4 0\nf 1 2 3 4 5\n")]).scene();
     assert_eq!((concave.triangle_count(), area(&concave)), (3, 10.0));
     assert_sound(&concave);
 }
@@ -30,8 +29,7 @@ fn negative_indices_count_from_the_end_and_later_vertices_may_be_named() {
 
 #[test]
 fn weights_colours_short_texture_coordinates_and_continued_lines_are_read() {
-    let text =
-        "v 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nv 1 1 \\\r\n 0 2\r\nvt 0.25\r\nf 1/1 2/1 \\\r\n3/1 # end\r\n";
+    let text = "v 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nv 1 1 \\\r\n 0 2\r\nvt 0.25\r\nf 1/1 2/1 \\\r\n3/1 # end\r\n";
     let scene = Folder::new(&[("a.obj", text)]).scene();
     assert_eq!((scene.triangle_count(), area(&scene)), (1, 0.5));
     assert_eq!(scene.meshes[0].vertices[0].uv, [0.25, 1.0]);

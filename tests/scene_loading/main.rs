@@ -107,19 +107,13 @@ fn assert_sound(scene: &Scene) {
             assert!((tangent.length() - 1.0).abs() < 1e-3, "{vertex:?}");
             assert!(tangent.dot(normal(vertex)).abs() < 1e-3, "{vertex:?}");
             assert_eq!(vertex.tangent[3].abs(), 1.0);
-            assert!(
-                position(vertex).cmpge(mesh.bounds.min).all()
-                    && position(vertex).cmple(mesh.bounds.max).all()
-            );
+            assert!(position(vertex).cmpge(mesh.bounds.min).all() && position(vertex).cmple(mesh.bounds.max).all());
         }
         for [a, b, c] in triangles(mesh) {
             let edge = |v: &Vertex| (position(v) - position(&a)).as_dvec3();
             let cross = edge(&b).cross(edge(&c));
             let side = cross.dot((normal(&a) + normal(&b) + normal(&c)).as_dvec3());
-            assert!(
-                side > -1e-5 * cross.length(),
-                "the winding disagrees with the normals: {a:?} {b:?} {c:?}"
-            );
+            assert!(side > -1e-5 * cross.length(), "the winding disagrees with the normals: {a:?} {b:?} {c:?}");
         }
     }
     for material in &scene.materials {

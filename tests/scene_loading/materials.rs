@@ -107,10 +107,7 @@ fn an_image_that_cannot_be_decoded_is_a_warning() {
     folder.write("broken.png", b"\x89PNG\r\n\x1a\nnot really");
     let scene = folder.scene();
     assert_eq!((scene.warnings.len(), scene.materials[0].albedo_map), (1, None));
-    assert!(
-        folder.warnings(&scene)[0]
-            .starts_with("a.mtl:2: image broken.png cannot be used (broken.png: cannot be")
-    );
+    assert!(folder.warnings(&scene)[0].starts_with("a.mtl:2: image broken.png cannot be used (broken.png: cannot be"));
 }
 
 #[test]
@@ -201,10 +198,7 @@ fn moved_texture_coordinates_are_not_supported_and_say_so() {
 fn missing_libraries_and_undefined_materials_are_warnings() {
     let folder = square("mtllib gone.mtl\nusemtl m\nf 1 2 3\n");
     let scene = folder.scene();
-    assert_eq!(
-        folder.warnings(&scene),
-        ["a.obj:9: the MTL file gone.mtl is missing; its materials are white"]
-    );
+    assert_eq!(folder.warnings(&scene), ["a.obj:9: the MTL file gone.mtl is missing; its materials are white"]);
     assert_eq!((scene.materials[0].name.as_str(), scene.materials[0].albedo), ("m", Vec3::ONE));
 
     let folder = square("usemtl m\nf 1 2 3\n");
@@ -212,10 +206,7 @@ fn missing_libraries_and_undefined_materials_are_warnings() {
 
     let folder = with_mtl("Kd 1 0 0");
     folder.write("a.obj", format!("{SQUARE}mtllib a.mtl\nusemtl other\nf 1 2 3\n").as_bytes());
-    assert_eq!(
-        folder.warnings(&folder.scene()),
-        ["a.obj: material other is defined in no MTL file; it is white"]
-    );
+    assert_eq!(folder.warnings(&folder.scene()), ["a.obj: material other is defined in no MTL file; it is white"]);
 
     assert_eq!(square("f 1 2 3\n").scene().warnings, [] as [&str; 0]);
 }

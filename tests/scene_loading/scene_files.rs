@@ -73,11 +73,8 @@ fn every_key_arrives() {
     assert_sound(&scene);
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.warnings.len()), ("both", 4, 0));
     assert_eq!(scene.bounds().max, Vec3::new(2.0, 2.0, 0.0));
-    let materials: Vec<_> = scene
-        .materials
-        .iter()
-        .map(|m| (m.name.as_str(), m.reflectivity, m.normal_deviation, m.surface))
-        .collect();
+    let materials: Vec<_> =
+        scene.materials.iter().map(|m| (m.name.as_str(), m.reflectivity, m.normal_deviation, m.surface)).collect();
     assert_eq!(
         materials,
         [
@@ -168,14 +165,8 @@ fn errors_name_the_line() {
             "4: eye must have three finite numbers, not [inf, 2, 3]",
         ),
         ("[material.floor]\nreflectivity = -0.5\n".into(), "4: reflectivity must lie in 0 to 1, but is -0.5"),
-        (
-            "[material.floor]\nnormal_deviation = nan\n".into(),
-            "4: normal_deviation must lie in 0 to 1, but is NaN",
-        ),
-        (
-            "[[light]]\nkind = 'point'\nenergy = 1\n".into(),
-            "3: a point light has a position and no direction",
-        ),
+        ("[material.floor]\nnormal_deviation = nan\n".into(), "4: normal_deviation must lie in 0 to 1, but is NaN"),
+        ("[[light]]\nkind = 'point'\nenergy = 1\n".into(), "3: a point light has a position and no direction"),
         (
             "[[light]]\nkind = 'directional'\nenergy = 1\nposition = [0, 0, 0]\n".into(),
             "3: a directional light has a direction and no position",

@@ -43,8 +43,7 @@ fn sponza_loads_as_its_scene_file_says() {
     let reflecting = |materials: &[ssct::scene::Material]| -> Vec<String> {
         materials.iter().filter(|m| m.reflectivity > 1e-4).map(|m| m.name.clone()).collect()
     };
-    let views: Vec<_> =
-        scene.views.iter().map(|v| (v.name.as_str(), reflecting(&scene.materials_in(v)))).collect();
+    let views: Vec<_> = scene.views.iter().map(|v| (v.name.as_str(), reflecting(&scene.materials_in(v)))).collect();
     let expected = [("atrium", vec!["floor"]), ("lion", vec!["floor"]), ("hall", vec!["bricks", "floor"])];
     assert_eq!(views, expected.map(|(v, m)| (v, m.into_iter().map(String::from).collect())));
     assert_eq!(scene.materials.len(), 26);
@@ -64,8 +63,7 @@ fn the_rooms_load_as_their_scene_file_says() {
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.materials.len()), ("ssct-rooms", 1542, 7));
     assert_near(scene.bounds().min, Vec3::new(-6.0, -1.0, -5.0));
     assert_near(scene.bounds().max, Vec3::new(6.0, 1.951_34, 5.158_07));
-    let sky: Vec<_> =
-        scene.meshes.iter().filter(|m| scene.materials[m.material].surface == Surface::Sky).collect();
+    let sky: Vec<_> = scene.meshes.iter().filter(|m| scene.materials[m.material].surface == Surface::Sky).collect();
     assert_eq!(sky.iter().map(|m| m.indices.len() / 3).sum::<usize>(), 6, "three windows");
     assert!(scene.materials.iter().all(|m| m.reflectivity == 1.0 && m.roughness == 0.0));
     let views: Vec<_> = scene.views.iter().map(|v| v.name.as_str()).collect();

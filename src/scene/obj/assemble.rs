@@ -61,8 +61,7 @@ fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), centre| (min.min(centre), max.max(centre)));
     let axis = (max - min).max_position();
     let middle = triangles.len() / 2;
-    triangles
-        .select_nth_unstable_by(middle, |a, b| thrice_centre(a)[axis].total_cmp(&thrice_centre(b)[axis]));
+    triangles.select_nth_unstable_by(middle, |a, b| thrice_centre(a)[axis].total_cmp(&thrice_centre(b)[axis]));
     let (low, high) = triangles.split_at_mut(middle);
     split(low, chunks);
     split(high, chunks);

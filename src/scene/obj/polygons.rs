@@ -36,15 +36,13 @@ pub(super) fn build(
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Part>> {
     let Statements { vertices, faces, material_names, smoothing, .. } = statements;
-    let materials: Vec<_> = (0..material_names.len())
-        .map(|i| tobj::Material { name: i.to_string(), ..Default::default() })
-        .collect();
+    let materials: Vec<_> =
+        (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
     let by_name = materials.iter().enumerate().map(|(i, m)| (m.name.clone(), i));
     let library = Ok((materials.clone(), by_name.collect()));
     let how = tobj::LoadOptions { single_index: true, ..Default::default() };
-    let (models, _) =
-        tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
-            .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
+    let (models, _) = tobj::load_obj_buf(&mut vertices.as_bytes().chain(faces.as_bytes()), &how, |_| library.clone())
+        .map_err(|e| Error::malformed(path, None, format!("cannot be read: {e}")))?;
     drop((vertices, faces));
 
     let mut smoothing = smoothing.into_iter();
@@ -244,8 +242,7 @@ mod tests {
     fn a_dart_is_cut_along_its_inner_diagonal() {
         let dart = [[0.0, 0.0], [2.0, 1.0], [4.0, 0.0], [2.0, 4.0]];
         for start in 0..4 {
-            let polygon: Vec<_> =
-                (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
+            let polygon: Vec<_> = (0..4).map(|i| dart[(i + start) % 4]).map(|[x, y]| DVec3::new(x, y, 0.0)).collect();
             let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
             assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
         }

@@ -138,9 +138,7 @@ impl<'a> Scan<'a> {
                 Some(word) => word,
                 None if i >= needed => "0",
                 None => {
-                    return Err(
-                        self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind]))
-                    );
+                    return Err(self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind])));
                 }
             };
             match word.parse::<f32>() {

@@ -25,8 +25,7 @@ pub(in crate::scene) fn default_view(scene: &Scene) -> View {
     let seen = first_hits(scene, centre, &directions);
     let facing = seen.iter().filter(|hit| hit.facing).count();
     let eye = if 2 * facing >= directions.len() {
-        let horizontal =
-            directions.iter().zip(&seen).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
+        let horizontal = directions.iter().zip(&seen).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
         let farthest = horizontal.max_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
         farthest.map(|(direction, hit)| centre + 0.8 * hit.distance * *direction)
     } else {
