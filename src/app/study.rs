@@ -85,7 +85,14 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
 }
 
 /// Each view: lit only, and every method.
-fn pictures(gpu: &Gpu, scene: &Scene, views: &[&View], folder: &Path, plan: &Plan, bar: &ProgressBar) -> Result<Vec<Strip>> {
+fn pictures(
+    gpu: &Gpu,
+    scene: &Scene,
+    views: &[&View],
+    folder: &Path,
+    plan: &Plan,
+    bar: &ProgressBar,
+) -> Result<Vec<Strip>> {
     let mut stage = Stage::new(gpu, scene)?;
     let mut strips = Vec::new();
     for view in views {
@@ -145,7 +152,13 @@ fn table_5_8(gpu: &Gpu, scenes: &[Scene], plan: &Plan, bar: &ProgressBar) -> Res
 fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Result<Vec<Picture>> {
     let Some(scene) = scenes.first() else { return Ok(Vec::new()) };
     let wanted = [
-        (Figure::VisibilityChain, "figure-4.4", [512, 512], "corridor", "Figure 4.4: the chain of the visibility buffer, level 0 omitted"),
+        (
+            Figure::VisibilityChain,
+            "figure-4.4",
+            [512, 512],
+            "corridor",
+            "Figure 4.4: the chain of the visibility buffer, level 0 omitted",
+        ),
         (
             Figure::RaySplit,
             "figure-4.5",

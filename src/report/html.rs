@@ -157,7 +157,10 @@ fn passes(records: &[TimeRecord]) -> Markup {
             let s = p.stats;
             let mut row = vec![p.name.clone()];
             row.extend([s.median_ms, s.min_ms, s.p95_ms].map(|ms| format!("{ms:.3}")));
-            row.extend([s.samples.to_string(), p.work.map_or_else(|| "-".into(), |w| w.fragment_invocations.to_string())]);
+            row.extend([
+                s.samples.to_string(),
+                p.work.map_or_else(|| "-".into(), |w| w.fragment_invocations.to_string()),
+            ]);
             cells.push(row);
         }
     }

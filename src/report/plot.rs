@@ -61,9 +61,7 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
             for (name, ms) in record.stages() {
                 let index = stages.iter().position(|s| *s == name).unwrap_or(0);
                 let color = STAGE_COLORS[index % STAGE_COLORS.len()].filled();
-                chart
-                    .draw_series([Rectangle::new([(x, y + 0.15), (x + ms, y + 0.85)], color)])
-                    .map_err(failed)?;
+                chart.draw_series([Rectangle::new([(x, y + 0.15), (x + ms, y + 0.85)], color)]).map_err(failed)?;
                 x += ms;
             }
             let at = (12, 37 + (row as i32 * 2 + 1) * (height as i32 - 80) / (2 * records.len() as i32));
