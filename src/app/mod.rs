@@ -5,6 +5,8 @@ mod devices;
 mod progress;
 mod render;
 mod resolve;
+mod study;
+mod time;
 
 use crate::error::Error;
 use clap::Parser;
@@ -30,6 +32,8 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
+        Command::Time(options) => time::run(options),
+        Command::Study(options) => study::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
