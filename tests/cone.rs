@@ -86,7 +86,10 @@ fn reflections_are_those_of_the_closed_form_circles() {
             worst = worst.max(error);
             sum += error;
         }
-        println!("{method}, {preset:?}, roughness {roughness}: {compared} pixels, mean error {:.5}, worst {worst:.5}", sum / f64::from(compared));
+        println!(
+            "{method}, {preset:?}, roughness {roughness}: {compared} pixels, mean error {:.5}, worst {worst:.5}",
+            sum / f64::from(compared)
+        );
         assert!(compared > 5_000);
         assert!(sum / f64::from(compared) < 1e-3);
     }

@@ -1,8 +1,25 @@
 //! What the passes are held against: readable code on the CPU that shares nothing with the GPU's.
 //! Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
+//!
+//! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
+//! averages it over glossy lobes (DEFINITIONS, "Oracle" and "Image error"); [`hi_z`] and
+//! [`visibility`] are twins of passes.
 
 pub mod hi_z;
+pub mod hierarchy;
+pub mod oracle;
+pub mod random;
+pub mod ray;
+pub mod screen;
+#[cfg(test)]
+mod testing;
+pub mod thickness;
 pub mod visibility;
+
+pub use hierarchy::Hierarchy;
+pub use oracle::Oracle;
+pub use ray::{MissReason, Outcome, Trace};
+pub use screen::ScreenReference;
 
 /// One level of a chain: texels in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
