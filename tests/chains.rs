@@ -9,9 +9,9 @@ use common::{Shown, bilinear, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::passes::color_chain::ChainFilter;
+use ssct::reference::Level;
 use ssct::reference::hi_z::{self, MinMax};
 use ssct::reference::visibility::{self, Range};
-use ssct::reference::Level;
 use ssct::study::Globals;
 
 const SIZES: [[u32; 2]; 14] = [

@@ -67,9 +67,9 @@ fn reflecting(shown: &Shown) -> impl Iterator<Item = (u32, u32, DVec2)> {
     let material = shown.get("material");
     let (w, h) = (material.width, material.height);
     let pixels = (0..h).flat_map(move |y| (0..w).map(move |x| (x, y)));
-    pixels.filter(|&(x, y)| material.at(x, y)[0] > 1e-4).map(move |(x, y)| {
-        (x, y, DVec2::new((f64::from(x) + 0.5) / f64::from(w), (f64::from(y) + 0.5) / f64::from(h)))
-    })
+    pixels
+        .filter(|&(x, y)| material.at(x, y)[0] > 1e-4)
+        .map(move |(x, y)| (x, y, DVec2::new((f64::from(x) + 0.5) / f64::from(w), (f64::from(y) + 0.5) / f64::from(h))))
 }
 
 /// Where the mirror ray of a pixel starts and where it goes, in view space; the mirror is the
@@ -456,7 +456,12 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
         };
         let dull = of(0.0);
         for (composite, lit) in dull.get("composite").texels().zip(dull.get("color").texels()) {
-            assert_eq!([0, 1, 2].map(|c| composite[c].to_bits()), [0, 1, 2].map(|c| lit[c].to_bits()), "{}", method.name);
+            assert_eq!(
+                [0, 1, 2].map(|c| composite[c].to_bits()),
+                [0, 1, 2].map(|c| lit[c].to_bits()),
+                "{}",
+                method.name
+            );
         }
         assert!(dull.get("hits").texels().all(|h| path(h) == PathCode::None));
         assert!(rmse(&of(1.0).get("composite").values, &dull.get("composite").values) > 0.01, "{}", method.name);

@@ -69,9 +69,8 @@ mod tests {
 
     #[test]
     fn chains_end_at_one_texel() {
-        let sizes = |w, h| -> Vec<_> {
-            chain(&Level::from_fn(w, h, |_, _| 0.5)).iter().map(|l| (l.width, l.height)).collect()
-        };
+        let sizes =
+            |w, h| -> Vec<_> { chain(&Level::from_fn(w, h, |_, _| 0.5)).iter().map(|l| (l.width, l.height)).collect() };
         assert_eq!(sizes(5, 3), [(5, 3), (2, 1), (1, 1)]);
         assert_eq!(sizes(1, 4), [(1, 4), (1, 2), (1, 1)]);
         assert_eq!(sizes(1, 1), [(1, 1)]);

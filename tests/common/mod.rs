@@ -76,8 +76,7 @@ impl Builder {
             })
             .collect();
         // The winding agrees with the normal.
-        let indices =
-            if right.cross(up).dot(normal) > 0.0 { vec![0, 1, 2, 0, 2, 3] } else { vec![0, 2, 1, 0, 3, 2] };
+        let indices = if right.cross(up).dot(normal) > 0.0 { vec![0, 1, 2, 0, 2, 3] } else { vec![0, 2, 1, 0, 3, 2] };
         let bounds = Aabb::of(&vertices);
         self.0.meshes.push(Mesh { name: "quad".into(), vertices, indices, material, bounds });
     }
@@ -140,7 +139,8 @@ impl Shown {
     pub fn levels(&self, name: &str) -> Vec<&Pixels> {
         let all = self.image.intermediates.as_ref().unwrap();
         let of = |stem: &str| {
-            stem == name || stem.strip_prefix(name).and_then(|s| s.strip_prefix('-')).is_some_and(|n| n.parse::<u32>().is_ok())
+            stem == name
+                || stem.strip_prefix(name).and_then(|s| s.strip_prefix('-')).is_some_and(|n| n.parse::<u32>().is_ok())
         };
         let levels: Vec<_> = all.iter().filter(|(stem, ..)| of(stem)).map(|(_, _, pixels)| pixels).collect();
         assert!(!levels.is_empty(), "no intermediate {name}");
