@@ -1,4 +1,4 @@
-//! Screen-space cone tracing for glossy reflections, on Vulkan.
+#![doc = include_str!("ARCHITECTURE.md")]
 
 pub mod app;
 pub mod error;

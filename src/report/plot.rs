@@ -64,7 +64,7 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
                 chart.draw_series([Rectangle::new([(x, y + 0.15), (x + ms, y + 0.85)], color)]).map_err(failed)?;
                 x += ms;
             }
-            let at = (12, 37 + (row as i32 * 2 + 1) * (height as i32 - 80) / (2 * records.len() as i32));
+            let at = (12, 27 + (row as i32 * 2 + 1) * (height as i32 - 80) / (2 * records.len() as i32));
             root.draw(&Text::new(label(&(y + 0.5)), at, ("sans-serif", 13))).map_err(failed)?;
         }
         for (i, name) in stages.iter().enumerate() {

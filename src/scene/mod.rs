@@ -5,6 +5,7 @@
 //! ([`library`]); all three give the same [`Scene`].
 
 pub mod camera;
+pub mod gbuffer;
 pub mod library;
 pub mod obj;
 pub mod pattern;
@@ -16,6 +17,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
+pub use gbuffer::GBufferData;
 pub use texture::{Encoding, Texture};
 
 /// A scene, ready to be uploaded or ray traced.
