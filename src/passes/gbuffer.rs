@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, camera_block};
+use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -37,8 +37,6 @@ const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
-/// Format of the lit colour.
-pub const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 impl GBufferPass {
     /// Images of a size in pixels.
@@ -64,7 +62,7 @@ impl GBufferPass {
             albedo: make("albedo", ALBEDO, 1, U::COLOR_ATTACHMENT)?,
             normal: make("normal", NORMAL, 1, U::COLOR_ATTACHMENT)?,
             material: make("material", MATERIAL, 1, U::COLOR_ATTACHMENT)?,
-            color: make("color", COLOR, image::full_chain(extent), U::COLOR_ATTACHMENT | U::TRANSFER_DST)?,
+            color: make("color", LIT_COLOR, image::full_chain(extent), U::COLOR_ATTACHMENT | U::TRANSFER_DST)?,
             pipeline: GraphicsPipeline::mesh(
                 gpu,
                 &SCENE_GBUFFER_VERT,
