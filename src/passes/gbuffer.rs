@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, camera_block};
+use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -45,8 +45,6 @@ const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
-/// Format of the lit colour.
-pub const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 impl GBufferImages {
     /// Images of a size in pixels, without content.
@@ -56,7 +54,7 @@ impl GBufferImages {
             depth: image_of(gpu, "depth", DEPTH, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
             normal: image_of(gpu, "normal", NORMAL, extent, 1, U::COLOR_ATTACHMENT)?,
             material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT)?,
-            color: image_of(gpu, "color", COLOR, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
+            color: image_of(gpu, "color", LIT_COLOR, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
         })
     }
 
