@@ -10,7 +10,7 @@ use crate::passes::composite::CompositePass;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{GBuffer, gbuffer};
+use crate::passes::{GBuffer, LIT_COLOR};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -39,7 +39,7 @@ impl ThesisMethod {
         Ok(Self {
             hi_z: HiZPass::new(gpu, setup.extent)?,
             visibility: VisibilityPass::new(gpu, setup.extent)?,
-            color: ColorChainPass::new(gpu, setup.extent, gbuffer::COLOR, setup.chain_filter)?,
+            color: ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter)?,
             trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
             composite: CompositePass::new(gpu, setup.extent)?,
             preset: setup.preset,

@@ -11,8 +11,6 @@ pub mod oracle;
 pub mod random;
 pub mod ray;
 pub mod screen;
-#[cfg(test)]
-mod testing;
 pub mod thickness;
 pub mod visibility;
 
@@ -51,3 +49,6 @@ impl<T: Copy> Level<T> {
         (self.width > 1 || self.height > 1).then_some(((self.width / 2).max(1), (self.height / 2).max(1)))
     }
 }
+
+#[cfg(test)]
+mod testing;
