@@ -18,10 +18,25 @@ pub enum Preset {
 /// A bound for loops that the thesis leaves unbounded (DEFINITIONS, "Time").
 pub const UNBOUNDED: i32 = 1024;
 
+/// Numbers that replace a preset's, for studies of run time against error; `None` keeps them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+pub struct Tuning {
+    /// Bound of the Hi-Z traversal's iterations, ≥ 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<u32>,
+    /// Hi-Z level that the traversal begins at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_level: Option<u32>,
+    /// Circles of the cone, ≥ 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cone_samples: Option<u32>,
+}
+
 /// The parameters of a preset for a camera and a size in pixels. `levels` is the length of the
 /// Hi-Z chain; `towards_camera_fade` adds `hzct`'s fade.
 pub fn parameters(
     preset: Preset,
+    tuning: Tuning,
     camera: &Camera,
     extent: [u32; 2],
     levels: u32,
@@ -52,7 +67,7 @@ pub fn parameters(
         fade: i32::from(fade),
         ..ThesisBlock::default()
     };
-    match preset {
+    let block = match preset {
         Preset::Published => ThesisBlock {
             start_level: 0,            // Alg. 4, line 2
             iterations: UNBOUNDED,     // Alg. 4, line 3: while
@@ -72,5 +87,11 @@ pub fn parameters(
             cone_lengthened: 1,
             ..shared
         },
+    };
+    ThesisBlock {
+        iterations: tuning.iterations.map_or(block.iterations, |n| n as i32),
+        start_level: tuning.start_level.map_or(block.start_level, |l| l.min(levels - 1) as i32),
+        cone_samples: tuning.cone_samples.map_or(block.cone_samples, |n| n as i32),
+        ..block
     }
 }

@@ -1,6 +1,7 @@
 //! How far two images are apart.
 
 pub mod flip;
+pub mod pareto;
 
 /// Root of the mean squared difference over all values (DEFINITIONS, "Image error": the three
 /// channels of the pixels compared). Zero for none.
