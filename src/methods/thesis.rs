@@ -32,17 +32,23 @@ pub struct Tuning {
     pub cone_samples: Option<u32>,
 }
 
-/// The parameters of a preset for a camera and a size in pixels. `levels` is the length of the
-/// Hi-Z chain; `towards_camera_fade` adds `hzct`'s fade.
-pub fn parameters(
-    preset: Preset,
-    tuning: Tuning,
-    camera: &Camera,
-    extent: [u32; 2],
-    levels: u32,
-    towards_camera_fade: bool,
-    fade: bool,
-) -> ThesisBlock {
+/// Which of the thesis's methods, with whose numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variant {
+    /// Whose constants.
+    pub preset: Preset,
+    /// What replaces them.
+    pub tuning: Tuning,
+    /// Whether rays towards the camera are marched (`ssct`) or fade out (`hzct`).
+    pub fallback: bool,
+    /// Whether reflections fade at all.
+    pub fade: bool,
+}
+
+/// The parameters of a variant for a camera and a size in pixels. `levels` is the length of the
+/// Hi-Z chain.
+pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: u32) -> ThesisBlock {
+    let tuning = variant.tuning;
     let projection = camera.view_to_clip().as_dmat4();
     let shared = ThesisBlock {
         projection: projection.as_mat4().to_cols_array_2d(),
@@ -56,7 +62,7 @@ pub fn parameters(
         view_direction_epsilon: 1e-5,
         cross_offset: 0.5,
         linear_march_stride: 0.001,
-        fade_towards_camera: if towards_camera_fade { 10.0 } else { 0.0 },
+        fade_towards_camera: if variant.fallback { 0.0 } else { 10.0 },
         // Printed, and the same in the author's program.
         linear_march_count: 100,
         linear_march_increase: 1.5,
@@ -64,10 +70,10 @@ pub fn parameters(
         cone_samples: 7,
         fade_start: 0.8,
         fade_end: 1.0,
-        fade: i32::from(fade),
+        fade: i32::from(variant.fade),
         ..ThesisBlock::default()
     };
-    let block = match preset {
+    let block = match variant.preset {
         Preset::Published => ThesisBlock {
             start_level: 0,            // Alg. 4, line 2
             iterations: UNBOUNDED,     // Alg. 4, line 3: while
