@@ -17,11 +17,11 @@ use std::path::{Path, PathBuf};
 
 const EXTENT: [u32; 2] = [192, 108];
 
-/// Mean FLIP that a device other than the one of the images may differ by. Rasterisers agree but
-/// for pixels on edges, filters but for the last of 8 bits, and rays but for cells that they pass
-/// within rounding: single pixels, which hold the mean far below the 0.01 that a changed constant
-/// of any pass gives (measured in `a_changed_pass_is_seen`).
-const BOUND: f64 = 0.004;
+/// Mean FLIP that an image may differ by. Devices may disagree about pixels on edges, the last of 8
+/// bits of a filter's weights, and rays that pass a cell within rounding: a pixel in a hundred or
+/// so, if it were wholly wrong, makes 0.01. Another preset, filter or fade makes 0.07 and more, which
+/// `a_changed_pass_is_seen` holds this against.
+const BOUND: f64 = 0.01;
 
 /// The views with what they are rendered with: mirrors in one scene, gloss in the other.
 const VIEWS: [(&str, &str, f32); 3] = [("rooms", "cylinder", 0.0), ("rooms", "corridor", 0.3), ("atrium", "hall", 0.1)];
@@ -114,6 +114,6 @@ fn a_changed_pass_is_seen() {
     ] {
         let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
         println!("{what}: FLIP {mean:.5}");
-        assert!(mean > BOUND, "{what}: FLIP {mean}");
+        assert!(mean > 5.0 * BOUND, "{what}: FLIP {mean}");
     }
 }
