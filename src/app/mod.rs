@@ -2,6 +2,7 @@
 
 mod cli;
 mod devices;
+mod gbuffer;
 mod progress;
 mod render;
 mod resolve;
@@ -33,6 +34,7 @@ pub fn run() -> ExitCode {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
+        Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
     };
     match done {
