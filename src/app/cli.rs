@@ -88,6 +88,15 @@ pub struct MethodOptions {
     /// Whose constants a published method uses.
     #[arg(long, value_enum, default_value_t)]
     pub preset: Preset,
+    /// Bound of the Hi-Z traversal's iterations, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub iterations: Option<u32>,
+    /// Hi-Z level that the traversal begins at, instead of the preset's.
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=31))]
+    pub start_level: Option<u32>,
+    /// Circles of the cone, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub cone_samples: Option<u32>,
     /// How the colour chain is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,

@@ -1,8 +1,9 @@
-//! How far two images are apart, and two sets of hits.
+//! How far two images are apart, or two sets of hits, and what is best of both time and error.
 
 pub mod flip;
 pub mod hits;
 pub mod image;
+pub mod pareto;
 
 pub use hits::HitAgreement;
 
