@@ -2,7 +2,7 @@
 //! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
 
 use super::gbuffer;
-use super::record::{DEFINITIONS, Head, Stats};
+use super::record::{Head, Stats};
 use super::stage::{Globals, Shot, Stage};
 use super::timing::camera;
 use crate::error::Result;
@@ -28,7 +28,7 @@ use crate::reference::world_hits::{WorldHit, world_hits};
 use crate::scene::{GBufferData, Material, Scene, View};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -40,7 +40,7 @@ pub struct Variant {
 }
 
 /// The parameters of a variant, as records show them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
@@ -50,7 +50,7 @@ pub struct Params {
 }
 
 /// What a figure is held against.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Against {
     /// Hits against oracle 1; mirrors only.
@@ -62,7 +62,7 @@ pub enum Against {
 }
 
 /// One figure of run time against error. What has no meaning is null.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorRecord {
     /// What it is of.
     #[serde(flatten)]
@@ -209,21 +209,8 @@ struct Record(ErrorRecord);
 
 impl Record {
     fn new(spec: &ErrorSpec, method: &str, setup: &Setup, time_ms: Option<f64>) -> Self {
-        let head = Head {
-            kind: "error",
-            definitions: DEFINITIONS,
-            version: Head::VERSION,
-            commit: Head::COMMIT,
-            scene: spec.scene.name.clone(),
-            view: spec.view.name.clone(),
-            method: method.to_owned(),
-            preset: setup.preset,
-            width: spec.extent[0],
-            height: spec.extent[1],
-            roughness: spec.globals.roughness,
-            normal_deviation: spec.globals.normal_deviation,
-            device: spec.gpu.info().clone(),
-        };
+        let setup = Setup { extent: spec.extent, ..*setup };
+        let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
             params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },

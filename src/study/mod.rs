@@ -5,6 +5,7 @@ pub mod gbuffer;
 pub mod image;
 pub mod record;
 pub mod stage;
+pub mod sweep;
 pub mod table;
 pub mod timing;
 
