@@ -1,5 +1,6 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
+use super::window::ViewOptions;
 use crate::methods::Preset;
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
@@ -23,6 +24,8 @@ pub enum Command {
     Devices(DevicesOptions),
     /// Render one image.
     Render(RenderOptions),
+    /// Fly through a scene in a window.
+    View(ViewOptions),
 }
 
 /// Options of `ssct devices`.
@@ -135,7 +138,7 @@ pub enum Switch {
 }
 
 /// `960x540`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());

@@ -2,9 +2,18 @@
 
 mod cli;
 mod devices;
+#[cfg(feature = "window")]
+mod fly_camera;
 mod progress;
 mod render;
 mod resolve;
+#[cfg(feature = "window")]
+mod viewer;
+#[cfg(feature = "window")]
+mod window;
+#[cfg(not(feature = "window"))]
+#[path = "no_window.rs"]
+mod window;
 
 use crate::error::Error;
 use clap::Parser;
@@ -30,6 +39,7 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
+        Command::View(options) => window::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

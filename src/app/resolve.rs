@@ -52,7 +52,7 @@ pub fn scene(sources: &[PathBuf], scale: f32) -> Result<Scene> {
 
 /// The view that the flags name, with their lens.
 pub fn view(scene: &Scene, options: &CommonOptions) -> Result<View> {
-    let mut view = match (&options.view, options.eye, options.look_at) {
+    let view = match (&options.view, options.eye, options.look_at) {
         (Some(name), ..) => scene.view(name)?.clone(),
         (None, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
@@ -62,6 +62,11 @@ pub fn view(scene: &Scene, options: &CommonOptions) -> Result<View> {
         }
         _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
     };
+    with_lens(scene, view, options)
+}
+
+/// A view with the lens that the flags ask for.
+pub fn with_lens(scene: &Scene, mut view: View, options: &CommonOptions) -> Result<View> {
     let mut lens = view.lens.unwrap_or(scene.lens);
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {

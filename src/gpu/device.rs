@@ -288,6 +288,9 @@ fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bo
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
         }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
+        }
         _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
     })?;
     Ok((entry, instance, has_debug))
