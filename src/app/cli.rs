@@ -24,6 +24,10 @@ pub enum Command {
     Devices(DevicesOptions),
     /// Render one image.
     Render(RenderOptions),
+    /// Time every pass on the GPU.
+    Time(TimeOptions),
+    /// Render and time the built-in scenes, and write a page that shows it all.
+    Study(StudyOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
 }
@@ -39,8 +43,8 @@ pub struct DevicesOptions {
 /// Options that mean the same everywhere.
 #[derive(Debug, Args)]
 pub struct CommonOptions {
-    /// A built-in scene, a .scene.toml file, or an OBJ file; several OBJ files make one scene.
-    #[arg(long, value_name = "NAME|FILE", default_value = "rooms")]
+    /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Scale factor on the scene's coordinates.
     #[arg(long, default_value_t = 1.0)]
@@ -125,6 +129,58 @@ pub struct RenderOptions {
     /// Print what was drawn and recorded, as JSON.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `ssct time`.
+#[derive(Debug, Args)]
+pub struct TimeOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Widths and heights in pixels.
+    #[arg(long, visible_alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Measure a table of the thesis: its sizes and roughness values, on the view `hall`.
+    #[arg(long, value_enum)]
+    pub table: Option<Table>,
+    /// Frames that count, for each method, size and roughness.
+    #[arg(long, default_value_t = 10)]
+    pub samples: usize,
+    /// Frames before the first that counts.
+    #[arg(long, default_value_t = 2)]
+    pub warmup: usize,
+    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A table of the thesis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Table {
+    /// Resolutions and roughness values of SSCT, HZCT and SSLR.
+    #[value(name = "5.8")]
+    T5_8,
+}
+
+/// Options of `ssct study`.
+#[derive(Debug, Args)]
+pub struct StudyOptions {
+    /// One view of each scene, small and few: under a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Frames that count, for each measurement.
+    #[arg(long, default_value_t = 5, conflicts_with = "quick")]
+    pub samples: usize,
+    /// The folder; its page is index.html.
+    #[arg(short, long, value_name = "DIR", default_value = "out")]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub device: DeviceOptions,
 }
 
 /// On or off.

@@ -7,6 +7,8 @@ mod fly_camera;
 mod progress;
 mod render;
 mod resolve;
+mod study;
+mod time;
 #[cfg(feature = "window")]
 mod viewer;
 #[cfg(feature = "window")]
@@ -39,6 +41,8 @@ pub fn run() -> ExitCode {
     let done = match &cli.command {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
+        Command::Time(options) => time::run(options),
+        Command::Study(options) => study::run(options),
         Command::View(options) => window::run(options),
     };
     match done {

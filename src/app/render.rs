@@ -20,8 +20,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     if let Some(path) = &options.output {
         images::check_extension(path)?;
     }
-    let scene = resolve::scene(&common.scene, common.scale)?;
-    let view = resolve::view(&scene, common)?;
+    let scene = resolve::scene(common, "rooms")?;
+    let view = resolve::view(&scene, common, None)?;
     let gpu = resolve::gpu(&common.device)?;
 
     // The hits exist only where ray trace and cone trace are two passes; the image is the same.

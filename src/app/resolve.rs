@@ -17,8 +17,10 @@ pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
     })
 }
 
-/// Loads a scene by built-in name, scene file, or OBJ files.
-pub fn scene(sources: &[PathBuf], scale: f32) -> Result<Scene> {
+/// Loads the scene that the flags name: built in, a scene file, or OBJ files.
+pub fn scene(options: &CommonOptions, default: &str) -> Result<Scene> {
+    let fallback = [PathBuf::from(default)];
+    let (sources, scale) = (if options.scene.is_empty() { &fallback } else { &options.scene[..] }, options.scale);
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
     }
@@ -50,16 +52,16 @@ pub fn scene(sources: &[PathBuf], scale: f32) -> Result<Scene> {
     Ok(scene)
 }
 
-/// The view that the flags name, with their lens.
-pub fn view(scene: &Scene, options: &CommonOptions) -> Result<View> {
-    let view = match (&options.view, options.eye, options.look_at) {
-        (Some(name), ..) => scene.view(name)?.clone(),
-        (None, Some(eye), Some(look_at)) => {
+/// The view that the flags name, else the default, else the scene's first; with the flags' lens.
+pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Result<View> {
+    let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
+        (_, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
                 return Err(Error::Usage("--eye and --look-at are the same point".into()));
             }
             View { name: "custom".into(), eye, look_at, ..View::default() }
         }
+        (Some(name), ..) => scene.view(name)?.clone(),
         _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
     };
     with_lens(scene, view, options)

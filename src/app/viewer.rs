@@ -34,7 +34,7 @@ pub struct Viewer {
     stage: Stage,
     /// Of the present method and size; made when it is needed.
     shot: Option<Shot>,
-    /// Effect times of the last frames of this shot, in milliseconds.
+    /// Effect times of the last frames of this method, size and view, in milliseconds.
     recent_ms: VecDeque<f64>,
 }
 
@@ -110,6 +110,7 @@ impl Viewer {
         self.view = view.clone();
         self.camera.jump(view);
         self.moved = false;
+        self.recent_ms.clear();
         self.update_materials();
         true
     }

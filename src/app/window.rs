@@ -63,8 +63,8 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     if let Some(path) = &options.screenshot {
         images::check_extension(path)?;
     }
-    let scene = resolve::scene(&common.scene, common.scale)?;
-    let view = resolve::view(&scene, common)?;
+    let scene = resolve::scene(common, "rooms")?;
+    let view = resolve::view(&scene, common, None)?;
     let views =
         scene.views.iter().map(|v| resolve::with_lens(&scene, v.clone(), common)).collect::<Result<Vec<_>>>()?;
 

@@ -1,1 +1,79 @@
-//! (next)
+//! Plots as SVG.
+
+use crate::study::TimeRecord;
+use plotters::prelude::*;
+
+/// Colours of the stages, in the order in which they first appear.
+const STAGE_COLORS: [RGBColor; 8] = [
+    RGBColor(0x4c, 0x78, 0xa8),
+    RGBColor(0x72, 0xb7, 0xb2),
+    RGBColor(0x54, 0xa2, 0x4b),
+    RGBColor(0xee, 0xca, 0x3b),
+    RGBColor(0xe4, 0x57, 0x56),
+    RGBColor(0xb2, 0x79, 0xa2),
+    RGBColor(0x9d, 0x75, 0x5d),
+    RGBColor(0xba, 0xb0, 0xac),
+];
+
+/// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
+pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
+    let mut stages: Vec<String> = Vec::new();
+    for (name, _) in records.iter().flat_map(|r| r.stages()) {
+        if !stages.contains(&name) {
+            stages.push(name);
+        }
+    }
+    let most = records.iter().map(|r| r.stages().iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
+    let height = 90 + 26 * records.len() as u32;
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (1000, height)).into_drawing_area();
+        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        root.fill(&WHITE).map_err(failed)?;
+        let rows = records.len().max(1) as f64;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(10)
+            .margin_top(34)
+            .x_label_area_size(36)
+            .y_label_area_size(300)
+            .build_cartesian_2d(0.0..most * 1.05, rows..0.0)
+            .map_err(failed)?;
+        let label = |y: &f64| {
+            let r = records.get(*y as usize);
+            match r {
+                Some(r) if y.fract() == 0.5 => {
+                    let h = &r.head;
+                    let rough = super::tables::roughness(h.roughness);
+                    format!("{} {} {}x{} r {rough} {}", h.scene, h.view, h.width, h.height, h.method)
+                }
+                _ => String::new(),
+            }
+        };
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .x_desc("milliseconds (medians; the scene passes are not counted)")
+            .y_labels(0)
+            .draw()
+            .map_err(failed)?;
+        for (row, record) in records.iter().enumerate() {
+            let (y, mut x) = (row as f64, 0.0);
+            for (name, ms) in record.stages() {
+                let index = stages.iter().position(|s| *s == name).unwrap_or(0);
+                let color = STAGE_COLORS[index % STAGE_COLORS.len()].filled();
+                chart.draw_series([Rectangle::new([(x, y + 0.15), (x + ms, y + 0.85)], color)]).map_err(failed)?;
+                x += ms;
+            }
+            let at = (12, 27 + (row as i32 * 2 + 1) * (height as i32 - 80) / (2 * records.len() as i32));
+            root.draw(&Text::new(label(&(y + 0.5)), at, ("sans-serif", 13))).map_err(failed)?;
+        }
+        for (i, name) in stages.iter().enumerate() {
+            let x = 300 + 110 * i as i32;
+            let color = STAGE_COLORS[i % STAGE_COLORS.len()].filled();
+            root.draw(&Rectangle::new([(x, 12), (x + 14, 26)], color)).map_err(failed)?;
+            root.draw(&Text::new(name.as_str(), (x + 19, 12), ("sans-serif", 13))).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(svg)
+}

@@ -1,0 +1,41 @@
+//! GPU time of each method's passes on the corridor of the built-in rooms, 480×270, roughness 0.1:
+//! criterion's statistics over the device's own timestamps (not over the host's clock).
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, Gpu};
+use ssct::methods::{METHODS, Setup};
+use ssct::scene::library;
+use ssct::study::timing::camera;
+use ssct::study::{Globals, Shot, Stage};
+use std::time::Duration;
+
+const SIZE: [u32; 2] = [480, 270];
+
+fn methods(criterion: &mut Criterion) {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let scene = library::scene("rooms").expect("a built-in scene");
+    let view = scene.view("corridor").expect("a view of the rooms");
+    let globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
+    let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+    let mut group = criterion.benchmark_group("gpu time");
+    group.sample_size(10);
+    for method in METHODS {
+        let camera = camera(&scene, view, SIZE);
+        let shot = Shot::new(&gpu, method, &Setup::new(SIZE), camera, globals.materials(&scene, view)).expect("a shot");
+        group.bench_function(BenchmarkId::new(method.name, "480x270"), |bencher| {
+            bencher.iter_custom(|iterations| {
+                let mut ms = 0.0;
+                for _ in 0..iterations {
+                    let (report, _) = stage.run(&shot, Mode::Timed).expect("a frame");
+                    ms += report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>();
+                }
+                Duration::from_secs_f64(ms * 1e-3)
+            });
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, methods);
+criterion_main!(benches);

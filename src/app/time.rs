@@ -1,0 +1,107 @@
+//! `ssct time`.
+
+use super::cli::{Table, TimeOptions};
+use super::{progress, resolve};
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::methods::{self, METHODS, MethodInfo};
+use crate::report::{files, plot, tables};
+use crate::scene::{Scene, View};
+use crate::study::table::{TABLE_5_8, compare};
+use crate::study::timing::{TimeSpec, time};
+use crate::study::{Globals, TimeRecord};
+use std::io::Write;
+
+/// Measures, prints and writes.
+pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
+    let common = &options.common;
+    let table = options.table == Some(Table::T5_8);
+    let scene = resolve::scene(common, if table { "atrium" } else { "rooms" })?;
+    let view = resolve::view(&scene, common, table.then_some("hall"))?;
+    let methods = match &options.method[..] {
+        [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
+        [] => METHODS.iter().collect(),
+        names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+    };
+    let globals = if table { table_globals(options)? } else { resolve::globals(common)? };
+    let sizes = sizes(options, table)?;
+    let gpu = resolve::gpu(&common.device)?;
+    let records = measure(options, &gpu, &scene, &view, methods, sizes, globals)?;
+
+    if let Some(folder) = &options.output {
+        files::write(&folder.join("time.json"), files::json(&records).as_bytes())?;
+        files::write(&folder.join("time-samples.csv"), files::samples_csv(&records).as_bytes())?;
+        files::write(&folder.join("time.svg"), plot::stage_bars(&records).map_err(anyhow::Error::msg)?.as_bytes())?;
+        files::write(&folder.join("time.txt"), text(&records, table).as_bytes())?;
+    }
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        out.write_all(files::json(&records).as_bytes())?;
+    } else {
+        out.write_all(text(&records, table).as_bytes())?;
+    }
+    gpu.check_validation()?;
+    Ok(())
+}
+
+fn text(records: &[TimeRecord], table: bool) -> String {
+    let mut text = String::new();
+    if let Some(first) = records.first() {
+        let d = &first.head.device;
+        text += &format!("{} ({}, {})\n", d.name, d.kind, d.driver);
+    }
+    if table {
+        text += &tables::table_5_8(&compare(records));
+        text += "\n";
+    }
+    text + &tables::times(records)
+}
+
+fn measure(
+    options: &TimeOptions,
+    gpu: &Gpu,
+    scene: &Scene,
+    view: &View,
+    methods: Vec<&'static MethodInfo>,
+    sizes: Vec<[u32; 2]>,
+    globals: Vec<Globals>,
+) -> Result<Vec<TimeRecord>> {
+    if options.samples == 0 {
+        return Err(Error::Usage("--samples 0: at least one is needed".into()));
+    }
+    let setup = resolve::setup(&options.common, sizes[0]);
+    let (warmup, samples) = (options.warmup, options.samples);
+    let spec = TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup, samples };
+    let bar = progress::bar("timing", spec.frames());
+    let records = time(&spec, &mut || bar.inc(1));
+    bar.finish_and_clear();
+    records
+}
+
+/// Sizes of the flags, else of the table, else 960×540.
+fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
+    let all: Vec<[u32; 2]> = TABLE_5_8.iter().map(|r| r.size).collect();
+    if !options.size.is_empty() {
+        if let Some([w, h]) = options.size.iter().find(|s| table && !all.contains(s)) {
+            return Err(Error::Usage(format!("--table 5.8 has no row for {w}x{h}")));
+        }
+        return Ok(options.size.clone());
+    }
+    let mut sizes = if table { all } else { vec![[960, 540]] };
+    sizes.dedup();
+    Ok(sizes)
+}
+
+/// The table's roughness values, each also the normal deviation.
+fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
+    if options.common.normal_deviation.is_some() {
+        return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
+    }
+    let known = [0.0, 0.1];
+    let wanted = if options.common.roughness.is_empty() { known.to_vec() } else { options.common.roughness.clone() };
+    if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
+        return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
+    }
+    let reflectivity = options.common.reflectivity;
+    Ok(wanted.iter().map(|r| Globals { roughness: Some(*r), reflectivity, normal_deviation: Some(*r) }).collect())
+}

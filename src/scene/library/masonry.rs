@@ -1,0 +1,192 @@
+//! Parts that buildings are made of: walls with arches, vaults and columns.
+
+use super::builder::MeshBuilder;
+use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_PI_2, PI};
+
+/// Straight pieces that an arch is made of.
+const ARCH_STEPS: u32 = 20;
+
+/// An upright wall. A point of it is `origin + a · along`, at a height above `origin`.
+#[derive(Debug, Clone, Copy)]
+pub struct Wall {
+    /// A point in the middle of its thickness, at height 0.
+    pub origin: Vec3,
+    /// Horizontal unit vector along the wall.
+    pub along: Vec3,
+    /// Metres from face to face.
+    pub thickness_m: f32,
+}
+
+/// An opening that ends in half an ellipse.
+#[derive(Debug, Clone, Copy)]
+pub struct Arch {
+    /// Middle of the opening along the wall.
+    pub centre_m: f32,
+    /// Half its width.
+    pub half_width_m: f32,
+    /// Height where the curve begins.
+    pub spring_m: f32,
+    /// Height of the crown above the spring.
+    pub rise_m: f32,
+}
+
+impl Wall {
+    fn across(&self) -> Vec3 {
+        self.along.cross(Vec3::Y)
+    }
+
+    /// A point `side` (−1…1) across the wall.
+    fn at(&self, a: f32, height: f32, side: f32) -> Vec3 {
+        self.origin + a * self.along + height * Vec3::Y + 0.5 * side * self.thickness_m * self.across()
+    }
+
+    /// The same wall, thicker by so much on each side.
+    fn thickened(self, by_m: f32) -> Self {
+        Self { thickness_m: self.thickness_m + 2.0 * by_m, ..self }
+    }
+}
+
+impl Arch {
+    /// Along and height of the curve, `turn` from 0 (left spring) to 1 (right spring).
+    fn curve(&self, turn: f32) -> Vec2 {
+        let (sin, cos) = (PI * turn).sin_cos();
+        Vec2::new(self.centre_m - self.half_width_m * cos, self.spring_m + self.rise_m * sin)
+    }
+
+    fn widened(self, by_m: f32) -> Self {
+        Self { half_width_m: self.half_width_m + by_m, rise_m: self.rise_m + by_m, ..self }
+    }
+}
+
+/// Both faces of a wall from `span[0]` to `span[1]` along it and `bottom` to `top` in height, with
+/// arches (in order along the wall) cut out down to `bottom`.
+pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom, top]: [f32; 2], arches: &[Arch]) {
+    for side in [-1.0, 1.0] {
+        let facing = side * wall.across();
+        let mut pier = |from: f32, to: f32, spring: f32| {
+            for [low, high] in [[bottom, spring], [spring, top]] {
+                let corner = |a: f32, height: f32| wall.at(a, height, side);
+                mesh.polygon(&[corner(from, low), corner(to, low), corner(to, high), corner(from, high)], facing);
+            }
+        };
+        let mut from = span[0];
+        for arch in arches {
+            pier(from, arch.centre_m - arch.half_width_m, arch.spring_m);
+            from = arch.centre_m + arch.half_width_m;
+        }
+        pier(from, span[1], arches.last().map_or(bottom, |a| a.spring_m));
+        for arch in arches {
+            let curve = arch_points(arch);
+            let lower: Vec<Vec3> = curve.iter().map(|p| wall.at(p.x, p.y, side)).collect();
+            let upper: Vec<Vec3> = curve.iter().map(|p| wall.at(p.x, top, side)).collect();
+            mesh.band(&lower, &upper, facing);
+        }
+    }
+}
+
+/// The inside of an arch through the wall, with its jambs down to `bottom`.
+pub fn soffit(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, bottom: f32) {
+    arch_shell(mesh, wall, arch, true);
+    for (a, facing) in
+        [(arch.centre_m - arch.half_width_m, wall.along), (arch.centre_m + arch.half_width_m, -wall.along)]
+    {
+        let corners = [(bottom, -1.0), (bottom, 1.0), (arch.spring_m, 1.0), (arch.spring_m, -1.0)];
+        mesh.polygon(&corners.map(|(height, side)| wall.at(a, height, side)), facing);
+    }
+}
+
+/// A raised band of stones round an arch: it stands out of both faces by `proud_m`, is `width_m`
+/// wide, and lines the arch.
+pub fn archivolt(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, width_m: f32, proud_m: f32) {
+    let wall = wall.thickened(proud_m);
+    let outer = arch.widened(width_m);
+    let (inside, outside) = (arch_points(arch), arch_points(&outer));
+    for side in [-1.0, 1.0] {
+        let line = |points: &[Vec2]| points.iter().map(|p| wall.at(p.x, p.y, side)).collect::<Vec<_>>();
+        mesh.band(&line(&inside), &line(&outside), side * wall.across());
+    }
+    arch_shell(mesh, &wall, arch, true);
+    arch_shell(mesh, &wall, &outer, false);
+}
+
+fn arch_points(arch: &Arch) -> Vec<Vec2> {
+    (0..=ARCH_STEPS).map(|k| arch.curve(k as f32 / ARCH_STEPS as f32)).collect()
+}
+
+/// The curved surface of an arch, facing in towards its middle or out.
+fn arch_shell(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, inwards: bool) {
+    let length = PI * 0.5 * (arch.half_width_m + arch.rise_m);
+    let across = if inwards { 1.0 } else { -1.0 };
+    mesh.surface(Vec3::ZERO, [ARCH_STEPS, 1], |s, t| {
+        let p = arch.curve(s);
+        let side = across * (2.0 * t - 1.0);
+        (wall.at(p.x, p.y, side), Vec2::new(s * length, t * wall.thickness_m))
+    });
+}
+
+/// A groin vault over a rectangle, seen from below: two crossing half-elliptic barrels that rise
+/// from `spring_m` by `rise_m`.
+pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32, rise_m: f32, steps: [u32; 2]) {
+    let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
+    let origin = Vec3::new(centre.x, spring_m, centre.y);
+    for quarter in 0..4 {
+        let (width, depth) = if quarter % 2 == 0 { (half.x, half.y) } else { (half.y, half.x) };
+        let (right, outward) = match quarter {
+            0 => (Vec3::X, Vec3::Z),
+            1 => (Vec3::NEG_Z, Vec3::X),
+            2 => (Vec3::NEG_X, Vec3::NEG_Z),
+            _ => (Vec3::Z, Vec3::NEG_X),
+        };
+        // The angle runs over the half ellipse; t from the groin (|sine| of the depth) outwards.
+        mesh.surface(origin, steps, |s, t| {
+            let (sin, cos) = (PI * s - FRAC_PI_2).sin_cos();
+            let groin = sin.abs();
+            let out = depth * (groin + (1.0 - groin) * t);
+            let position = width * sin * right + rise_m * cos * Vec3::Y + out * outward;
+            (position, Vec2::new((s - 0.5) * (width + rise_m) * FRAC_PI_2, out))
+        });
+    }
+}
+
+/// Sizes of a round column.
+#[derive(Debug, Clone, Copy)]
+pub struct Column {
+    /// Radius of the shaft at its foot.
+    pub radius_m: f32,
+    /// Height with plinth and abacus.
+    pub height_m: f32,
+    /// Half the width of the square plinth and abacus.
+    pub half_plinth_m: f32,
+    /// Flat sides that stand for its roundness.
+    pub sides: u32,
+}
+
+/// A round column on `foot`: square plinth, base moulding, shaft that tapers, capital and abacus.
+pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &Column) {
+    let (r, h, half) = (size.radius_m, size.height_m, size.half_plinth_m);
+    let slab = 0.45 * half;
+    let square = |mesh: &mut MeshBuilder, low: f32, high: f32, half: f32| {
+        mesh.cuboid(foot + Vec3::new(-half, low, -half), foot + Vec3::new(half, high, half));
+    };
+    square(mesh, -0.02, slab, half);
+    square(mesh, h - 0.6 * slab, h, half);
+    let moulding = |mesh: &mut MeshBuilder, low: f32, height: f32, inner: f32, bulge: f32| {
+        mesh.revolve(foot + low * Vec3::Y, [size.sides, 5], |t| {
+            let (sin, cos) = (PI * t).sin_cos();
+            Vec2::new(inner + bulge * sin, height * (0.5 - 0.5 * cos))
+        });
+    };
+    let roll = 0.35 * slab;
+    moulding(mesh, slab, roll, r, 0.8 * (half - r));
+    moulding(mesh, slab + roll, 0.6 * roll, r, 0.45 * (half - r));
+    let (shaft_low, shaft_high) = (slab + 1.6 * roll, h - 1.9 * slab);
+    mesh.revolve(foot + shaft_low * Vec3::Y, [size.sides, 3], |t| {
+        Vec2::new(r * (1.0 - 0.14 * t * t), (shaft_high - shaft_low) * t)
+    });
+    moulding(mesh, shaft_high - 0.5 * roll, roll, 0.86 * r, 0.14 * r);
+    mesh.revolve(foot + shaft_high * Vec3::Y, [size.sides, 6], |t| {
+        let flare = 1.0 - (1.0 - t * t).max(0.0).sqrt();
+        Vec2::new(0.86 * r + (0.96 * half - 0.86 * r) * flare.min(1.0), 1.3 * slab * t)
+    });
+}

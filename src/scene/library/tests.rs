@@ -1,0 +1,192 @@
+//! What must hold of every triangle, material and view of the built-in scenes.
+
+use super::*;
+use crate::scene::{Light, Vertex};
+use std::sync::LazyLock;
+
+/// The built-in scenes, made once for all tests.
+static SCENES: LazyLock<Vec<Scene>> =
+    LazyLock::new(|| names().iter().map(|name| scene(name).expect("a built-in scene")).collect());
+
+fn built(name: &str) -> &'static Scene {
+    SCENES.iter().find(|s| s.name == name).expect("a built-in scene")
+}
+
+/// The corners of every triangle, with its mesh's name.
+fn triangles(scene: &Scene) -> impl Iterator<Item = (&str, [Vertex; 3])> {
+    scene.meshes.iter().flat_map(|m| {
+        m.indices.chunks_exact(3).map(|t| {
+            (m.name.as_str(), [m.vertices[t[0] as usize], m.vertices[t[1] as usize], m.vertices[t[2] as usize]])
+        })
+    })
+}
+
+#[test]
+fn names_and_scenes_agree() {
+    for (name, scene) in names().iter().zip(SCENES.iter()) {
+        assert_eq!(scene.name, *name);
+    }
+    assert!(scene("sponza").is_none());
+}
+
+#[test]
+fn indices_materials_and_textures_exist() {
+    for scene in SCENES.iter() {
+        for mesh in &scene.meshes {
+            assert!(!mesh.indices.is_empty() && mesh.indices.len() % 3 == 0, "{}", mesh.name);
+            assert!(mesh.indices.iter().all(|&i| (i as usize) < mesh.vertices.len()), "{}", mesh.name);
+            assert!(mesh.material < scene.materials.len(), "{}", mesh.name);
+            assert_eq!(mesh.bounds, crate::scene::Aabb::of(&mesh.vertices));
+        }
+        for material in &scene.materials {
+            let maps = [material.albedo_map, material.normal_map];
+            assert!(maps.into_iter().flatten().all(|t| t < scene.textures.len()), "{material:?}");
+            assert_eq!(maps[0].is_some(), material.surface == Surface::Lit, "{material:?}");
+        }
+        for (k, material) in scene.materials.iter().enumerate() {
+            assert!(scene.meshes.iter().any(|m| m.material == k), "nothing is made of {}", material.name);
+        }
+    }
+}
+
+#[test]
+fn vertices_are_finite_with_unit_normals_and_orthogonal_tangents() {
+    for scene in SCENES.iter() {
+        for mesh in &scene.meshes {
+            for v in &mesh.vertices {
+                let (n, t) = (Vec3::from(v.normal), Vec3::from_slice(&v.tangent[..3]));
+                assert!(Vec3::from(v.position).is_finite(), "{} {v:?}", mesh.name);
+                assert!(v.uv.iter().all(|x| x.is_finite()), "{} {v:?}", mesh.name);
+                assert!((n.length() - 1.0).abs() < 1e-4 && (t.length() - 1.0).abs() < 1e-4, "{} {v:?}", mesh.name);
+                assert!(n.dot(t).abs() < 1e-3, "{} {v:?}", mesh.name);
+                assert_eq!(v.tangent[3].abs(), 1.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn winding_agrees_with_the_normals() {
+    for scene in SCENES.iter() {
+        for (name, [a, b, c]) in triangles(scene) {
+            let at = |v: Vertex| Vec3::from(v.position);
+            let across = (at(b) - at(a)).cross(at(c) - at(a)).normalize();
+            for v in [a, b, c] {
+                assert!(across.dot(Vec3::from(v.normal)) > 0.0, "{name}: {across} against {v:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn tangents_follow_the_texture() {
+    for scene in SCENES.iter() {
+        let (mut wrong, mut all) = (0, 0);
+        for (_, [a, b, c]) in triangles(scene) {
+            let at = |v: Vertex| Vec3::from(v.position);
+            let uv = |v: Vertex| glam::Vec2::from(v.uv);
+            let (p, q) = (at(b) - at(a), at(c) - at(a));
+            let (i, j) = (uv(b) - uv(a), uv(c) - uv(a));
+            let det = i.perp_dot(j);
+            // dP/du and −dP/dv of the triangle, up to a positive factor.
+            let along_u = (p * j.y - q * i.y) * det.signum();
+            let against_v = -(q * i.x - p * j.x) * det.signum();
+            let n = Vec3::from(a.normal);
+            let t = Vec3::from_slice(&a.tangent[..3]);
+            let bitangent = a.tangent[3] * n.cross(t);
+            all += 1;
+            if along_u.dot(t) <= 0.0 || against_v.dot(bitangent) <= 0.0 {
+                wrong += 1;
+            }
+        }
+        // Where a surface closes to a point, the texture is twisted within one triangle.
+        assert!(wrong * 200 < all, "{}: {wrong} of {all}", scene.name);
+    }
+}
+
+#[test]
+fn texture_scale_is_true_to_the_metre() {
+    for scene in SCENES.iter() {
+        let floor = scene.meshes.iter().find(|m| m.name == "floor").expect("a floor");
+        let (a, b) = (floor.vertices[0], floor.vertices[1]);
+        let metres = Vec3::from(a.position).distance(Vec3::from(b.position));
+        let images = glam::Vec2::from(a.uv).distance(glam::Vec2::from(b.uv));
+        assert!((1.0..4.0).contains(&(metres / images)), "{}", metres / images);
+    }
+}
+
+#[test]
+fn extents_are_those_of_the_scenes_they_stand_for() {
+    let near = |a: Vec3, b: Vec3, tolerance: f32| a.abs_diff_eq(b, tolerance);
+    let rooms = built("rooms").bounds();
+    assert!(near(rooms.min, Vec3::new(-6.0, -1.0, -5.0), 0.03), "{rooms:?}");
+    assert!(near(rooms.max, Vec3::new(6.0, 1.951, 5.158), 0.03), "{rooms:?}");
+    let atrium = built("atrium").bounds();
+    assert!(near(atrium.min, Vec3::new(-19.2, -1.264, -11.05), 0.3), "{atrium:?}");
+    assert!(near(atrium.max, Vec3::new(18.0, 14.294, 11.83), 0.3), "{atrium:?}");
+}
+
+/// Whether a point is within `reach` of a triangle.
+fn is_near(point: Vec3, [a, b, c]: [Vec3; 3], reach: f32) -> bool {
+    let (low, high) = (a.min(b).min(c) - reach, a.max(b).max(c) + reach);
+    if point.cmplt(low).any() || point.cmpgt(high).any() {
+        return false;
+    }
+    // Ericson, Real-Time Collision Detection, 5.1.5, without the early outs: inside the prism the
+    // plane counts, else the nearest edge.
+    let n = (b - a).cross(c - a);
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|&(p, q)| (q - p).cross(point - p).dot(n) >= 0.0);
+    if inside {
+        return (point - a).dot(n).abs() / n.length() < reach;
+    }
+    [(a, b), (b, c), (c, a)].iter().any(|&(p, q)| {
+        let along = ((point - p).dot(q - p) / (q - p).length_squared()).clamp(0.0, 1.0);
+        point.distance(p.lerp(q, along)) < reach
+    })
+}
+
+#[test]
+fn eyes_have_free_space_around_them() {
+    for scene in SCENES.iter() {
+        for view in &scene.views {
+            for (name, corners) in triangles(scene) {
+                let corners = corners.map(|v| Vec3::from(v.position));
+                assert!(!is_near(view.eye, corners, 0.1), "{}: {name} before the eye", view.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn views_and_reflectivities_are_those_of_the_thesis() {
+    let rooms = built("rooms");
+    let names: Vec<_> = rooms.views.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["cylinder", "window-floor", "corridor", "two-cylinders", "window", "ceiling"]);
+    assert!(rooms.materials.iter().all(|m| m.roughness == 0.0));
+    assert!(rooms.materials.iter().all(|m| m.surface == Surface::Sky || m.reflectivity == 1.0));
+
+    let atrium = built("atrium");
+    let reflecting = |view: &str| -> Vec<String> {
+        let view = atrium.view(view).expect("a view");
+        let materials = atrium.materials_in(view).into_iter();
+        materials.filter(|m| m.reflectivity > 0.0).map(|m| m.name).collect()
+    };
+    assert_eq!(reflecting("atrium"), ["floor"]);
+    assert_eq!(reflecting("lion"), ["floor"]);
+    assert_eq!(reflecting("hall"), ["floor", "bricks"]);
+    let [Light::Directional { direction, .. }] = atrium.lights[..] else {
+        panic!("one directional light");
+    };
+    assert!(direction.abs_diff_eq(Vec3::new(-0.3, -1.0, 0.25).normalize(), 1e-4), "{direction}");
+}
+
+#[test]
+fn scenes_are_the_same_at_every_call() {
+    for name in names() {
+        let (a, b) = (built(name), scene(name).expect("a built-in scene"));
+        assert!(a.textures == b.textures, "{name}");
+        for (p, q) in a.meshes.iter().zip(&b.meshes) {
+            assert!(p.vertices == q.vertices && p.indices == q.indices, "{name}: {}", p.name);
+        }
+    }
+}

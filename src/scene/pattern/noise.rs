@@ -1,0 +1,132 @@
+//! Lattice noise and cells that repeat, from an integer hash: the same bits on every machine.
+//!
+//! Coordinates are in lattice units; every function repeats after a whole number of them, which is
+//! what makes the patterns tile.
+
+use glam::{IVec2, Vec2};
+
+/// A hash of a lattice point: three odd multipliers, then MurmurHash3's 32-bit finaliser.
+fn hash(at: IVec2, seed: u32) -> u32 {
+    let mut h = (at.x as u32).wrapping_mul(0x9E37_79B1)
+        ^ (at.y as u32).wrapping_mul(0x85EB_CA77)
+        ^ seed.wrapping_mul(0xC2B2_AE3D);
+    h ^= h >> 16;
+    h = h.wrapping_mul(0x85EB_CA6B);
+    h ^= h >> 13;
+    h = h.wrapping_mul(0xC2B2_AE35);
+    h ^ (h >> 16)
+}
+
+/// A random number in 0…1 (1 excluded) of a lattice point.
+pub fn unit(at: IVec2, seed: u32) -> f32 {
+    (hash(at, seed) >> 8) as f32 / 16_777_216.0
+}
+
+/// 0 below `low`, 1 above `high`, smooth between.
+pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Value noise in 0…1 with continuous slope, repeating after `period` lattice units.
+pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
+    let cell = at.floor();
+    let f = at - cell;
+    let f = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let corner = |dx, dy| unit((cell.as_ivec2() + IVec2::new(dx, dy)).rem_euclid(period), seed);
+    let lower = corner(0, 0) + (corner(1, 0) - corner(0, 0)) * f.x;
+    let upper = corner(0, 1) + (corner(1, 1) - corner(0, 1)) * f.x;
+    lower + (upper - lower) * f.y
+}
+
+/// Octaves of [`value`], each of twice the frequency and half the weight; 0…1.
+pub fn fractal(at: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for octave in 0..octaves {
+        let scale = 1 << octave;
+        let weight = 1.0 / scale as f32;
+        sum += weight * value(at * scale as f32, period * scale, seed.wrapping_add(octave));
+        weights += weight;
+    }
+    sum / weights
+}
+
+/// The cell that a point falls in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Which cell: a lattice point within the period, to hash for the cell's own tone.
+    pub id: IVec2,
+    /// Distance to the nearest border with another cell, in the unit of `cell_size`.
+    pub border: f32,
+}
+
+/// Voronoi cells around one jittered point per lattice cell; odd rows are shifted by half a cell,
+/// as a mason lays stones. `jitter` is 0…1, `period.y` must be even.
+pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Cell {
+    let row = (at.y / cell_size.y).floor() as i32;
+    let centre = |ix: i32, iy: i32| {
+        let id = IVec2::new(ix, iy).rem_euclid(period);
+        let shift = if iy.rem_euclid(2) == 1 { 0.5 } else { 0.0 };
+        let random = Vec2::new(unit(id, seed), unit(id, seed ^ 0x55)) - 0.5;
+        let middle = Vec2::new(ix as f32 + 0.5 + shift, iy as f32 + 0.5);
+        (id, (middle + random * jitter) * cell_size)
+    };
+    let around = |reach: i32| {
+        let column = (at.x / cell_size.x).floor() as i32;
+        (-reach..=reach).flat_map(move |dy| (-reach - 1..=reach).map(move |dx| centre(column + dx, row + dy)))
+    };
+    let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
+    for (id, point) in around(1) {
+        let distance = point.distance_squared(at);
+        if distance < nearest.2 {
+            nearest = (id, point, distance);
+        }
+    }
+    let mut border = f32::INFINITY;
+    for (_, point) in around(2) {
+        let apart = point - nearest.1;
+        if apart.length_squared() > 1e-8 {
+            let middle = 0.5 * (point + nearest.1);
+            border = border.min((middle - at).dot(apart.normalize()));
+        }
+    }
+    Cell { id: nearest.0, border: border.max(0.0) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_repeats_after_its_period_and_stays_in_range() {
+        for k in 0..500_u32 {
+            let at = Vec2::new(unit(IVec2::new(k as i32, 0), 1), unit(IVec2::new(k as i32, 1), 1));
+            let at = at * Vec2::new(4.0, 6.0);
+            let period = IVec2::new(4, 6);
+            let here = fractal(at, period, 4, 7);
+            assert!((0.0..=1.0).contains(&here));
+            let there = fractal(at + period.as_vec2(), period, 4, 7);
+            assert!((here - there).abs() < 1e-4, "{at}: {here} and {there}");
+        }
+    }
+
+    #[test]
+    fn noise_varies() {
+        let row: Vec<f32> = (0..256).map(|k| unit(IVec2::new(k, 3), 5)).collect();
+        let mean = row.iter().sum::<f32>() / 256.0;
+        let variance = row.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / 256.0;
+        assert!((mean - 0.5).abs() < 0.08, "mean {mean}");
+        assert!((variance - 1.0 / 12.0).abs() < 0.02, "variance {variance}");
+    }
+
+    #[test]
+    fn cells_without_jitter_have_known_borders() {
+        // Square unit cells, odd rows shifted by a half: in the middle of a cell of row 0 the
+        // nearest neighbours are left and right, their borders half a cell away.
+        let cell = cells(Vec2::new(2.5, 0.5), Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
+        assert_eq!(cell.id, IVec2::new(2, 0));
+        assert!((cell.border - 0.5).abs() < 1e-5, "{}", cell.border);
+        let cell = cells(Vec2::new(2.9, 0.5), Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
+        assert!((cell.border - 0.1).abs() < 1e-5, "{}", cell.border);
+    }
+}
