@@ -57,9 +57,11 @@ pub struct Gpu {
 
 /// What the handles share, in the order in which it was made.
 pub(crate) struct Shared {
+    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "keeps the loader loaded"))]
     pub entry: ash::Entry,
     pub instance: ash::Instance,
     debug: Option<Debug>,
+    #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
     pub device: ash::Device,
     pub push_descriptor: ash::khr::push_descriptor::Device,
@@ -499,6 +501,7 @@ fn open_device(
         entry,
         instance,
         debug,
+        #[cfg(feature = "window")]
         physical,
         device,
         queue_family: queue_family as u32,
