@@ -1,11 +1,13 @@
-//! Screen-space cone tracing for glossy reflections, on Vulkan.
+#![doc = include_str!("ARCHITECTURE.md")]
 
 pub mod app;
 pub mod error;
 pub mod gpu;
 pub mod math;
 pub mod methods;
+pub mod metrics;
 pub mod passes;
+pub mod reference;
 pub mod report;
 pub mod scene;
 pub mod study;

@@ -4,6 +4,7 @@ mod cli;
 mod devices;
 #[cfg(feature = "window")]
 mod fly_camera;
+mod gbuffer;
 mod progress;
 mod render;
 mod resolve;
@@ -42,6 +43,7 @@ pub fn run() -> ExitCode {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
+        Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
         Command::View(options) => window::run(options),
     };

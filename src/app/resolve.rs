@@ -1,9 +1,9 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{CommonOptions, DeviceOptions, Switch};
+use super::cli::{CommonOptions, DeviceOptions, MethodOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
-use crate::methods::Setup;
+use crate::methods::{Setup, Tuning};
 use crate::scene::{Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
@@ -106,11 +106,24 @@ pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
     options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
 }
 
+/// The global factors where only one roughness makes sense; `why` says so.
+pub fn one_globals(options: &CommonOptions, why: &str) -> Result<Globals> {
+    match globals(options)?[..] {
+        [one] => Ok(one),
+        _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
+    }
+}
+
 /// How methods are set up at a size.
-pub fn setup(options: &CommonOptions, extent: [u32; 2]) -> Setup {
+pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
     Setup {
         extent,
         preset: options.preset,
+        tuning: Tuning {
+            iterations: options.iterations,
+            start_level: options.start_level,
+            cone_samples: options.cone_samples,
+        },
         split: options.split,
         chain_filter: options.chain_filter,
         fade: options.fade == Switch::On,

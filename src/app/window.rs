@@ -56,10 +56,7 @@ pub struct ViewOptions {
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let method = methods::find(&options.method)?;
-    let globals = match resolve::globals(common)?[..] {
-        [one] => one,
-        _ => return Err(Error::Usage("view shows one image: give one --roughness".into()).into()),
-    };
+    let globals = resolve::one_globals(common, "view shows one image")?;
     if let Some(path) = &options.screenshot {
         images::check_extension(path)?;
     }
@@ -75,7 +72,7 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
         validation: common.device.validation,
         instance_extensions: swapchain::instance_extensions(&events)?,
     })?;
-    let setup = resolve::setup(common, options.size);
+    let setup = resolve::setup(&common.method_options, options.size);
     let mut app = App {
         gpu: gpu.clone(),
         size: options.size,

@@ -130,12 +130,17 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
 
+    /// What of it is outside the allow-list.
+    pub fn violations(&self) -> Vec<validation::Message> {
+        self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
+    }
+
     /// An error if the validation layers said anything outside the allow-list.
     pub fn check_validation(&self) -> Result<()> {
-        let log: Vec<_> = self.validation().into_iter().filter(|m| !m.allowed).collect();
-        match log.first() {
+        let violations = self.violations();
+        match violations.first() {
             None => Ok(()),
-            Some(first) => Err(Error::Validation { count: log.len(), first: first.text.clone() }),
+            Some(first) => Err(Error::Validation { count: violations.len(), first: first.text.clone() }),
         }
     }
 

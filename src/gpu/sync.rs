@@ -183,8 +183,7 @@ impl State {
             self.read_stages |= info.stages;
             self.read_access |= info.access;
         }
-        let needed =
-            moves || (!untouched && (info.writes || !sees) && !(before.write_stages.is_empty() && !info.writes));
+        let needed = moves || (!untouched && (info.writes || !(sees || before.write_stages.is_empty())));
         needed.then(|| Transition {
             // A write waits for the reads before it; the write before those is already ordered.
             src_stages: before.write_stages

@@ -21,7 +21,7 @@ pub struct ThesisTracePass {
 
 enum Stages {
     Combined(GraphicsPipeline),
-    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Image },
+    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Box<Image> },
 }
 
 /// What the pass reads.
@@ -50,7 +50,7 @@ impl ThesisTracePass {
             Stages::Split {
                 trace: GraphicsPipeline::fullscreen(gpu, trace, &[HITS])?,
                 cone: GraphicsPipeline::fullscreen(gpu, &THESIS_CONE_TRACE_FRAG, &[REFLECTION])?,
-                hits: image("hits", HITS)?,
+                hits: Box::new(image("hits", HITS)?),
             }
         } else {
             let shader = if fallback { &THESIS_SSCT_FRAG } else { &THESIS_HZCT_FRAG };

@@ -5,6 +5,8 @@
 //! ([`library`]); all three give the same [`Scene`].
 
 pub mod camera;
+pub mod gbuffer;
+pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
 pub mod pattern;
@@ -16,6 +18,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
+pub use gbuffer::GBufferData;
 pub use texture::{Encoding, Texture};
 
 /// A scene, ready to be uploaded or ray traced.

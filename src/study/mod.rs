@@ -1,5 +1,6 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod gbuffer;
 pub mod image;
 pub mod record;
 pub mod stage;
