@@ -1,5 +1,6 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
+use super::window::ViewOptions;
 use crate::methods::Preset;
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
@@ -32,6 +33,8 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Fly through a scene in a window.
+    View(ViewOptions),
 }
 
 /// Options of `ssct devices`.
@@ -286,7 +289,7 @@ pub enum Switch {
 }
 
 /// `960x540`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());

@@ -3,12 +3,21 @@
 mod cli;
 mod devices;
 mod error;
+#[cfg(feature = "window")]
+mod fly_camera;
 mod gbuffer;
 mod progress;
 mod render;
 mod resolve;
 mod study;
 mod time;
+#[cfg(feature = "window")]
+mod viewer;
+#[cfg(feature = "window")]
+mod window;
+#[cfg(not(feature = "window"))]
+#[path = "no_window.rs"]
+mod window;
 
 use crate::error::Error;
 use clap::Parser;
@@ -38,6 +47,7 @@ pub fn run() -> ExitCode {
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
+        Command::View(options) => window::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

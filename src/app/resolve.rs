@@ -54,7 +54,7 @@ pub fn scene(options: &CommonOptions, default: &str) -> Result<Scene> {
 
 /// The view that the flags name, else the default, else the scene's first; with the flags' lens.
 pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Result<View> {
-    let mut view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
+    let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
         (_, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
                 return Err(Error::Usage("--eye and --look-at are the same point".into()));
@@ -64,6 +64,11 @@ pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Re
         (Some(name), ..) => scene.view(name)?.clone(),
         _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
     };
+    with_lens(scene, view, options)
+}
+
+/// A view with the lens that the flags ask for.
+pub fn with_lens(scene: &Scene, mut view: View, options: &CommonOptions) -> Result<View> {
     let mut lens = view.lens.unwrap_or(scene.lens);
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {

@@ -57,9 +57,11 @@ pub struct Gpu {
 
 /// What the handles share, in the order in which it was made.
 pub(crate) struct Shared {
+    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "keeps the loader loaded"))]
     pub entry: ash::Entry,
     pub instance: ash::Instance,
     debug: Option<Debug>,
+    #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
     pub device: ash::Device,
     pub push_descriptor: ash::khr::push_descriptor::Device,
@@ -293,6 +295,9 @@ fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bo
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
         }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
+        }
         _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
     })?;
     Ok((entry, instance, has_debug))
@@ -501,6 +506,7 @@ fn open_device(
         entry,
         instance,
         debug,
+        #[cfg(feature = "window")]
         physical,
         device,
         queue_family: queue_family as u32,
