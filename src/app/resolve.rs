@@ -3,7 +3,7 @@
 use super::cli::{CommonOptions, DeviceOptions, MethodOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
-use crate::methods::Setup;
+use crate::methods::{Setup, Tuning};
 use crate::scene::{Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
@@ -114,6 +114,11 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
     Setup {
         extent,
         preset: options.preset,
+        tuning: Tuning {
+            iterations: options.iterations,
+            start_level: options.start_level,
+            cone_samples: options.cone_samples,
+        },
         split: options.split,
         chain_filter: options.chain_filter,
         fade: options.fade == Switch::On,

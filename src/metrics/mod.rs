@@ -1,6 +1,12 @@
-//! How far two images are apart.
+//! How far two images are apart, or two sets of hits, and what is best of both time and error.
 
 pub mod flip;
+pub mod hits;
+pub mod image;
+pub mod pareto;
+pub mod world;
+
+pub use hits::HitAgreement;
 
 /// Root of the mean squared difference over all values (DEFINITIONS, "Image error": the three
 /// channels of the pixels compared). Zero for none.
@@ -16,6 +22,12 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
+/// The least of some sorted numbers that a share (0 < share ≤ 1) of them don't exceed; `None` of none.
+pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -26,5 +38,14 @@ mod tests {
         assert!((rmse(&[1.0, 0.0, 0.0, 2.0], &[1.0, 3.0, -4.0, 2.0]) - 2.5).abs() < 1e-12);
         assert_eq!(rmse(&[], &[]), 0.0);
         assert!(rmse(&[f32::NAN], &[0.0]).is_nan(), "NaN is not hidden");
+    }
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let numbers: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!(percentile(&numbers, 0.5), Some(100.0));
+        assert_eq!(percentile(&numbers, 0.99), Some(198.0));
+        assert_eq!(percentile(&numbers, 1.0), Some(200.0));
+        assert_eq!((percentile(&[7.0], 0.01), percentile(&[], 0.5)), (Some(7.0), None));
     }
 }

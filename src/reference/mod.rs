@@ -1,8 +1,30 @@
 //! What the passes are held against: readable code on the CPU that shares nothing with the GPU's.
 //! Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
+//!
+//! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
+//! averages it over glossy lobes; [`world`] does so against the triangles (DEFINITIONS, "Oracle" and
+//! "Image error"). [`hi_z`] and [`visibility`] are twins of passes.
 
+pub mod bvh;
+pub mod first_hits;
 pub mod hi_z;
+pub mod hierarchy;
+pub mod lobe;
+pub mod oracle;
+pub mod random;
+pub mod ray;
+pub mod screen;
+pub mod surface;
+pub mod thickness;
 pub mod visibility;
+pub mod world;
+pub mod world_hits;
+pub mod world_state;
+
+pub use hierarchy::Hierarchy;
+pub use oracle::Oracle;
+pub use ray::{MissReason, Outcome, Trace};
+pub use screen::ScreenReference;
 
 /// One level of a chain: texels in rows from the top.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,3 +56,6 @@ impl<T: Copy> Level<T> {
         (self.width > 1 || self.height > 1).then_some(((self.width / 2).max(1), (self.height / 2).max(1)))
     }
 }
+
+#[cfg(test)]
+mod testing;

@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
 use crate::methods::{MethodInfo, Setup};
-use crate::passes::GBuffer;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::{GBuffer, PathCode};
 use crate::scene::{Camera, GBufferData};
 use glam::Vec3;
 
@@ -53,4 +53,12 @@ pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup
         composite: context.read(output.composite.all())?,
         reflection: context.read(output.reflection.0.all())?,
     })
+}
+
+/// Where a published method takes its rays to have hit, in continuous pixel coordinates; `None` for
+/// a miss. `hits` is the image of [`crate::passes::Hits`].
+pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
+    let size = [f64::from(hits.width), f64::from(hits.height)];
+    let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];
+    hits.texels().map(|t| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit).then(|| position(t))).collect()
 }
