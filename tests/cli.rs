@@ -266,6 +266,28 @@ fn time_reports_every_pass_of_every_method_and_size() {
 }
 
 #[test]
+fn a_quick_study_makes_a_page_with_all_that_it_shows() {
+    let folder = Folder::new();
+    let output = folder.run(&["study", "--quick", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "no terminal, no progress");
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
+    let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
+    assert!(!page.contains("src=\"http") && !page.contains("<script src"), "the page needs nothing from elsewhere");
+    let shown: Vec<_> = page.split("src=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
+    let mut images: Vec<_> = shown.iter().filter_map(|s| s.strip_prefix("images/")).collect();
+    images.sort();
+    images.dedup();
+    assert_eq!(images, folder.list("out/images"), "every image is shown, and every image shown is there");
+    // Per scene: direct light and each method; and two figures.
+    assert_eq!(images.len(), 2 * (1 + ssct::methods::METHODS.len()) + 2);
+    let records: Value = serde_json::from_str(&std::fs::read_to_string(folder.path("out/time.json")).unwrap()).unwrap();
+    assert!(records.as_array().unwrap().iter().all(|r| r["kind"] == "time"));
+    assert_eq!(folder.list("out"), ["images", "index.html", "time-samples.csv", "time.json"]);
+}
+
+#[test]
 fn devices_are_listed_with_the_index_that_device_takes() {
     let folder = Folder::new();
     let output = folder.run(&["devices", "--json"]);
