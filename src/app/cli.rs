@@ -25,6 +25,8 @@ pub enum Command {
     Render(RenderOptions),
     /// Time every pass on the GPU.
     Time(TimeOptions),
+    /// Measure run time against error.
+    Error(ErrorOptions),
     /// Write a G-buffer to a file, or run a method on one from any renderer.
     #[command(subcommand, name = "gbuffer")]
     GBuffer(GBufferCommand),
@@ -168,6 +170,37 @@ pub struct TimeOptions {
     #[arg(long, default_value_t = 2)]
     pub warmup: usize,
     /// Write time.json, time-samples.csv, time.svg and time.txt into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `ssct error`.
+#[derive(Debug, Args)]
+pub struct ErrorOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Widths and heights in pixels; without it, 480x270 (320x180 with --quick).
+    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Two views, two roughness values, no sweep.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only the variant that the flags name, instead of both presets and their parameters.
+    #[arg(long)]
+    pub no_sweep: bool,
+    /// Frames that count, for each variant.
+    #[arg(long, default_value_t = 5)]
+    pub samples: usize,
+    /// Rays a pixel of the screen and the world reference.
+    #[arg(long, default_value_t = 64)]
+    pub rays: u32,
+    /// Write records, plots and pictures into a folder; cells that it has are not measured again.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Print the records as JSON, and nothing else.

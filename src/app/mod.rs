@@ -2,6 +2,7 @@
 
 mod cli;
 mod devices;
+mod error;
 mod gbuffer;
 mod progress;
 mod render;
@@ -34,6 +35,7 @@ pub fn run() -> ExitCode {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
+        Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
     };

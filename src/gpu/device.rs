@@ -24,7 +24,7 @@ pub struct DeviceQuery {
 }
 
 /// What a device calls itself and can do.
-#[derive(Debug, Clone, serde::Serialize, PartialEq)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize, PartialEq)]
 pub struct DeviceInfo {
     /// Marketing name.
     pub name: String,

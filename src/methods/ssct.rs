@@ -10,7 +10,7 @@ use crate::passes::composite::CompositePass;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{GBuffer, LIT_COLOR};
+use crate::passes::{GBuffer, Hits, LIT_COLOR, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -42,6 +42,25 @@ impl ThesisMethod {
             composite: CompositePass::new(gpu, setup.extent)?,
             variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback, fade: setup.fade },
         })
+    }
+}
+
+impl ThesisMethod {
+    /// The chains and the cone trace from hits of any origin: what the cone makes of exact hits.
+    /// The method must have been made split.
+    pub fn record_cone<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer<'a>,
+        camera: &Camera,
+        hits: Hits,
+    ) -> Result<Reflection<'a>> {
+        let hi_z = self.hi_z.record(frame, gbuffer)?;
+        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
+        let color = self.color.record(frame, gbuffer)?;
+        let parameters = thesis::parameters(&self.variant, camera, gbuffer.depth.extent(), hi_z.0.levels());
+        let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
+        self.trace.record_cone(frame, &input, &parameters, hits)
     }
 }
 

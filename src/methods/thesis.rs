@@ -5,7 +5,7 @@ use crate::gpu::shader::ThesisBlock;
 use crate::scene::Camera;
 
 /// Whose constants a published method uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// What the thesis prints, and the author's value where it prints nothing.
@@ -19,7 +19,7 @@ pub enum Preset {
 pub const UNBOUNDED: i32 = 1024;
 
 /// Numbers that replace a preset's, for studies of run time against error; `None` keeps them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Tuning {
     /// Bound of the Hi-Z traversal's iterations, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]

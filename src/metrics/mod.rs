@@ -4,6 +4,7 @@ pub mod flip;
 pub mod hits;
 pub mod image;
 pub mod pareto;
+pub mod world;
 
 pub use hits::HitAgreement;
 

@@ -2,17 +2,24 @@
 //! Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
 //!
 //! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
-//! averages it over glossy lobes (DEFINITIONS, "Oracle" and "Image error"); [`hi_z`] and
-//! [`visibility`] are twins of passes.
+//! averages it over glossy lobes; [`world`] does so against the triangles (DEFINITIONS, "Oracle" and
+//! "Image error"). [`hi_z`] and [`visibility`] are twins of passes.
 
+pub mod bvh;
+pub mod first_hits;
 pub mod hi_z;
 pub mod hierarchy;
+pub mod lobe;
 pub mod oracle;
 pub mod random;
 pub mod ray;
 pub mod screen;
+pub mod surface;
 pub mod thickness;
 pub mod visibility;
+pub mod world;
+pub mod world_hits;
+pub mod world_state;
 
 pub use hierarchy::Hierarchy;
 pub use oracle::Oracle;

@@ -6,12 +6,12 @@
 //! what gives the reference its worth, an overestimate by an unknown factor.
 
 use super::hierarchy::Hierarchy;
+use super::lobe::lobe_direction;
 use super::random::Stream;
 use crate::math::phong;
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use std::f64::consts::TAU;
 
 /// How to sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,17 +68,6 @@ impl ScreenReference {
             overall_standard_error: (squares / values.max(1) as f64).sqrt(),
         }
     }
-}
-
-/// A direction of the Phong lobe cos^α around a unit axis, by solid angle: α = `exponent`, u and v
-/// uniform in [0, 1).
-pub fn lobe_direction(axis: DVec3, exponent: f64, [u, v]: [f64; 2]) -> DVec3 {
-    // 1 − u lies in (0, 1], so that the cosine is never 0 for the wrong reason.
-    let cosine = (1.0 - u).powf(1.0 / (exponent + 1.0));
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    let (across, up) = axis.any_orthonormal_pair();
-    let (sin_phi, cos_phi) = (TAU * v).sin_cos();
-    axis * cosine + (across * cos_phi + up * sin_phi) * sine
 }
 
 /// A mean of colours and its standard error.

@@ -1,6 +1,7 @@
 //! Plots as SVG.
 
 use crate::study::TimeRecord;
+use crate::study::sweep::Point;
 use plotters::prelude::*;
 
 /// Colours of the stages, in the order in which they first appear.
@@ -72,6 +73,60 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
             let color = STAGE_COLORS[i % STAGE_COLORS.len()].filled();
             root.draw(&Rectangle::new([(x, 12), (x + 14, 26)], color)).map_err(failed)?;
             root.draw(&Text::new(name.as_str(), (x + 19, 12), ("sans-serif", 13))).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+/// Run time against error on log axes: every point named, the Pareto front connected.
+pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, String> {
+    let bounds = |values: &dyn Fn(&Point) -> f64| {
+        let (least, most) = points.iter().map(values).fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
+        (least / 1.3, most * 1.3)
+    };
+    let (x, y) = (bounds(&|p| p.time_ms), bounds(&|p| p.error));
+    let (width, plot_width) = (1100_i32, 760_i32);
+    let height = (points.len() as i32 * 17 + 90).max(460);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
+        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        root.fill(&WHITE).map_err(failed)?;
+        let (left, _names) = root.split_horizontally(plot_width);
+        let mut chart = ChartBuilder::on(&left)
+            .margin(14)
+            .x_label_area_size(40)
+            .y_label_area_size(64)
+            .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())
+            .map_err(failed)?;
+        let number = |v: &f64| if *v >= 10.0 { format!("{v:.0}") } else { format!("{v:.3}") };
+        chart
+            .configure_mesh()
+            .light_line_style(WHITE)
+            .x_desc("milliseconds, median")
+            .y_desc(error_axis)
+            .x_label_formatter(&number)
+            .y_label_formatter(&number)
+            .draw()
+            .map_err(failed)?;
+        let front = points.iter().filter(|p| p.on_front).map(|p| (p.time_ms, p.error));
+        chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
+        let color = |p: &Point| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
+        chart
+            .draw_series(points.iter().map(|p| Circle::new((p.time_ms, p.error), 4, color(p).filled())))
+            .map_err(failed)?;
+
+        // Names stand in a column of their own, in the order of the errors, each led to its point.
+        let mut order: Vec<&Point> = points.iter().collect();
+        order.sort_by(|a, b| b.error.total_cmp(&a.error));
+        for (row, p) in order.into_iter().enumerate() {
+            let at = chart.backend_coord(&(p.time_ms, p.error));
+            let name = (plot_width + 24, 30 + row as i32 * 17);
+            let line = [at, (name.0 - 4, name.1 + 6)];
+            root.draw(&PathElement::new(line, STAGE_COLORS[7].mix(0.6))).map_err(failed)?;
+            let style = ("sans-serif", 13).into_font().color(&color(p));
+            root.draw(&Text::new(p.name.clone(), name, style)).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }

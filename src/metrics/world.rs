@@ -1,0 +1,69 @@
+//! World agreement (DEFINITIONS): how often a method hits where the triangles are, if the screen shows
+//! that place, and misses if it doesn't.
+
+/// How far a method's hit may lie from the world's, in pixels, in x and in y.
+pub const WITHIN_PIXELS: f64 = 2.0;
+
+/// Counts over the reflecting pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+pub struct WorldAgreement {
+    /// Reflecting pixels.
+    pub pixels: u64,
+    /// Both hit within [`WITHIN_PIXELS`], or both miss.
+    pub agree: u64,
+    /// The method hits, and the screen shows nothing of the ray's end.
+    #[serde(rename = "false")]
+    pub false_hits: u64,
+    /// The method misses what the screen shows.
+    pub missed: u64,
+    /// Both hit, further apart.
+    pub displaced: u64,
+}
+
+impl WorldAgreement {
+    /// The share that agrees; `None` if nothing reflects.
+    pub fn fraction(&self) -> Option<f64> {
+        (self.pixels > 0).then(|| self.agree as f64 / self.pixels as f64)
+    }
+}
+
+/// Compares a method's hits with the world's. All slices have one length; per pixel: whether it
+/// reflects, the pixel coordinates of the ray's end in the world if that is visible, and of the
+/// method's hit, if any. A hit that isn't finite is a false hit or a displaced one.
+pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Option<[f64; 2]>]) -> WorldAgreement {
+    let mut counts = WorldAgreement::default();
+    for ((_, world), method) in reflects.iter().zip(visible).zip(method).filter(|((reflects, _), _)| **reflects) {
+        counts.pixels += 1;
+        match (world, method) {
+            (None, None) => counts.agree += 1,
+            (None, Some(_)) => counts.false_hits += 1,
+            (Some(_), None) => counts.missed += 1,
+            (Some(a), Some(b)) if (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS) => counts.agree += 1,
+            (Some(_), Some(_)) => counts.displaced += 1,
+        }
+    }
+    counts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_kind_is_counted_once() {
+        let visible = [None, None, Some([5.0, 5.0]), Some([5.0, 5.0]), Some([5.0, 5.0]), Some([5.0, 5.0]), None];
+        let method =
+            [None, Some([1.0, 1.0]), None, Some([7.0, 3.0]), Some([7.1, 5.0]), Some([5.0, 2.9]), Some([1.0, 1.0])];
+        let reflects = [true, true, true, true, true, true, false];
+        let counts = agreement(&reflects, &visible, &method);
+        assert_eq!(counts, WorldAgreement { pixels: 6, agree: 2, false_hits: 1, missed: 1, displaced: 2 });
+        assert_eq!(counts.fraction(), Some(2.0 / 6.0));
+    }
+
+    #[test]
+    fn nothing_reflects_and_nan_never_agrees() {
+        assert_eq!(agreement(&[false], &[None], &[None]).fraction(), None);
+        let counts = agreement(&[true], &[Some([1.0, 1.0])], &[Some([f64::NAN, 1.0])]);
+        assert_eq!((counts.agree, counts.displaced), (0, 1));
+    }
+}

@@ -1,0 +1,258 @@
+//! The closest triangle along a ray: a bounding volume hierarchy in f32 (the crate obvhs) that only
+//! proposes triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle
+//! Intersection", JCGT 2013) in f64 that decides.
+//!
+//! The edge functions of that test depend on an edge's two vertices only, and swapping these changes
+//! nothing but the sign; so a ray that passes between two triangles of a shared edge hits at least
+//! one of them. The boxes are enlarged by more than the rounding of f32 ([`PADDING`]), so that none
+//! hides a triangle which the test in f64 would accept.
+
+use glam::{DVec3, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::{Ray as BoxRay, RayHit};
+use obvhs::{Boundable, BvhBuildParams};
+use std::time::Duration;
+
+/// How far boxes reach beyond their triangles, as a share of the greatest coordinate of the scene.
+/// The slab test in f32 errs by a few units of 6e-8 for origins that lie about as far out.
+const PADDING: f32 = 4e-6;
+
+/// A ray and the range of it that counts, in metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Start, world.
+    pub origin: DVec3,
+    /// Unit direction, world.
+    pub direction: DVec3,
+    /// Hits before this distance don't count.
+    pub t_min: f64,
+    /// Nor do hits after this one; may be infinite.
+    pub t_max: f64,
+}
+
+impl Ray {
+    /// The point at a distance.
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+/// Where a ray meets a triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Distance in metres.
+    pub t: f64,
+    /// Weights of the three vertices; none is negative, and their sum is 1.
+    pub barycentrics: [f64; 3],
+}
+
+/// Whatever finds the closest hit of a ray.
+pub trait Intersector: Send + Sync {
+    /// The closest hit with t_min ≤ t ≤ t_max among those that `accept` takes; a ray passes through
+    /// the others, as through the holes of a masked surface.
+    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit>;
+}
+
+/// Triangles under a hierarchy of boxes.
+pub struct TriangleBvh {
+    triangles: Vec<[Vec3; 3]>,
+    /// `None` without triangles.
+    boxes: Option<CwBvh>,
+}
+
+/// A triangle's box, enlarged.
+struct Padded(Aabb);
+
+impl Boundable for Padded {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl TriangleBvh {
+    /// Builds the hierarchy over triangles in metres; hits name them by index.
+    pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
+        let greatest = triangles.iter().flatten().fold(0.0_f32, |g, v| g.max(v.abs().max_element()));
+        let padding = Vec3A::splat(PADDING * greatest);
+        let padded: Vec<Padded> = triangles
+            .iter()
+            .map(|corners| {
+                let corners = corners.map(Vec3A::from);
+                let [min, max] = [Vec3A::min, Vec3A::max].map(|f| f(f(corners[0], corners[1]), corners[2]));
+                Padded(Aabb::new(min - padding, max + padding))
+            })
+            .collect();
+        let boxes = (!padded.is_empty())
+            .then(|| build_cwbvh(&padded, BvhBuildParams::medium_build(), &mut Duration::default()));
+        Self { triangles, boxes }
+    }
+}
+
+impl Intersector for TriangleBvh {
+    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+        let boxes = self.boxes.as_ref()?;
+        let sheared = ShearedRay::new(ray);
+        let mut closest: Option<Hit> = None;
+        let box_ray = BoxRay::new(ray.origin.as_vec3a(), ray.direction.as_vec3a(), 0.0, f32::INFINITY);
+        boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| {
+            let triangle = boxes.primitive_indices[slot];
+            let beyond = closest.map_or(ray.t_max, |hit| hit.t);
+            match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
+                // The lower index wins between equals, whatever the order of the boxes.
+                Some(hit)
+                    if hit.t >= ray.t_min
+                        && (hit.t < beyond || hit.t == beyond && closest.is_none_or(|c| triangle < c.triangle))
+                        && accept(&hit) =>
+                {
+                    closest = Some(hit);
+                    (hit.t as f32).next_up()
+                }
+                _ => f32::INFINITY,
+            }
+        });
+        closest
+    }
+}
+
+/// A ray in the space of Woop et al., where it is the z axis and its direction is 1 long in z.
+pub struct ShearedRay {
+    origin: DVec3,
+    axes: [usize; 3],
+    shear: DVec3,
+}
+
+impl ShearedRay {
+    /// The space of a ray: z is the axis that it runs along most.
+    pub fn new(ray: &Ray) -> Self {
+        let d = ray.direction;
+        let z = d.abs().max_position();
+        let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
+        if d[z] < 0.0 {
+            (x, y) = (y, x);
+        }
+        Self { origin: ray.origin, axes: [x, y, z], shear: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
+    }
+
+    /// The intersection at any distance, also a negative one, from either side. A triangle without
+    /// area, or one that the ray lies in, is not met.
+    pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<Hit> {
+        let [x, y, z] = self.axes;
+        let [a, b, c] = corners.map(|v| {
+            let v = v.as_dvec3() - self.origin;
+            DVec3::new(v[x] - self.shear.x * v[z], v[y] - self.shear.y * v[z], self.shear.z * v[z])
+        });
+        let u = c.x * b.y - c.y * b.x;
+        let v = a.x * c.y - a.y * c.x;
+        let w = b.x * a.y - b.y * a.x;
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
+            return None;
+        }
+        let determinant = u + v + w;
+        if determinant == 0.0 {
+            return None;
+        }
+        let barycentrics = [u / determinant, v / determinant, w / determinant];
+        let t = barycentrics[0] * a.z + barycentrics[1] * b.z + barycentrics[2] * c.z;
+        Some(Hit { triangle, t, barycentrics })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::random::Stream;
+
+    /// Every triangle in turn.
+    struct BruteForce(Vec<[Vec3; 3]>);
+
+    impl Intersector for BruteForce {
+        fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+            let sheared = ShearedRay::new(ray);
+            let hits = self.0.iter().enumerate().filter_map(|(i, t)| sheared.intersect(i as u32, t));
+            hits.filter(|h| (ray.t_min..=ray.t_max).contains(&h.t) && accept(h)).min_by(|a, b| a.t.total_cmp(&b.t))
+        }
+    }
+
+    /// A number in −1…1.
+    fn signed(i: u64, j: u64) -> f64 {
+        2.0 * Stream::new(7, i).uniform(j) - 1.0
+    }
+
+    fn vector(i: u64, j: u64) -> DVec3 {
+        DVec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
+    }
+
+    fn ray(origin: DVec3, direction: DVec3) -> Ray {
+        Ray { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
+    }
+
+    #[test]
+    fn the_hierarchy_finds_what_every_triangle_in_turn_gives() {
+        let triangles: Vec<[Vec3; 3]> = (0..400)
+            .map(|i| {
+                let centre = 5.0 * vector(i, 0);
+                [1, 2, 3].map(|k| (centre + vector(i, k)).as_vec3())
+            })
+            .collect();
+        let brute = BruteForce(triangles.clone());
+        let bvh = TriangleBvh::new(triangles);
+        let mut hits = 0;
+        for i in 1000..4000 {
+            let mut ray = ray(6.0 * vector(i, 0), vector(i, 1));
+            ray.t_min = signed(i, 9).abs();
+            let odd = |h: &Hit| h.triangle % 2 == 1;
+            assert_eq!(bvh.closest(&ray, &|_| true), brute.closest(&ray, &|_| true));
+            assert_eq!(bvh.closest(&ray, &odd), brute.closest(&ray, &odd));
+            hits += u32::from(bvh.closest(&ray, &|_| true).is_some());
+        }
+        assert!((500..2900).contains(&hits), "{hits} of 3000 hit: the test sees both");
+    }
+
+    #[test]
+    fn axis_parallel_rays_hit_flat_walls_edges_and_corners() {
+        // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point meets it.
+        let mut triangles = Vec::new();
+        for i in 0..16 {
+            let (x, y) = ((i % 4) as f32, (i / 4) as f32);
+            let p = |dx: f32, dy: f32| Vec3::new(x + dx, y + dy, 3.0);
+            triangles.push([p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)]);
+            triangles.push([p(0.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)]);
+        }
+        let bvh = TriangleBvh::new(triangles);
+        for i in 0..=16 {
+            for j in 0..=16 {
+                let origin = DVec3::new(f64::from(i) * 0.25, f64::from(j) * 0.25, -1.0);
+                let hit = bvh.closest(&ray(origin, DVec3::Z), &|_| true).expect("no gap");
+                assert_eq!(hit.t, 4.0);
+                assert!((hit.barycentrics.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            }
+        }
+        assert_eq!(bvh.closest(&ray(DVec3::new(1.5, 1.5, -1.0), -DVec3::Z), &|_| true), None);
+        let short = Ray { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
+        assert_eq!(bvh.closest(&short, &|_| true), None);
+    }
+
+    #[test]
+    fn slanted_rays_through_shared_edges_never_pass() {
+        // A fan of triangles round the z axis; rays aimed at points of the shared edges.
+        let rim = |k: u32| {
+            let k = k % 7;
+            let a = std::f32::consts::TAU * k as f32 / 7.0;
+            Vec3::new(a.cos(), a.sin(), 0.1 * (k % 3) as f32)
+        };
+        let bvh = TriangleBvh::new((0..7).map(|k| [Vec3::ZERO, rim(k), rim(k + 1)]).collect());
+        for i in 0..5000_u64 {
+            let target = rim((i % 7) as u32).as_dvec3() * signed(i, 0).abs() * 0.999;
+            let origin = DVec3::new(signed(i, 1), signed(i, 2), 2.0);
+            assert!(bvh.closest(&ray(origin, target - origin), &|_| true).is_some(), "ray {i}");
+        }
+    }
+
+    #[test]
+    fn without_triangles_nothing_is_hit() {
+        assert_eq!(TriangleBvh::new(Vec::new()).closest(&ray(DVec3::ZERO, DVec3::X), &|_| true), None);
+    }
+}

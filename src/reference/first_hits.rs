@@ -1,0 +1,162 @@
+//! What each pixel of an image sees first, and what reflects there: either traced through the
+//! pixels' centres, which needs no G-buffer and is evidence of its own, or taken from a G-buffer,
+//! which leaves the reflection as the only difference between a method and the reference.
+
+use super::bvh::{Hit, Ray};
+use super::surface::{World, sky_color};
+use crate::scene::{Camera, GBufferData};
+use glam::{DMat4, DVec3, Vec3};
+use rayon::prelude::*;
+
+/// The first surfaces of an image: rows from the top, pixel (i, j) at `j · width + i`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FirstHits {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// Lit colour, linear; the environment where nothing stands.
+    pub lit: Vec<Vec3>,
+    /// View-space z in metres; infinite where nothing stands.
+    pub view_z_m: Vec<f64>,
+    /// What reflects; `None` for pixels that don't (DEFINITIONS, "Surfaces").
+    pub receivers: Vec<Option<Receiver>>,
+}
+
+/// A point that reflects, in world space.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Receiver {
+    /// Position in metres.
+    pub position: DVec3,
+    /// Unit direction from the camera to it.
+    pub incoming: DVec3,
+    /// Unit shading normal.
+    pub normal: DVec3,
+    /// Unit normal of the triangle, on the camera's side; the shading normal again where only a
+    /// G-buffer is known.
+    pub geometric_normal: DVec3,
+    /// Roughness ϱ.
+    pub roughness: f64,
+    /// Reflectivity, above 1e-4.
+    pub reflectivity: f64,
+}
+
+impl Receiver {
+    /// The mirror direction, unit.
+    pub fn mirror(&self) -> DVec3 {
+        self.incoming.reflect(self.normal).normalize()
+    }
+
+    /// Whether a direction leaves the surface. One that doesn't carries nothing, and counts
+    /// (DEFINITIONS, "Surfaces"). Below is what is below the shading normal's plane or the triangle's.
+    pub fn is_above(&self, direction: DVec3) -> bool {
+        direction.dot(self.normal) > 0.0 && direction.dot(self.geometric_normal) > 0.0
+    }
+}
+
+/// Rays through the pixels' centres, from the near plane to the far plane.
+pub struct PrimaryRays {
+    clip_to_view: DMat4,
+    view_to_world: DMat4,
+    extent: [u32; 2],
+    near_m: f64,
+    far_m: f64,
+}
+
+impl PrimaryRays {
+    /// The rays of a camera for an image of some pixels.
+    pub fn new(camera: &Camera, extent: [u32; 2]) -> Self {
+        Self {
+            clip_to_view: camera.view_to_clip_reversed().as_dmat4().inverse(),
+            view_to_world: camera.world_to_view.as_dmat4().inverse(),
+            extent,
+            near_m: f64::from(camera.lens.near_m),
+            far_m: f64::from(camera.lens.far_m),
+        }
+    }
+
+    /// The ray of pixel `index`, and the view-space z that it gains per metre.
+    pub fn ray(&self, index: usize) -> (Ray, f64) {
+        let [width, height] = self.extent.map(f64::from);
+        let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
+        let ndc = DVec3::new((2.0 * f64::from(x) + 1.0) / width - 1.0, 1.0 - (2.0 * f64::from(y) + 1.0) / height, 0.5);
+        let along = self.clip_to_view.project_point3(ndc).normalize();
+        let direction = self.view_to_world.transform_vector3(along).normalize();
+        let origin = self.view_to_world.w_axis.truncate();
+        (Ray { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
+    }
+}
+
+impl FirstHits {
+    /// Traces the pixels' centres.
+    pub fn trace(world: &World, camera: &Camera, extent: [u32; 2]) -> Self {
+        let rays = PrimaryRays::new(camera, extent);
+        let pixels = extent[0] as usize * extent[1] as usize;
+        let seen: Vec<_> = (0..pixels)
+            .into_par_iter()
+            .map(|index| {
+                let (ray, z_per_metre) = rays.ray(index);
+                match world.closest(&ray) {
+                    Some(hit) => Self::seen(world, &ray, &hit, z_per_metre),
+                    None => (sky_color(ray.direction).as_vec3(), f64::INFINITY, None),
+                }
+            })
+            .collect();
+        let mut all = Self::empty(extent);
+        for (lit, view_z_m, receiver) in seen {
+            all.lit.push(lit);
+            all.view_z_m.push(view_z_m);
+            all.receivers.push(receiver);
+        }
+        all
+    }
+
+    fn seen(world: &World, ray: &Ray, hit: &Hit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
+        let point = world.point(ray, hit);
+        let reflects = point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE);
+        let receiver = Receiver {
+            position: point.position,
+            incoming: ray.direction,
+            normal: point.normal,
+            geometric_normal: point.geometric_normal,
+            roughness: point.roughness,
+            reflectivity: point.reflectivity,
+        };
+        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, reflects.then_some(receiver))
+    }
+
+    /// Takes the pixels of a G-buffer: positions from its depth, its normals and materials.
+    pub fn from_gbuffer(gbuffer: &GBufferData) -> Self {
+        let clip_to_view = gbuffer.view_to_clip().inverse();
+        let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
+        let mut all = Self::empty([gbuffer.width, gbuffer.height]);
+        all.lit.clone_from(&gbuffer.color);
+        for (index, &depth) in gbuffer.depth.iter().enumerate() {
+            let x = f64::from(index as u32 % gbuffer.width) + 0.5;
+            let y = f64::from(index as u32 / gbuffer.width) + 0.5;
+            let view = gbuffer.unproject(x, y, f64::from(depth), &clip_to_view);
+            let normal = view_to_world.transform_vector3(gbuffer.normal[index].as_dvec3()).normalize_or_zero();
+            all.view_z_m.push(if depth > 0.0 { view.z } else { f64::INFINITY });
+            all.receivers.push(gbuffer.reflects(index).then(|| Receiver {
+                position: view_to_world.transform_point3(view),
+                incoming: view_to_world.transform_vector3(view).normalize(),
+                normal,
+                geometric_normal: normal,
+                roughness: f64::from(gbuffer.roughness[index]),
+                reflectivity: f64::from(gbuffer.reflectivity[index]),
+            }));
+        }
+        all
+    }
+
+    fn empty(extent: [u32; 2]) -> Self {
+        let pixels = extent[0] as usize * extent[1] as usize;
+        Self {
+            width: extent[0],
+            height: extent[1],
+            lit: Vec::with_capacity(pixels),
+            view_z_m: Vec::with_capacity(pixels),
+            receivers: Vec::with_capacity(pixels),
+        }
+    }
+}

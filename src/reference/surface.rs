@@ -1,0 +1,348 @@
+//! What a ray sees where it hits a triangle: the CPU's reading of `shaders-glsl/scene/gbuffer.frag`
+//! and `lighting.frag`, in f64 and in world space.
+//!
+//! Images are read at their finest level, bilinearly and repeating: a ray has no footprint. The
+//! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16; that is the
+//! whole difference.
+
+use super::bvh::{Hit, Intersector, Ray, TriangleBvh};
+use crate::math::srgb_to_linear;
+use crate::scene::{Encoding, Light, Material, Mesh, Scene, Surface, Texture, Vertex, sky};
+use glam::{DVec2, DVec3, DVec4, Vec3};
+
+/// A scene with the materials of a view, ready for rays.
+pub struct World<'a> {
+    /// Geometry, images and lights.
+    pub scene: &'a Scene,
+    /// Materials in place of the scene's own, by the same indices.
+    pub materials: &'a [Material],
+    triangles: Vec<TriangleRef>,
+    intersector: Box<dyn Intersector>,
+    decoded: [f64; 256],
+}
+
+/// Where a triangle comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TriangleRef {
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Index of the triangle in its mesh: its vertices are the three indices from 3 · this on.
+    pub triangle: u32,
+}
+
+/// A point of a surface as a ray sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfacePoint {
+    /// World position in metres.
+    pub position: DVec3,
+    /// Unit normal of the triangle, on the side that the ray comes from.
+    pub geometric_normal: DVec3,
+    /// Unit shading normal, turned round on surfaces seen from behind.
+    pub normal: DVec3,
+    /// Linear albedo.
+    pub albedo: DVec3,
+    /// Reflectivity, 0…1; 0 for a surface that shows the sky.
+    pub reflectivity: f64,
+    /// Roughness ϱ.
+    pub roughness: f64,
+    /// What it is to the reflections.
+    pub surface: Surface,
+}
+
+impl<'a> World<'a> {
+    /// Builds the hierarchy over all triangles of a scene.
+    pub fn new(scene: &'a Scene, materials: &'a [Material]) -> Self {
+        let mut triangles = Vec::with_capacity(scene.triangle_count());
+        let mut corners = Vec::with_capacity(scene.triangle_count());
+        for (m, mesh) in scene.meshes.iter().enumerate() {
+            for (t, indices) in mesh.indices.as_chunks::<3>().0.iter().enumerate() {
+                triangles.push(TriangleRef { mesh: m as u32, triangle: t as u32 });
+                corners.push(indices.map(|i| Vec3::from(mesh.vertices[i as usize].position)));
+            }
+        }
+        let decoded = std::array::from_fn(|byte| f64::from(srgb_to_linear(byte as f32 / 255.0)));
+        Self { scene, materials, triangles, intersector: Box::new(TriangleBvh::new(corners)), decoded }
+    }
+
+    /// The closest hit of a ray; it passes where an alpha mask is below ½.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.intersector.closest(ray, &|hit| self.covers(hit))
+    }
+
+    /// Where a hit's triangle comes from.
+    pub fn triangle(&self, hit: &Hit) -> TriangleRef {
+        self.triangles[hit.triangle as usize]
+    }
+
+    /// What a ray sees at its hit.
+    pub fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+        let (mesh, vertices) = self.vertices(hit);
+        let material = &self.materials[mesh.material];
+        let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
+        let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
+        // Seen from behind, a surface shows its other side.
+        let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
+        let uv = interpolate_uv(&vertices, hit);
+        let lit = material.surface == Surface::Lit;
+        let albedo = material.albedo_map.map_or(DVec4::ONE, |i| self.sample(i, uv)).truncate();
+        let reflectivity = material.reflectivity_map.map_or(1.0, |i| self.sample(i, uv).x);
+        SurfacePoint {
+            position: interpolate(&vertices, hit, |v| v.position),
+            geometric_normal: side * towards_front,
+            normal: side * self.normal(material, &vertices, hit, uv, towards_front),
+            albedo: albedo * material.albedo.as_dvec3(),
+            reflectivity: if lit { f64::from(material.reflectivity) * reflectivity } else { 0.0 },
+            roughness: f64::from(material.roughness),
+            surface: material.surface,
+        }
+    }
+
+    /// The colour that a ray sees at a point: lit, or the environment in the ray's direction.
+    pub fn color(&self, ray: &Ray, point: &SurfacePoint) -> DVec3 {
+        match point.surface {
+            Surface::Lit => lit_color(point.position, point.normal, point.albedo, &self.scene.lights),
+            Surface::Sky => sky_color(ray.direction),
+        }
+    }
+
+    /// The shading normal of the triangle's front, as `gbuffer.frag` has it.
+    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &Hit, uv: DVec2, flat: DVec3) -> DVec3 {
+        let geometric = interpolate(vertices, hit, |v| v.normal).normalize_or(flat);
+        let deviation = f64::from(material.normal_deviation);
+        let Some(map) = material.normal_map.filter(|_| deviation > 0.0) else { return geometric };
+        let along = interpolate(vertices, hit, |v| [v.tangent[0], v.tangent[1], v.tangent[2]]);
+        let tangent = along - geometric * geometric.dot(along);
+        if tangent.length() <= 1e-6 {
+            return geometric;
+        }
+        let tangent = tangent.normalize();
+        let sign: f64 = vertices.iter().zip(hit.barycentrics).map(|(v, w)| w * f64::from(v.tangent[3])).sum();
+        let bitangent = sign * geometric.cross(tangent);
+        let mapped = self.sample(map, uv).truncate() * 2.0 - 1.0;
+        let bumped = (tangent * mapped.x + bitangent * mapped.y + geometric * mapped.z.max(1e-3)).normalize();
+        geometric.lerp(bumped, deviation).normalize_or(geometric)
+    }
+
+    /// Whether something is there: an alpha mask says no below ½.
+    fn covers(&self, hit: &Hit) -> bool {
+        let mesh = &self.scene.meshes[self.triangle(hit).mesh as usize];
+        let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
+        let (_, vertices) = self.vertices(hit);
+        self.sample(mask, interpolate_uv(&vertices, hit)).x >= 0.5
+    }
+
+    fn vertices(&self, hit: &Hit) -> (&Mesh, [&Vertex; 3]) {
+        let from = self.triangle(hit);
+        let mesh = &self.scene.meshes[from.mesh as usize];
+        let first = 3 * from.triangle as usize;
+        (mesh, [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
+    }
+
+    /// The finest level of an image, bilinear and repeating, decoded: what Vulkan's "Texel Filtering"
+    /// says of VK_FILTER_LINEAR. (0, 0) is the top left corner.
+    fn sample(&self, texture: usize, uv: DVec2) -> DVec4 {
+        let image = &self.scene.textures[texture];
+        let size = DVec2::new(f64::from(image.width), f64::from(image.height));
+        let at = (uv - uv.floor()) * size - 0.5;
+        let (corner, weight) = (at.floor(), at - at.floor());
+        let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
+        let texel =
+            |dx: f64, dy: f64| self.texel(image, wrap(corner.x + dx, image.width), wrap(corner.y + dy, image.height));
+        let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
+        above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
+    }
+
+    fn texel(&self, image: &Texture, x: usize, y: usize) -> DVec4 {
+        let at = 4 * (y * image.width as usize + x);
+        let rgba: [u8; 4] = std::array::from_fn(|k| image.rgba[at + k]);
+        let unit = rgba.map(|byte| f64::from(byte) / 255.0);
+        match image.encoding {
+            Encoding::Linear => DVec4::from(unit),
+            Encoding::Srgb => {
+                let [r, g, b] = [0, 1, 2].map(|k| self.decoded[usize::from(rgba[k])]);
+                DVec4::new(r, g, b, unit[3])
+            }
+        }
+    }
+}
+
+/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (DEFINITIONS, "Surfaces";
+/// `lighting.frag`), from a world position in metres and a unit normal.
+pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]) -> DVec3 {
+    let shading: f64 = lights
+        .iter()
+        .map(|light| match *light {
+            Light::Point { position: at, energy } => {
+                let to_light = at.as_dvec3() - position;
+                let (d, e) = (to_light.length(), f64::from(energy));
+                normal.dot(to_light / d.max(1e-6)).max(0.0) / (1.0 + d / e + d * d / e)
+            }
+            Light::Directional { direction, energy } => {
+                normal.dot(-direction.as_dvec3().normalize_or_zero()).max(0.0) * f64::from(energy)
+            }
+        })
+        .sum();
+    albedo * (0.2 + 0.8 * shading.min(1.0))
+}
+
+/// The environment in a direction, linear.
+pub fn sky_color(direction: DVec3) -> DVec3 {
+    sky::radiance(direction.as_vec3()).as_dvec3()
+}
+
+fn interpolate(vertices: &[&Vertex; 3], hit: &Hit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
+    vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(of(v)).as_dvec3()).sum()
+}
+
+fn interpolate_uv(vertices: &[&Vertex; 3], hit: &Hit) -> DVec2 {
+    vertices
+        .iter()
+        .zip(hit.barycentrics)
+        .map(|(v, weight)| weight * DVec2::new(f64::from(v.uv[0]), f64::from(v.uv[1])))
+        .sum()
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::scene::Aabb;
+
+    /// A rectangle from a corner along two edges; its front is the side of u × v. uv (0, 0) lies at
+    /// the corner, (1, 1) opposite.
+    pub fn rectangle(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
+        let normal = u.cross(v).normalize();
+        let vertex = |s: f32, t: f32| Vertex {
+            position: (corner + s * u + t * v).to_array(),
+            normal: normal.to_array(),
+            uv: [s, t],
+            tangent: u.normalize().extend(1.0).to_array(),
+        };
+        let vertices = vec![vertex(0.0, 0.0), vertex(1.0, 0.0), vertex(1.0, 1.0), vertex(0.0, 1.0)];
+        let bounds = Aabb::of(&vertices);
+        Mesh { name: "rectangle".into(), vertices, indices: vec![0, 1, 2, 0, 2, 3], material, bounds }
+    }
+
+    pub fn texture(width: u32, rgba: Vec<u8>, encoding: Encoding) -> Texture {
+        let height = rgba.len() as u32 / 4 / width;
+        Texture { name: "test".into(), width, height, rgba, encoding }
+    }
+
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+        Ray {
+            origin: DVec3::from(origin),
+            direction: DVec3::from(direction).normalize(),
+            t_min: 0.0,
+            t_max: f64::INFINITY,
+        }
+    }
+
+    /// The unit square of the plane z = 1, its front towards −z, and a wall behind it at z = 2.
+    fn two_walls(front: Material, textures: Vec<Texture>) -> Scene {
+        Scene {
+            meshes: vec![
+                rectangle(Vec3::Z, Vec3::Y, Vec3::X, 0),
+                rectangle(Vec3::new(-5.0, -5.0, 2.0), 10.0 * Vec3::Y, 10.0 * Vec3::X, 1),
+            ],
+            materials: vec![front, Material::default()],
+            textures,
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_ray_passes_through_the_holes_of_a_mask() {
+        // u runs along +y: a hole below y = ½.
+        let mask = texture(2, [vec![0; 4], vec![255; 4]].concat(), Encoding::Linear);
+        let scene = two_walls(Material { alpha_mask: Some(0), ..Material::default() }, vec![mask]);
+        let world = World::new(&scene, &scene.materials);
+        let distance = |y: f64| world.closest(&ray([0.5, y, 0.0], [0.0, 0.0, 1.0])).map(|h| h.t);
+        assert_eq!(distance(0.3), Some(2.0), "through the hole");
+        assert_eq!(distance(0.7), Some(1.0));
+        // Between the texels' centres at ¼ and ¾ the mask is a ramp, ½ in the middle.
+        assert_eq!((distance(0.499), distance(0.501)), (Some(2.0), Some(1.0)));
+        let opaque = vec![Material::default(); 2];
+        let hit = World::new(&scene, &opaque).closest(&ray([0.5, 0.3, 0.0], [0.0, 0.0, 1.0]));
+        assert_eq!(hit.map(|h| h.t), Some(1.0), "the view's materials count, not the scene's");
+    }
+
+    #[test]
+    fn both_sides_are_seen_and_the_normal_faces_the_ray() {
+        let scene = two_walls(Material::default(), vec![]);
+        let world = World::new(&scene, &scene.materials);
+        for (from, towards) in [(0.0, 1.0), (1.5, -1.0)] {
+            let ray = ray([0.5, 0.5, from], [0.1, 0.0, towards]);
+            let hit = world.closest(&ray).expect("a wall");
+            assert_eq!(world.triangle(&hit).mesh, 0);
+            let point = world.point(&ray, &hit);
+            assert_eq!(point.normal, DVec3::new(0.0, 0.0, -towards));
+            assert_eq!(point.geometric_normal, point.normal);
+            assert!((point.position - ray.at(hit.t)).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn images_are_bilinear_repeating_and_decoded() {
+        let bytes = [[0, 0, 0, 255], [255, 188, 0, 255]].concat();
+        let srgb = texture(2, bytes.clone(), Encoding::Srgb);
+        let scene = two_walls(Material::default(), vec![srgb, texture(2, bytes, Encoding::Linear)]);
+        let world = World::new(&scene, &scene.materials);
+        let half = f64::from(srgb_to_linear(188.0 / 255.0));
+        // Centres of the texels at ¼ and ¾; ½ is the middle, 0 the middle across the border.
+        for (u, share) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.25, 1.0)] {
+            let uv = DVec2::new(u, 0.7);
+            let expected = DVec4::new(share, share * half, 0.0, 1.0);
+            assert!((world.sample(0, uv) - expected).length() < 1e-6, "{u}: {}", world.sample(0, uv));
+            let raw = DVec4::new(share, share * 188.0 / 255.0, 0.0, 1.0);
+            assert!((world.sample(1, uv) - raw).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_normal_map_tilts_along_the_tangent_as_far_as_the_deviation_says() {
+        // (0.6, 0, 0.8) in bytes, all over.
+        let map = texture(1, vec![204, 128, 230, 255], Encoding::Linear);
+        let material = |deviation| Material {
+            normal_map: Some(0),
+            normal_deviation: deviation,
+            albedo: Vec3::new(0.5, 0.25, 1.0),
+            ..Material::default()
+        };
+        let ray = ray([0.5, 0.5, 0.0], [0.0, 0.0, 1.0]);
+        let normal = |deviation| {
+            let scene = two_walls(material(deviation), vec![map.clone()]);
+            let world = World::new(&scene, &scene.materials);
+            let hit = world.closest(&ray).expect("a wall");
+            assert_eq!(world.point(&ray, &hit).albedo, DVec3::new(0.5, 0.25, 1.0));
+            world.point(&ray, &hit).normal
+        };
+        // The tangent is +y and the front faces −z.
+        assert_eq!(normal(0.0), DVec3::NEG_Z);
+        assert!((normal(1.0) - DVec3::new(0.0, 0.6, -0.8)).length() < 0.01, "{}", normal(1.0));
+        let half = DVec3::new(0.0, 0.3, -0.9).normalize();
+        assert!((normal(0.5) - half).length() < 0.01);
+    }
+
+    #[test]
+    fn lights_add_up_to_at_most_one_over_an_ambient_fifth() {
+        let albedo = DVec3::new(1.0, 0.5, 0.0);
+        let lit = |lights: &[Light]| lit_color(DVec3::ZERO, DVec3::Y, albedo, lights).x;
+        let point = |y: f32, energy: f32| Light::Point { position: Vec3::new(0.0, y, 0.0), energy };
+        assert_eq!(lit(&[]), 0.2);
+        // d = 2, e = 4: 1 / (1 + ½ + 1) = 0.4.
+        assert!((lit(&[point(2.0, 4.0)]) - (0.2 + 0.8 * 0.4)).abs() < 1e-12);
+        assert_eq!(lit(&[point(-2.0, 4.0)]), 0.2, "from below");
+        let sun = Light::Directional { direction: Vec3::new(1.0, -1.0, 0.0), energy: 0.5 };
+        assert!((lit(&[sun]) - (0.2 + 0.8 * 0.5 * 0.5_f64.sqrt())).abs() < 1e-7);
+        assert_eq!(lit(&[sun, sun, sun, point(0.1, 100.0)]), 1.0);
+    }
+
+    #[test]
+    fn a_window_shows_the_sky_and_reflects_nothing() {
+        let scene = two_walls(Material { surface: Surface::Sky, ..Material::default() }, vec![]);
+        let world = World::new(&scene, &scene.materials);
+        let ray = ray([0.5, 0.5, 0.0], [0.1, 0.2, 1.0]);
+        let point = world.point(&ray, &world.closest(&ray).expect("a window"));
+        assert_eq!(point.reflectivity, 0.0);
+        assert_eq!(world.color(&ray, &point), sky_color(ray.direction));
+    }
+}

@@ -1,0 +1,170 @@
+//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place:
+//! what DEFINITIONS, "World agreement", judges a method's hits by.
+
+use super::bvh::Ray;
+use super::first_hits::FirstHits;
+use super::surface::World;
+use super::world::RAY_START_M;
+use crate::scene::GBufferData;
+use glam::{DMat4, DVec2, DVec3};
+use rayon::prelude::*;
+
+/// How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of
+/// its own z, and as many metres.
+pub const VISIBLE_WITHIN: f64 = 0.02;
+
+/// The end of a mirror ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WorldHit {
+    /// The pixel doesn't reflect; there is no ray.
+    NotReflecting,
+    /// No triangle was met.
+    Escaped,
+    /// A triangle was met.
+    Hit {
+        /// World position in metres.
+        position: DVec3,
+        /// Pixel coordinates, off screen too; `None` behind the eye.
+        pixel: Option<DVec2>,
+        /// View-space z in metres.
+        view_z_m: f64,
+        /// Whether the pixel there shows it.
+        visible: bool,
+    },
+}
+
+impl WorldHit {
+    /// The pixel coordinates of a visible hit: where a method must hit. Else it must miss.
+    pub fn visible_at(&self) -> Option<DVec2> {
+        match *self {
+            Self::Hit { pixel, visible: true, .. } => pixel,
+            _ => None,
+        }
+    }
+}
+
+/// Traces the mirror ray of each reflecting pixel, from its own depth along its own normal; rows from
+/// the top.
+pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
+    let first_hits = FirstHits::from_gbuffer(gbuffer);
+    let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
+    let view_to_clip = gbuffer.view_to_clip();
+    first_hits
+        .receivers
+        .par_iter()
+        .map(|receiver| {
+            let Some(receiver) = receiver else { return WorldHit::NotReflecting };
+            let direction = receiver.mirror();
+            let ray = Ray { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+            match world.closest(&ray) {
+                Some(hit) => judge(gbuffer, &first_hits.view_z_m, ray.at(hit.t), &world_to_view, &view_to_clip),
+                None => WorldHit::Escaped,
+            }
+        })
+        .collect()
+}
+
+/// Projects a hit and compares it with what its pixel shows.
+fn judge(gbuffer: &GBufferData, view_z_m: &[f64], position: DVec3, to_view: &DMat4, to_clip: &DMat4) -> WorldHit {
+    let view = to_view.transform_point3(position);
+    let pixel = gbuffer.project(view, to_clip).map(|p| p.truncate());
+    let on_screen = pixel
+        .filter(|p| (0.0..f64::from(gbuffer.width)).contains(&p.x) && (0.0..f64::from(gbuffer.height)).contains(&p.y));
+    let visible = on_screen.is_some_and(|p| {
+        let shown = view_z_m[gbuffer.index(p.x as u32, p.y as u32)];
+        (view.z - shown).abs() <= VISIBLE_WITHIN * view.z + VISIBLE_WITHIN
+    });
+    WorldHit::Hit { position, pixel, view_z_m: view.z, visible }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::surface::tests::rectangle;
+    use crate::scene::{Camera, Lens, Material, Scene};
+    use glam::Vec3;
+
+    /// A camera at the origin, 1 m above a mirror floor, before a wall at z = 4 that stands on it.
+    fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {
+        let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
+        let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
+        let scene = Scene {
+            meshes: vec![floor, wall],
+            materials: vec![Material::default(), Material { reflectivity: 0.0, ..Material::default() }],
+            ..Scene::default()
+        };
+        let lens = Lens { fov_y_radians: 90_f32.to_radians(), ..Lens::default() };
+        let (width, height) = (40, 40);
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
+        let world = World::new(&scene, &scene.materials);
+        let first = FirstHits::trace(&world, &camera, [width, height]);
+        let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
+        let is_floor = |i: usize| first.receivers[i].is_some();
+        let indices = 0..first.lit.len();
+        let depth = indices.clone().map(|i| {
+            let z = first.view_z_m[i] * if is_floor(i) { 1.0 } else { f64::from(wall_depth_factor) };
+            view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32
+        });
+        let data = GBufferData {
+            width,
+            height,
+            camera,
+            depth: depth.collect(),
+            normal: indices.clone().map(|i| if is_floor(i) { Vec3::Y } else { Vec3::NEG_Z }).collect(),
+            reflectivity: indices.map(|i| if is_floor(i) { 1.0 } else { 0.0 }).collect(),
+            roughness: vec![0.0; first.lit.len()],
+            color: first.lit.clone(),
+        };
+        drop(world);
+        (scene, data)
+    }
+
+    #[test]
+    fn a_wall_is_hit_where_the_mirrored_camera_sees_it() {
+        let (scene, data) = gbuffer(1.0);
+        let world = World::new(&scene, &scene.materials);
+        let hits = world_hits(&world, &data);
+        let mut seen = 0;
+        for (index, hit) in hits.iter().enumerate() {
+            let (x, y) = (index % 40, index / 40);
+            // Rows at 45° and 90° of field of view: row y looks down by (y + ½ − 20) / 20 per metre.
+            let down = (y as f64 + 0.5 - 20.0) / 20.0;
+            if down * 4.0 <= 1.0 {
+                assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
+                continue;
+            }
+            // The floor is met at z = 1 / down; from there it goes up as steeply, and meets the wall at
+            // height −1 + (4 − z) · down = 4 down − 2: in row 20 − 20 (4 down − 2) / 4.
+            let WorldHit::Hit { position, pixel, view_z_m, visible } = *hit else { panic!("{x} {y}: {hit:?}") };
+            let pixel = pixel.expect("in front");
+            assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
+            assert!((pixel.y - (20.0 - 5.0 * (4.0 * down - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
+            assert!((pixel.x - (x as f64 + 0.5)).abs() < 1e-3, "{x} {y}: {pixel}");
+            // Below the wall's foot (row 25) the floor hides nothing: all of it is on screen.
+            assert!(visible, "{x} {y}");
+            assert_eq!(hit.visible_at(), Some(pixel));
+            seen += 1;
+        }
+        assert_eq!(seen, 15 * 40);
+    }
+
+    #[test]
+    fn a_hit_counts_only_within_two_per_cent_and_two_centimetres() {
+        // At z = 4 the tolerance is 0.1 m: the wall's own pixels show 4 · factor.
+        for (factor, expected) in [(0.98, true), (1.02, true), (0.97, false), (1.03, false)] {
+            let (scene, data) = gbuffer(factor);
+            let world = World::new(&scene, &scene.materials);
+            let hits = world_hits(&world, &data);
+            let hit = hits[data.index(20, 38)];
+            assert!(matches!(hit, WorldHit::Hit { visible, .. } if visible == expected), "{factor}: {hit:?}");
+        }
+    }
+
+    #[test]
+    fn without_a_wall_the_ray_escapes() {
+        let (mut scene, data) = gbuffer(1.0);
+        scene.meshes.pop();
+        let world = World::new(&scene, &scene.materials);
+        assert_eq!(world_hits(&world, &data)[data.index(3, 39)], WorldHit::Escaped);
+    }
+}

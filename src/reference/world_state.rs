@@ -1,0 +1,245 @@
+//! The sums of a world reference, and their file: a long run can stop and go on later, with the same
+//! result to the bit. A file knows what it was made from, and is refused for anything else.
+
+use super::world::{Escape, WorldReference};
+use crate::error::{Error, Result};
+use crate::scene::{Encoding, Light, Surface};
+use glam::DVec3;
+use sha2::{Digest, Sha256};
+use std::io::Write;
+use std::path::Path;
+
+/// The file's first bytes.
+const MAGIC: &[u8; 8] = b"ssctwrld";
+/// Changes whenever the meaning of the numbers does: their layout, the sampling, the shading.
+const VERSION: u32 = 1;
+/// Magic, version, fingerprint, width, height, samples.
+const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4;
+/// Six f64 a pixel.
+const PIXEL_BYTES: usize = 48;
+/// SHA-256 of all before it.
+const CHECK_BYTES: usize = 32;
+
+/// What a state was made from, as a hash.
+pub type Fingerprint = [u8; 32];
+
+/// Sums over samples for every pixel, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WorldState {
+    fingerprint: Fingerprint,
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// Samples that every glossy pixel has.
+    pub samples: u32,
+    pub(super) pixels: Vec<Sums>,
+    kinds: Vec<Kind>,
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Sums {
+    color: DVec3,
+    squares: DVec3,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    None,
+    Mirror,
+    Glossy,
+}
+
+impl Sums {
+    pub(super) fn add(&mut self, color: DVec3) {
+        self.color += color;
+        self.squares += color * color;
+    }
+}
+
+impl WorldState {
+    /// A state without samples, for pixels that are mirrors (`Some(true)`), glossy or nothing.
+    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], mirrors: impl Iterator<Item = Option<bool>>) -> Self {
+        let kinds: Vec<Kind> = mirrors
+            .map(|mirror| match mirror {
+                None => Kind::None,
+                Some(true) => Kind::Mirror,
+                Some(false) => Kind::Glossy,
+            })
+            .collect();
+        Self { fingerprint, extent, samples: 0, pixels: vec![Sums::default(); kinds.len()], kinds }
+    }
+
+    /// Pixels that need more than one sample.
+    pub fn glossy_pixels(&self) -> usize {
+        self.kinds.iter().filter(|k| **k == Kind::Glossy).count()
+    }
+
+    /// Samples of each pixel.
+    pub fn sample_counts(&self) -> impl Iterator<Item = u32> {
+        self.kinds.iter().map(|kind| match kind {
+            Kind::None => 0,
+            Kind::Mirror => self.samples.min(1),
+            Kind::Glossy => self.samples,
+        })
+    }
+
+    /// Mean of each pixel; black without samples.
+    pub fn means(&self) -> impl Iterator<Item = DVec3> {
+        self.pixels.iter().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
+    }
+
+    /// Standard error of each pixel's mean, per channel: √(sample variance / n). 0 for a mirror and
+    /// where nothing reflects, infinite for a glossy pixel of less than two samples.
+    pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
+        let n = f64::from(self.samples);
+        self.pixels.iter().zip(&self.kinds).map(move |(sums, kind)| match kind {
+            Kind::Glossy if self.samples < 2 => DVec3::INFINITY,
+            Kind::Glossy => {
+                let variance = ((sums.squares - sums.color * sums.color / n) / (n - 1.0)).max(DVec3::ZERO);
+                (variance / n).map(f64::sqrt)
+            }
+            _ => DVec3::ZERO,
+        })
+    }
+
+    /// Root mean square of the standard errors over all channels of all reflecting pixels: what the
+    /// noise of this reference adds, in squares, to an RMSE against it. 0 if nothing reflects.
+    pub fn overall_standard_error(&self) -> f64 {
+        let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
+        let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
+        if reflecting == 0 { 0.0 } else { (squares / (3 * reflecting) as f64).sqrt() }
+    }
+
+    /// Writes the state, whole or not at all: a temporary file beside the target, then a rename.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let failed = |e| Error::io("write", path, e);
+        let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * self.pixels.len() + CHECK_BYTES);
+        bytes.extend(MAGIC);
+        bytes.extend(VERSION.to_le_bytes());
+        bytes.extend(self.fingerprint);
+        for v in [self.extent[0], self.extent[1], self.samples] {
+            bytes.extend(v.to_le_bytes());
+        }
+        for v in self.pixels.iter().flat_map(|s| [s.color.to_array(), s.squares.to_array()]).flatten() {
+            bytes.extend(v.to_le_bytes());
+        }
+        let check = Sha256::digest(&bytes);
+        bytes.extend(check);
+        std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
+        let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
+        file.write_all(&bytes).map_err(failed)?;
+        file.persist(path).map_err(|e| failed(e.error))?;
+        Ok(())
+    }
+}
+
+impl WorldReference<'_> {
+    /// Reads a state of this very reference.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is none, is damaged or
+    /// cut off, or was made from another scene, camera, size, seed or version.
+    pub fn load(&self, path: &Path) -> Result<WorldState> {
+        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+        let wrong = |message: &str| Error::malformed(path, None, message);
+        let mut state = self.start();
+        if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
+            return Err(wrong("this is no state of a world reference"));
+        }
+        let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+        if number(8) != VERSION {
+            return Err(wrong("the state was written by another version"));
+        }
+        if bytes[12..44] != state.fingerprint {
+            return Err(wrong("the state belongs to another scene, camera, size, seed or material"));
+        }
+        // The fingerprint covers the size, so the length is known.
+        let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
+        if content.len() != HEAD_BYTES + PIXEL_BYTES * state.pixels.len() || Sha256::digest(content)[..] != *check {
+            return Err(wrong("the state is damaged or cut off"));
+        }
+        state.samples = number(52);
+        for (sums, bytes) in state.pixels.iter_mut().zip(content[HEAD_BYTES..].as_chunks::<PIXEL_BYTES>().0) {
+            let v: [f64; 6] = std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
+            *sums = Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) };
+        }
+        Ok(state)
+    }
+
+    /// Goes on with a file where that fits, else starts afresh. The error, if any, is why an
+    /// existing file was not used.
+    pub fn resume(&self, path: &Path) -> (WorldState, Option<Error>) {
+        match self.load(path) {
+            Ok(state) => (state, None),
+            Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => (self.start(), None),
+            Err(error) => (self.start(), Some(error)),
+        }
+    }
+
+    /// A hash of everything that a sample depends on: geometry, images, materials, lights, first
+    /// hits (and with them camera and size), escape, seed and version.
+    pub fn fingerprint(&self) -> Fingerprint {
+        let mut hash = Hash(Sha256::new());
+        hash.numbers(&[u64::from(VERSION), self.seed, u64::from(self.escape == Escape::Environment)]);
+        for mesh in &self.world.scene.meshes {
+            hash.block(bytemuck::cast_slice(&mesh.vertices));
+            hash.block(bytemuck::cast_slice(&mesh.indices));
+            hash.numbers(&[mesh.material as u64]);
+        }
+        for texture in &self.world.scene.textures {
+            let encoding = u64::from(texture.encoding == Encoding::Srgb);
+            hash.numbers(&[u64::from(texture.width), u64::from(texture.height), encoding]);
+            hash.block(&texture.rgba);
+        }
+        for m in self.world.materials {
+            hash.floats(&m.albedo.to_array());
+            hash.floats(&[m.reflectivity, m.roughness, m.normal_deviation]);
+            for map in [m.albedo_map, m.normal_map, m.alpha_mask, m.reflectivity_map] {
+                hash.numbers(&[map.map_or(u64::MAX, |i| i as u64)]);
+            }
+            hash.numbers(&[u64::from(m.surface == Surface::Sky)]);
+        }
+        for light in &self.world.scene.lights {
+            let (kind, place, energy) = match *light {
+                Light::Point { position, energy } => (0, position, energy),
+                Light::Directional { direction, energy } => (1, direction, energy),
+            };
+            hash.numbers(&[kind]);
+            hash.floats(&place.extend(energy).to_array());
+        }
+        hash.numbers(&[u64::from(self.first_hits.width), u64::from(self.first_hits.height)]);
+        for receiver in &self.first_hits.receivers {
+            hash.numbers(&[u64::from(receiver.is_some())]);
+            if let Some(r) = receiver {
+                for v in [r.position, r.incoming, r.normal, r.geometric_normal] {
+                    hash.numbers(&v.to_array().map(f64::to_bits));
+                }
+                hash.numbers(&[r.roughness.to_bits()]);
+            }
+        }
+        hash.0.finalize().into()
+    }
+}
+
+/// A hash over blocks whose lengths count, so that no two inputs run together to one.
+struct Hash(Sha256);
+
+impl Hash {
+    fn numbers(&mut self, values: &[u64]) {
+        for v in values {
+            self.0.update(v.to_le_bytes());
+        }
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        for v in values {
+            self.0.update(v.to_le_bytes());
+        }
+    }
+
+    fn block(&mut self, bytes: &[u8]) {
+        self.numbers(&[bytes.len() as u64]);
+        self.0.update(bytes);
+    }
+}

@@ -1,0 +1,349 @@
+//! Closed-form answers of the world reference.
+
+use super::*;
+use crate::error::Error;
+use crate::reference::surface::tests::rectangle;
+use crate::scene::{Camera, GBufferData, Lens, Material, Mesh, Scene, Surface, Vertex, library};
+
+/// A sphere of radius 8 around the origin, seen from inside, fine enough that the closest point of
+/// its triangles is 7.9 m away.
+fn sphere(material: usize) -> Mesh {
+    let (rings, sectors) = (24_u32, 48_u32);
+    let mut mesh = Mesh { name: "sphere".into(), material, ..Mesh::default() };
+    for i in 0..=rings {
+        for j in 0..=sectors {
+            let (polar, around) = (
+                std::f32::consts::PI * i as f32 / rings as f32,
+                std::f32::consts::TAU * (j % sectors) as f32 / sectors as f32,
+            );
+            let n = Vec3::new(polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin());
+            let vertex =
+                Vertex { position: (8.0 * n).to_array(), normal: (-n).to_array(), uv: [0.0; 2], tangent: [0.0; 4] };
+            mesh.vertices.push(vertex);
+        }
+    }
+    for i in 0..rings {
+        for j in 0..sectors {
+            let at = |di: u32, dj: u32| (i + di) * (sectors + 1) + j + dj;
+            mesh.indices.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]);
+        }
+    }
+    mesh
+}
+
+const ALBEDO: Vec3 = Vec3::new(0.9, 0.6, 0.3);
+
+/// A sphere that shows 0.2 · ALBEDO everywhere (there is no light), and the receiver in its centre.
+fn in_a_sphere() -> Scene {
+    let materials = vec![Material { albedo: ALBEDO, ..Material::default() }];
+    Scene { meshes: vec![sphere(0)], materials, ..Scene::default() }
+}
+
+fn receiver(incoming: DVec3, roughness: f64) -> Receiver {
+    let incoming = incoming.normalize();
+    Receiver {
+        position: DVec3::ZERO,
+        incoming,
+        normal: DVec3::Y,
+        geometric_normal: DVec3::Y,
+        roughness,
+        reflectivity: 0.5,
+    }
+}
+
+fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
+    let n = receivers.len();
+    FirstHits { width: n as u32, height: 1, lit: vec![Vec3::splat(0.1); n], view_z_m: vec![1.0; n], receivers }
+}
+
+fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
+    WorldReference { world, first_hits, escape: Escape::Black, seed: 1 }
+}
+
+#[test]
+fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_incidence() {
+    let scene = in_a_sphere();
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = one_row([0.0, 0.05, 0.3, 1.0].map(|r| Some(receiver(DVec3::NEG_Y, r))).to_vec());
+    let reference = reference(&world, &first_hits);
+    let mut state = reference.start();
+    reference.add(&mut state, 64);
+    let image = reference.image(&state);
+    for i in 0..4 {
+        assert!((image.reflection[i] - 0.2 * ALBEDO).length() < 1e-6, "{i}: {}", image.reflection[i]);
+        assert!(image.standard_error[i].max_element() < 1e-6);
+        let composite = Vec3::splat(0.1) + 0.5 * 0.2 * ALBEDO;
+        assert!((image.composite[i] - composite).length() < 1e-6);
+    }
+    assert_eq!(image.samples, [1, 64, 64, 64]);
+}
+
+#[test]
+fn the_share_of_the_lobe_below_the_surface_is_dark() {
+    // The lobe cos¹ around an axis at angle θ to the normal: a plane tilted by θ receives (1 + cos θ)/2
+    // of it (the form factor of a tilted element). α = 1 belongs to cos(ϱ/2)² = ξ.
+    let roughness = 2.0 * phong::XI.sqrt().acos();
+    assert!((phong::exponent(roughness) - 1.0).abs() < 1e-9);
+    let scene = in_a_sphere();
+    let world = World::new(&scene, &scene.materials);
+    let angles = [0.0_f64, 30.0, 60.0, 80.0, 89.0].map(f64::to_radians);
+    let first_hits = one_row(angles.map(|a| Some(receiver(DVec3::new(a.sin(), -a.cos(), 0.0), roughness))).to_vec());
+    let reference = reference(&world, &first_hits);
+    let mut state = reference.start();
+    reference.add(&mut state, 4000);
+    let image = reference.image(&state);
+    for (i, angle) in angles.iter().enumerate() {
+        let expected = (0.2 * ALBEDO).as_dvec3() * (1.0 + angle.cos()) / 2.0;
+        let error = image.standard_error[i].as_dvec3() * 4.0 + 1e-6;
+        let off = (image.reflection[i].as_dvec3() - expected).abs();
+        assert!(off.cmple(error).all(), "{i}: {off} beyond {error}");
+    }
+}
+
+#[test]
+fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
+    let roughness = 2.0 * phong::XI.sqrt().acos();
+    let scene = in_a_sphere();
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = one_row(vec![Some(receiver(DVec3::new(1.0, -1.0, 0.0), roughness)); 50]);
+    let reference = reference(&world, &first_hits);
+    let mut state = reference.start();
+    assert_eq!(state.overall_standard_error(), f64::INFINITY);
+    let share = (1.0 + 0.5_f64.sqrt()) / 2.0;
+    let colors = (0.2 * ALBEDO).as_dvec3();
+    // Each sample is the colour or nothing: a variance of colour² · p (1 − p).
+    let rms_color = (colors.length_squared() / 3.0).sqrt();
+    for n in [100, 400, 1600] {
+        let more = n - state.samples;
+        reference.add(&mut state, more);
+        let expected = rms_color * (share * (1.0 - share) / f64::from(n)).sqrt();
+        assert!((state.overall_standard_error() / expected - 1.0).abs() < 0.05, "{n}");
+    }
+    // The errors of the pixels are as large as they claim to be.
+    let z = state.means().zip(state.standard_errors()).map(|(m, e)| ((m - colors * share) / e).x.powi(2));
+    let chi: f64 = z.sum();
+    assert!((24.7..86.7).contains(&chi), "χ² {chi} with 50 degrees of freedom, 99.8 % inside");
+}
+
+/// A mirror floor at y = 0 and, at z = 5, a wall whose left half is dark and whose right half is bright.
+fn floor_and_wall() -> Scene {
+    let half = |x: f32, material| rectangle(Vec3::new(x, 0.0, 5.0), 5.0 * Vec3::Y, 5.0 * Vec3::X, material);
+    let wall = |v: f32| Material { albedo: Vec3::splat(v), reflectivity: 0.0, ..Material::default() };
+    Scene {
+        meshes: vec![
+            rectangle(Vec3::new(-5.0, 0.0, 0.0), 10.0 * Vec3::Z, 10.0 * Vec3::X, 0),
+            half(-5.0, 1),
+            half(0.0, 2),
+        ],
+        materials: vec![
+            Material { albedo: Vec3::ZERO, reflectivity: 0.5, ..Material::default() },
+            wall(0.25),
+            wall(1.0),
+        ],
+        ..Scene::default()
+    }
+}
+
+#[test]
+fn a_mirror_floor_shows_the_wall_upside_down() {
+    let scene = floor_and_wall();
+    let world = World::new(&scene, &scene.materials);
+    let camera = Camera::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.0);
+    let size = 32;
+    let first_hits = FirstHits::trace(&world, &camera, [size, size]);
+    let reference = reference(&world, &first_hits);
+    let mut state = reference.start();
+    reference.run(&mut state, &Target::default(), &mut |_| Ok(())).expect("no file is written");
+    assert_eq!(state.overall_standard_error(), 0.0, "mirrors have none");
+    assert_eq!(state.samples, 16, "one pass is enough for mirrors");
+    let image = reference.image(&state);
+    let mut mirrored = 0;
+    for i in 0..(size * size) as usize {
+        let (x, y) = (i as u32 % size, i as u32 / size);
+        let Some(receiver) = first_hits.receivers[i] else { continue };
+        assert!(y >= size / 2, "the floor is below the horizon");
+        assert!(receiver.position.y.abs() < 1e-9 && first_hits.lit[i] == Vec3::ZERO);
+        // The ray goes up by 1 m for as many metres as it went down, and meets the wall below 5 m.
+        let height = (5.0 - receiver.position.z) / receiver.position.z;
+        let across = receiver.position.x / receiver.position.z * 5.0;
+        let expected = match (height < 5.0 && across.abs() < 5.0, x < size / 2) {
+            (false, _) => 0.0,
+            (true, true) => 0.2 * 0.25,
+            (true, false) => 0.2,
+        };
+        assert!((image.reflection[i] - Vec3::splat(expected)).length() < 1e-6, "{x} {y}: {}", image.reflection[i]);
+        assert!((image.composite[i] - Vec3::splat(0.5 * expected)).length() < 1e-6);
+        mirrored += u32::from(expected > 0.0);
+    }
+    assert!(mirrored > 100, "{mirrored} pixels show the wall");
+}
+
+#[test]
+fn an_escaped_ray_is_black_or_the_sky() {
+    let scene = Scene::default();
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0)), None]);
+    let bring = |escape| {
+        let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+        let mut state = reference.start();
+        reference.add(&mut state, 1);
+        reference.image(&state).reflection
+    };
+    assert_eq!(bring(Escape::Black), [Vec3::ZERO; 2]);
+    let up = DVec3::new(0.3, 1.0, 0.2).normalize();
+    let sky = bring(Escape::Environment);
+    assert!((sky[0] - sky_color(up).as_vec3()).length() < 1e-5 && sky[1] == Vec3::ZERO);
+}
+
+#[test]
+fn a_window_in_the_world_shows_the_sky_to_the_reflected_ray() {
+    let mut scene = in_a_sphere();
+    scene.materials[0].surface = Surface::Sky;
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0))]);
+    let reference = reference(&world, &first_hits);
+    let mut state = reference.start();
+    reference.add(&mut state, 1);
+    let up = DVec3::new(0.3, 1.0, 0.2).normalize();
+    assert!((reference.image(&state).reflection[0] - sky_color(up).as_vec3()).length() < 1e-5);
+}
+
+/// The corridor, small, glossy.
+fn corridor() -> (Scene, Vec<Material>, Camera) {
+    let scene = library::scene("rooms").expect("a built-in scene");
+    let view = scene.view("corridor").expect("a view").clone();
+    let mut materials = scene.materials_in(&view);
+    materials.iter_mut().for_each(|m| m.roughness = 0.2);
+    let camera = Camera::new(view.eye, view.look_at, view.lens.unwrap_or(scene.lens), 1.5);
+    (scene, materials, camera)
+}
+
+#[test]
+fn threads_interruptions_and_files_change_no_bit() {
+    let (scene, materials, camera) = corridor();
+    let world = World::new(&scene, &materials);
+    let first_hits = FirstHits::trace(&world, &camera, [24, 16]);
+    let reference = reference(&world, &first_hits);
+    let straight = {
+        let mut state = reference.start();
+        reference.add(&mut state, 24);
+        state
+    };
+    assert!(straight.glossy_pixels() > 200 && straight.overall_standard_error() > 1e-3);
+
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let mut alone = reference.start();
+    one_thread.install(|| reference.add(&mut alone, 24));
+    assert_eq!(alone, straight);
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("deeper/state");
+    let (mut state, why) = reference.resume(&path);
+    assert!(why.is_none(), "no file is no error");
+    reference.add(&mut state, 7);
+    state.save(&path).expect("a file");
+    let (mut state, why) = reference.resume(&path);
+    assert!(why.is_none() && state.samples == 7);
+    reference.add(&mut state, 17);
+    assert_eq!(state, straight);
+
+    let other = WorldReference { seed: 2, ..reference };
+    let mut different = other.start();
+    other.add(&mut different, 24);
+    assert!(different != straight);
+}
+
+#[test]
+fn a_file_is_refused_for_anything_else_or_if_damaged() {
+    let (mut scene, mut materials, camera) = corridor();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("state");
+    let saved = {
+        let world = World::new(&scene, &materials);
+        let first_hits = FirstHits::trace(&world, &camera, [12, 8]);
+        let reference = reference(&world, &first_hits);
+        let mut state = reference.start();
+        reference.add(&mut state, 2);
+        state.save(&path).expect("a file");
+
+        let good = std::fs::read(&path).expect("the file");
+        let mut flipped = good.clone();
+        flipped[300] ^= 1;
+        for bad in [&good[..good.len() - 1], &good[..40], &[], &flipped[..], &[&good[..], b"x"].concat()] {
+            std::fs::write(&path, bad).expect("the file");
+            assert!(matches!(reference.load(&path), Err(Error::Malformed { .. })), "{} bytes", bad.len());
+            let (fresh, why) = reference.resume(&path);
+            assert!(fresh.samples == 0 && why.is_some());
+        }
+        std::fs::write(&path, &good).expect("the file");
+        assert_eq!(reference.load(&path).expect("whole again"), state);
+        for other in
+            [WorldReference { seed: 9, ..reference }, WorldReference { escape: Escape::Environment, ..reference }]
+        {
+            assert!(other.load(&path).is_err());
+        }
+        state
+    };
+    let refused = |scene: &Scene, materials: &[Material], camera: &Camera| {
+        let world = World::new(scene, materials);
+        let first_hits = FirstHits::trace(&world, camera, [12, 8]);
+        let loaded = reference(&world, &first_hits).load(&path);
+        loaded.ok() != Some(saved.clone())
+    };
+    assert!(!refused(&scene, &materials, &camera), "the same again is taken");
+    let moved = Camera::new(camera.eye() + Vec3::X * 1e-3, camera.eye() + Vec3::Z, camera.lens, 1.5);
+    assert!(refused(&scene, &materials, &moved));
+    materials[0].normal_deviation = 0.5;
+    assert!(refused(&scene, &materials, &camera));
+    materials[0].normal_deviation = 1.0;
+    scene.textures[0].rgba[5] ^= 1;
+    assert!(refused(&scene, &materials, &camera));
+    scene.textures[0].rgba[5] ^= 1;
+    assert!(!refused(&scene, &materials, &camera));
+    let last = scene.meshes.len() - 1;
+    scene.meshes[last].vertices[0].position[1] += 0.01;
+    assert!(refused(&scene, &materials, &camera));
+}
+
+#[test]
+fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
+    let (scene, mut materials, camera) = corridor();
+    materials.iter_mut().for_each(|m| (m.roughness, m.normal_deviation) = (0.0, 0.0));
+    let world = World::new(&scene, &materials);
+    let [width, height] = [30, 20];
+    let traced = FirstHits::trace(&world, &camera, [width, height]);
+    let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
+    let world_to_view = camera.world_to_view.as_dmat4();
+    let of = |i: usize| traced.receivers[i];
+    let indices = || 0..traced.lit.len();
+    let gbuffer = GBufferData {
+        width,
+        height,
+        camera,
+        depth: indices()
+            .map(|i| view_to_clip.project_point3(DVec3::Z * traced.view_z_m[i]).z.max(0.0) as f32)
+            .collect(),
+        normal: indices()
+            .map(|i| of(i).map_or(Vec3::ZERO, |r| world_to_view.transform_vector3(r.normal).as_vec3()))
+            .collect(),
+        reflectivity: indices().map(|i| of(i).map_or(0.0, |r| r.reflectivity as f32)).collect(),
+        roughness: vec![0.0; traced.lit.len()],
+        color: traced.lit.clone(),
+    };
+    let read = FirstHits::from_gbuffer(&gbuffer);
+    let run = |first_hits: &FirstHits| {
+        let reference = reference(&world, first_hits);
+        let mut state = reference.start();
+        reference.add(&mut state, 1);
+        reference.image(&state)
+    };
+    let (a, b) = (run(&traced), run(&read));
+    let near = |i: &usize| (a.reflection[*i] - b.reflection[*i]).length() < 1e-3;
+    let reflecting = indices().filter(|i| of(*i).is_some()).count();
+    let agree = indices().filter(|i| of(*i).is_some()).filter(near).count();
+    assert!(reflecting > 300 && agree as f64 > 0.98 * reflecting as f64, "{agree} of {reflecting}");
+    for i in indices().filter(|i| of(*i).is_some()) {
+        let z = traced.view_z_m[i];
+        assert!((read.view_z_m[i] - z).abs() < 1e-5 * z);
+    }
+}
