@@ -98,30 +98,41 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             .margin(14)
             .x_label_area_size(40)
             .y_label_area_size(64)
-            .build_cartesian_2d((x.0..x.1).log_scale(), (y.0..y.1).log_scale())
+            .build_cartesian_2d(x.0.log10()..x.1.log10(), y.0.log10()..y.1.log10())
             .map_err(failed)?;
-        let number = |v: &f64| if *v >= 10.0 { format!("{v:.0}") } else { format!("{v:.3}") };
         chart
             .configure_mesh()
-            .light_line_style(WHITE)
+            .disable_mesh()
+            .x_labels(0)
+            .y_labels(0)
             .x_desc("milliseconds, median")
             .y_desc(error_axis)
-            .x_label_formatter(&number)
-            .y_label_formatter(&number)
             .draw()
             .map_err(failed)?;
-        let front = points.iter().filter(|p| p.on_front).map(|p| (p.time_ms, p.error));
+        let grid = STAGE_COLORS[7].mix(0.35);
+        for tick in log_ticks(x) {
+            let (low, high) =
+                (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
+            root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 8, low.1 + 5), ("sans-serif", 12))).map_err(failed)?;
+        }
+        for tick in log_ticks(y) {
+            let (low, high) =
+                (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
+            root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", 12))).map_err(failed)?;
+        }
+        let place = |p: &Point| (p.time_ms.log10(), p.error.log10());
+        let front = points.iter().filter(|p| p.on_front).map(place);
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
         let color = |p: &Point| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
-        chart
-            .draw_series(points.iter().map(|p| Circle::new((p.time_ms, p.error), 4, color(p).filled())))
-            .map_err(failed)?;
+        chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
 
         // Names stand in a column of their own, in the order of the errors, each led to its point.
         let mut order: Vec<&Point> = points.iter().collect();
         order.sort_by(|a, b| b.error.total_cmp(&a.error));
         for (row, p) in order.into_iter().enumerate() {
-            let at = chart.backend_coord(&(p.time_ms, p.error));
+            let at = chart.backend_coord(&place(p));
             let name = (plot_width + 24, 30 + row as i32 * 17);
             let line = [at, (name.0 - 4, name.1 + 6)];
             root.draw(&PathElement::new(line, STAGE_COLORS[7].mix(0.6))).map_err(failed)?;
@@ -131,4 +142,28 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
         root.present().map_err(failed)?;
     }
     Ok(svg)
+}
+
+/// Ticks of a log axis: 1, 2 and 5 times powers of ten inside the bounds, and what lies between them
+/// where those are too few.
+fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
+    let inside = |steps: &[f64]| -> Vec<f64> {
+        let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
+        // Written as text and read back, 3 · 10⁻² is 0.03 and prints so.
+        let tick = |step: &f64, power: i32| format!("{step}e{power}").parse().unwrap_or(f64::NAN);
+        powers.flat_map(|p| steps.iter().map(move |s| tick(s, p))).filter(|t| (least..=most).contains(t)).collect()
+    };
+    let coarse = inside(&[1.0, 2.0, 5.0]);
+    if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(log_ticks((0.8, 60.0)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+        assert_eq!(log_ticks((0.025, 0.045)), [0.03, 0.04]);
+    }
 }
