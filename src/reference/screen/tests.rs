@@ -154,8 +154,8 @@ fn progress_counts_rows_and_the_mask_restricts() {
     assert_eq!(rows.into_inner(), 18);
     mask[g.index(5, 15)] = false;
     let less = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
-    for i in 0..mask.len() {
-        assert_eq!(less.color[i], if mask[i] { all.color[i] } else { Vec3::ZERO });
+    for (i, masked) in mask.iter().enumerate() {
+        assert_eq!(less.color[i], if *masked { all.color[i] } else { Vec3::ZERO });
     }
 }
 
