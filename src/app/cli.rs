@@ -27,6 +27,8 @@ pub enum Command {
     Time(TimeOptions),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Write the ground truth for another renderer to check.
+    Truth(super::truth::TruthOptions),
 }
 
 /// Options of `ssct devices`.
@@ -191,7 +193,7 @@ pub enum Switch {
 }
 
 /// `960x540`.
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());

@@ -7,6 +7,7 @@ mod render;
 mod resolve;
 mod study;
 mod time;
+mod truth;
 
 use crate::error::Error;
 use clap::Parser;
@@ -34,6 +35,7 @@ pub fn run() -> ExitCode {
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
         Command::Study(options) => study::run(options),
+        Command::Truth(options) => truth::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
