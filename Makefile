@@ -2,8 +2,9 @@
 
 CARGO ?= cargo
 OUT ?= out
+BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
 
-.PHONY: all setup build study test lint bench view doc clean
+.PHONY: all setup build study test test-mitsuba lint bench view doc clean
 
 all: build
 
@@ -19,6 +20,21 @@ study: build
 
 test: setup
 	$(CARGO) test
+
+# The world reference against Mitsuba 3, which is installed from PyPI into a folder of its own.
+MITSUBA = .venv-mitsuba/.mitsuba-3.9.1
+
+$(MITSUBA):
+	python3 -m venv .venv-mitsuba
+	.venv-mitsuba/bin/pip install --quiet mitsuba==3.9.1 numpy pillow
+	touch $@
+
+test-mitsuba: build $(MITSUBA)
+	@set -e; for of in "rooms corridor 0" "rooms corridor 0.1" "rooms window 0.6" "atrium hall 0.3"; do \
+		set -- $$of; dir="$(OUT)/mitsuba/$$1-$$2-$$3"; \
+		"$(BIN)" truth export --scene $$1 --view $$2 --roughness $$3 --size 160x90 --samples 256 -o "$$dir"; \
+		.venv-mitsuba/bin/python scripts/mitsuba_compare.py "$$dir" --samples 256 --json "$$dir/report.json"; \
+	done
 
 lint: setup
 	$(CARGO) fmt --check

@@ -35,6 +35,8 @@ pub enum Command {
     Study(StudyOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
+    /// Write the ground truth for another renderer to check.
+    Truth(super::truth::TruthOptions),
 }
 
 /// Options of `ssct devices`.

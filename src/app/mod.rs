@@ -18,6 +18,7 @@ mod window;
 #[cfg(not(feature = "window"))]
 #[path = "no_window.rs"]
 mod window;
+mod truth;
 
 use crate::error::Error;
 use clap::Parser;
@@ -48,6 +49,7 @@ pub fn run() -> ExitCode {
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
         Command::View(options) => window::run(options),
+        Command::Truth(options) => truth::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

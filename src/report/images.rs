@@ -29,18 +29,20 @@ impl Rgb {
 
     /// Writes a PNG.
     pub fn write_png(&self, path: &Path) -> Result<()> {
-        let mut bytes = Cursor::new(Vec::new());
-        image::write_buffer_with_format(
-            &mut bytes,
-            &self.bytes,
-            self.width,
-            self.height,
-            image::ExtendedColorType::Rgb8,
-            image::ImageFormat::Png,
-        )
-        .map_err(|e| Error::io("encode", path, std::io::Error::other(e)))?;
-        write(path, bytes.get_ref())
+        write_png(path, [self.width, self.height], &self.bytes, image::ExtendedColorType::Rgb8)
     }
+}
+
+/// Writes 8-bit RGBA, rows from the top, as it stands.
+pub fn write_rgba_png(path: &Path, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
+    write_png(path, extent, rgba, image::ExtendedColorType::Rgba8)
+}
+
+fn write_png(path: &Path, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
+    let mut encoded = Cursor::new(Vec::new());
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
+        .map_err(|e| Error::io("encode", path, std::io::Error::other(e)))?;
+    write(path, encoded.get_ref())
 }
 
 /// The display image: clamped, sRGB-encoded, no tone mapping.

@@ -5,5 +5,6 @@ pub mod figures;
 pub mod files;
 pub mod html;
 pub mod images;
+pub mod mitsuba;
 pub mod plot;
 pub mod tables;

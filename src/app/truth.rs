@@ -1,0 +1,76 @@
+//! `ssct truth`: the world reference, for others to check.
+
+use super::cli::{CommonOptions, size};
+use super::resolve;
+use crate::error::Error;
+use crate::report::mitsuba::{Export, export};
+use crate::study::timing::camera;
+use clap::{Args, Subcommand};
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Options of `ssct truth`.
+#[derive(Debug, Args)]
+pub struct TruthOptions {
+    #[command(subcommand)]
+    command: TruthCommand,
+}
+
+#[derive(Debug, Subcommand)]
+enum TruthCommand {
+    /// Write scene, camera and the reference's reflections into a folder, for scripts/mitsuba_compare.py.
+    Export(ExportOptions),
+}
+
+#[derive(Debug, Args)]
+struct ExportOptions {
+    #[command(flatten)]
+    common: CommonOptions,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "160x90")]
+    size: [u32; 2],
+    /// Rays a glossy pixel.
+    #[arg(long, default_value_t = 256)]
+    samples: u32,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// The folder.
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+}
+
+/// Runs a subcommand.
+pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
+    let TruthCommand::Export(options) = &options.command;
+    let globals = match resolve::globals(&options.common)?[..] {
+        [one] => one,
+        _ => return Err(Error::Usage("truth export makes one image: give one --roughness".into()).into()),
+    };
+    if options.samples < 2 {
+        return Err(Error::Usage("--samples: a standard error needs at least two".into()).into());
+    }
+    let scene = resolve::scene(&options.common, "rooms")?;
+    let view = resolve::view(&scene, &options.common, None)?;
+    let materials = globals.materials(&scene, &view);
+    let exported = export(
+        &options.output,
+        &Export {
+            scene: &scene,
+            materials: &materials,
+            camera: camera(&scene, &view, options.size),
+            extent: options.size,
+            samples: options.samples,
+            seed: options.seed,
+        },
+    )?;
+    writeln!(
+        std::io::stdout(),
+        "{}: {} triangles, {} reflecting pixels, standard error {:.5}",
+        options.output.display(),
+        exported.triangles,
+        exported.receivers,
+        exported.standard_error
+    )?;
+    Ok(())
+}

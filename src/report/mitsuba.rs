@@ -1,0 +1,313 @@
+//! A scene, a camera and the world reference's answer as files, for Mitsuba 3 to check
+//! (`scripts/mitsuba_compare.py`): the thesis compares with that renderer too (ch. 5).
+//!
+//! `scene.xml` with `meshes/*.ply` and `textures/*.png` is the scene as Mitsuba reads it, with the
+//! same coordinates: Mitsuba takes them for right-handed, which changes no ray. The sensor's matrix
+//! mirrors x to make up for it. `truth.json` says what the arrays `*.npy` hold. Mitsuba doesn't know
+//! the environment, so a surface that shows it counts as a lit one here, in the answer as well.
+
+use super::files::write;
+use super::images::write_rgba_png;
+use crate::error::Result;
+use crate::reference::bvh::{Hit, Ray};
+use crate::reference::first_hits::{FirstHits, PrimaryRays};
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, RAY_START_M, WorldReference};
+use crate::scene::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
+use glam::{DMat4, DVec3, Vec3};
+use rayon::prelude::*;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// What is exported.
+pub struct Export<'a> {
+    /// Geometry, images and lights.
+    pub scene: &'a Scene,
+    /// Materials in place of the scene's own.
+    pub materials: &'a [Material],
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// Size in pixels.
+    pub extent: [u32; 2],
+    /// Samples of each glossy pixel of the reference.
+    pub samples: u32,
+    /// Seed of the reference.
+    pub seed: u64,
+}
+
+/// What an export made.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Exported {
+    /// Triangles.
+    pub triangles: usize,
+    /// Reflecting pixels.
+    pub receivers: usize,
+    /// Overall standard error of the reference, linear colour.
+    pub standard_error: f64,
+}
+
+/// Writes the folder.
+pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
+    let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
+    let world = World::new(what.scene, &materials);
+    let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: what.seed };
+    let mut state = reference.start();
+    reference.add(&mut state, what.samples);
+
+    write(&folder.join("scene.xml"), scene_xml(what, &materials).as_bytes())?;
+    for (i, mesh) in what.scene.meshes.iter().enumerate() {
+        write(&folder.join(mesh_file(i)), &ply(mesh))?;
+    }
+    for (i, texture) in what.scene.textures.iter().enumerate() {
+        write_rgba_png(&folder.join(texture_file(i)), [texture.width, texture.height], &texture.rgba)?;
+    }
+    let arrays = Arrays(folder);
+    arrays.primary(&world, what, &first_hits)?;
+    let reflecting: Vec<usize> =
+        (0..first_hits.receivers.len()).filter(|i| first_hits.receivers[*i].is_some()).collect();
+    arrays.receivers(&world, &first_hits)?;
+    let of = |all: Vec<DVec3>| -> Vec<f64> { reflecting.iter().flat_map(|i| all[*i].to_array()).collect() };
+    arrays.f64s("reflection_mean", 3, of(state.means().collect()))?;
+    arrays.f64s("reflection_error", 3, of(state.standard_errors().collect()))?;
+    arrays.i32s("receiver_pixel", reflecting.iter().map(|i| *i as i32).collect())?;
+    arrays.tangents(&what.scene.meshes)?;
+    let text = serde_json::to_string_pretty(&description(what, &materials)).unwrap_or_else(|e| e.to_string());
+    write(&folder.join("truth.json"), text.as_bytes())?;
+    Ok(Exported {
+        triangles: what.scene.triangle_count(),
+        receivers: reflecting.len(),
+        standard_error: state.overall_standard_error(),
+    })
+}
+
+fn without_sky(material: &Material) -> Material {
+    let mut material = material.clone();
+    if material.surface == Surface::Sky {
+        (material.surface, material.reflectivity) = (Surface::Lit, 0.0);
+    }
+    material
+}
+
+fn mesh_file(index: usize) -> String {
+    format!("meshes/{index:04}.ply")
+}
+
+fn texture_file(index: usize) -> String {
+    format!("textures/{index:03}.png")
+}
+
+/// The scene as Mitsuba 3 reads it. Materials are diffuse and the light is a constant environment,
+/// so that the scene can be rendered; the comparison only intersects rays and reads the albedo.
+fn scene_xml(what: &Export, materials: &[Material]) -> String {
+    let mirrored_x = DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    let to_world = what.camera.world_to_view.as_dmat4().inverse() * mirrored_x;
+    let matrix: Vec<String> = to_world.transpose().to_cols_array().iter().map(f64::to_string).collect();
+    let lens = what.camera.lens;
+    let mut xml =
+        String::from("<scene version=\"3.0.0\">\n  <integrator type=\"path\"/>\n  <emitter type=\"constant\"/>\n");
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        xml,
+        "  <sensor type=\"perspective\">\n    <transform name=\"to_world\"><matrix value=\"{}\"/></transform>\n    \
+         <string name=\"fov_axis\" value=\"y\"/>\n    <float name=\"fov\" value=\"{}\"/>\n    \
+         <float name=\"near_clip\" value=\"{}\"/>\n    <float name=\"far_clip\" value=\"{}\"/>\n    \
+         <film type=\"hdrfilm\">\n      <integer name=\"width\" value=\"{}\"/>\n      \
+         <integer name=\"height\" value=\"{}\"/>\n    </film>\n  </sensor>",
+        matrix.join(" "),
+        f64::from(lens.fov_y_radians).to_degrees(),
+        lens.near_m,
+        lens.far_m,
+        what.extent[0],
+        what.extent[1],
+    );
+    for (i, material) in materials.iter().enumerate() {
+        let albedo = match material.albedo_map {
+            Some(map) => format!(
+                "<texture type=\"bitmap\" name=\"reflectance\"><string name=\"filename\" value=\"{}\"/></texture>",
+                texture_file(map)
+            ),
+            None => "<rgb name=\"reflectance\" value=\"1, 1, 1\"/>".to_owned(),
+        };
+        let _ = writeln!(
+            xml,
+            "  <bsdf type=\"twosided\" id=\"material-{i}\"><bsdf type=\"diffuse\">{albedo}</bsdf></bsdf>"
+        );
+    }
+    for (i, mesh) in what.scene.meshes.iter().enumerate().filter(|(_, m)| !m.indices.is_empty()) {
+        let _ = writeln!(
+            xml,
+            "  <shape type=\"ply\" id=\"mesh-{i}\"><string name=\"filename\" value=\"{}\"/><ref id=\"material-{}\"/></shape>",
+            mesh_file(i),
+            mesh.material
+        );
+    }
+    xml + "</scene>\n"
+}
+
+/// A mesh as binary PLY: position, normal and texture coordinates of its vertices, and its triangles.
+fn ply(mesh: &Mesh) -> Vec<u8> {
+    let triangles = mesh.indices.as_chunks::<3>().0;
+    let properties: String =
+        ["x", "y", "z", "nx", "ny", "nz", "u", "v"].map(|p| format!("property float {p}\n")).concat();
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\n{properties}element face {}\n\
+         property list uchar int vertex_index\nend_header\n",
+        mesh.vertices.len(),
+        triangles.len()
+    )
+    .into_bytes();
+    for v in &mesh.vertices {
+        bytes.extend(v.position.iter().chain(&v.normal).chain(&v.uv).flat_map(|c| c.to_le_bytes()));
+    }
+    for triangle in triangles {
+        bytes.push(3);
+        bytes.extend(triangle.iter().flat_map(|i| i.to_le_bytes()));
+    }
+    bytes
+}
+
+fn description(what: &Export, materials: &[Material]) -> Value {
+    let light = |l: &Light| match *l {
+        Light::Point { position, energy } => json!({"kind": "point", "at": position.to_array(), "energy": energy}),
+        Light::Directional { direction, energy } => {
+            json!({"kind": "directional", "along": direction.to_array(), "energy": energy})
+        }
+    };
+    let material = |m: &Material| {
+        json!({
+            "name": m.name, "albedo": m.albedo.to_array(), "albedo_map": m.albedo_map, "normal_map": m.normal_map,
+            "alpha_mask": m.alpha_mask, "normal_deviation": m.normal_deviation,
+        })
+    };
+    let texture = |i: usize| {
+        let srgb = what.scene.textures[i].encoding == Encoding::Srgb;
+        json!({"file": texture_file(i), "srgb": srgb})
+    };
+    json!({
+        "kind": "truth", "definitions": 1, "scene": what.scene.name,
+        "width": what.extent[0], "height": what.extent[1],
+        "ray_start_m": RAY_START_M, "samples": what.samples, "seed": what.seed,
+        "lights": what.scene.lights.iter().map(light).collect::<Vec<_>>(),
+        "materials": materials.iter().map(material).collect::<Vec<_>>(),
+        "mesh_material": what.scene.meshes.iter().map(|m| m.material).collect::<Vec<_>>(),
+        "textures": (0..what.scene.textures.len()).map(texture).collect::<Vec<_>>(),
+    })
+}
+
+/// The folder of the arrays.
+struct Arrays<'a>(&'a Path);
+
+impl Arrays<'_> {
+    /// What each pixel's centre sees: direction, mesh and triangle (−1: none), position, lit colour.
+    fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
+        let rays = PrimaryRays::new(&what.camera, what.extent);
+        let rays: Vec<Ray> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
+        self.f64s("primary_direction", 3, rays.iter().flat_map(|r| r.direction.to_array()).collect())?;
+        self.ends("primary", world, &rays)?;
+        let lit = first_hits.lit.iter().flat_map(|c: &Vec3| c.as_dvec3().to_array());
+        self.f64s("primary_lit", 3, lit.collect())
+    }
+
+    /// What reflects, in the order of its pixels, and where its mirror ray ends.
+    fn receivers(&self, world: &World, first_hits: &FirstHits) -> Result<()> {
+        let all: Vec<_> = first_hits.receivers.iter().flatten().collect();
+        let vectors = |of: &dyn Fn(usize) -> DVec3| (0..all.len()).flat_map(|i| of(i).to_array()).collect();
+        self.f64s("receiver_position", 3, vectors(&|i| all[i].position))?;
+        self.f64s("receiver_normal", 3, vectors(&|i| all[i].normal))?;
+        self.f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;
+        self.f64s("receiver_incoming", 3, vectors(&|i| all[i].incoming))?;
+        self.f64s("receiver_roughness", 1, all.iter().map(|r| r.roughness).collect())?;
+        let rays: Vec<Ray> = all
+            .iter()
+            .map(|r| Ray { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
+            .collect();
+        self.ends("mirror", world, &rays)
+    }
+
+    /// Where rays end: mesh, triangle (−1 for none) and position (not a number for none).
+    fn ends(&self, name: &str, world: &World, rays: &[Ray]) -> Result<()> {
+        let hits: Vec<Option<Hit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
+        let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
+        self.i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
+        self.i32s(&format!("{name}_triangle"), from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect())?;
+        let ends = hits.iter().zip(rays).flat_map(|(h, ray)| h.map_or(DVec3::NAN, |h| ray.at(h.t)).to_array());
+        self.f64s(&format!("{name}_position"), 3, ends.collect())
+    }
+
+    /// Tangents of all meshes' vertices in one row, and where each mesh begins.
+    fn tangents(&self, meshes: &[Mesh]) -> Result<()> {
+        let all = meshes.iter().flat_map(|m| &m.vertices).flat_map(|v| v.tangent.map(f64::from));
+        self.f64s("vertex_tangent", 4, all.collect())?;
+        let first = meshes.iter().scan(0, |sum, m| {
+            let first = *sum;
+            *sum += m.vertices.len() as i32;
+            Some(first)
+        });
+        self.i32s("mesh_first_vertex", first.collect())
+    }
+
+    /// Rows of `columns` numbers.
+    fn f64s(&self, name: &str, columns: usize, values: Vec<f64>) -> Result<()> {
+        let shape = if columns == 1 {
+            format!("({},)", values.len())
+        } else {
+            format!("({}, {columns})", values.len() / columns)
+        };
+        self.write(name, "<f8", &shape, values.iter().flat_map(|v| v.to_le_bytes()))
+    }
+
+    fn i32s(&self, name: &str, values: Vec<i32>) -> Result<()> {
+        self.write(name, "<i4", &format!("({},)", values.len()), values.iter().flat_map(|v| v.to_le_bytes()))
+    }
+
+    /// A file of NumPy's format 1.0: magic, version, length of the header, the header, the numbers.
+    fn write(&self, name: &str, kind: &str, shape: &str, content: impl Iterator<Item = u8>) -> Result<()> {
+        let mut header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}");
+        // Padded so that the numbers begin at a multiple of 64.
+        let padding = 63 - (10 + header.len()) % 64;
+        header.extend(std::iter::repeat_n(' ', padding));
+        header.push('\n');
+        let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+        bytes.extend((header.len() as u16).to_le_bytes());
+        bytes.extend(header.into_bytes());
+        bytes.extend(content);
+        write(&self.0.join(format!("{name}.npy")), &bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+
+    #[test]
+    fn an_export_is_complete_and_its_arrays_begin_as_numpy_wants() {
+        let scene = library::scene("rooms").expect("a built-in scene");
+        let view = &scene.views[0];
+        let camera = Camera::new(view.eye, view.look_at, scene.lens, 1.5);
+        let folder = tempfile::tempdir().expect("a folder");
+        let what = Export { scene: &scene, materials: &scene.materials, camera, extent: [12, 8], samples: 2, seed: 1 };
+        let exported = export(folder.path(), &what).expect("an export");
+        assert_eq!(exported.triangles, scene.triangle_count());
+        let read = |name: &str| std::fs::read(folder.path().join(name)).expect(name);
+
+        let primary = read("primary_position.npy");
+        assert!(primary.starts_with(b"\x93NUMPY\x01\x00"));
+        let header = 10 + usize::from(u16::from_le_bytes([primary[8], primary[9]]));
+        assert_eq!((header % 64, primary.len() - header), (0, 12 * 8 * 3 * 8));
+        assert!(String::from_utf8_lossy(&primary[10..header]).contains("'shape': (96, 3)"));
+        assert_eq!(read("receiver_pixel.npy").len() - 128, 4 * exported.receivers);
+
+        let xml = String::from_utf8(read("scene.xml")).expect("text");
+        assert_eq!(xml.matches("<shape").count(), scene.meshes.len());
+        let mesh = &scene.meshes[0];
+        let ply = read("meshes/0000.ply");
+        let content = 32 * mesh.vertices.len() + 13 * mesh.indices.len() / 3;
+        assert!(ply[..ply.len() - content].ends_with(b"end_header\n"));
+        let truth: Value = serde_json::from_slice(&read("truth.json")).expect("JSON");
+        assert_eq!(truth["textures"].as_array().map(Vec::len), Some(scene.textures.len()));
+        assert!(scene.textures.iter().enumerate().all(|(i, _)| folder.path().join(texture_file(i)).exists()));
+    }
+}
