@@ -5,14 +5,15 @@
 
 mod common;
 
-use common::{Shown, bilinear, clutter, clutter_camera, gpu, show};
+use common::{Shown, bilinear, clutter, clutter_camera, gpu, shared_scenes, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::reference::Level;
 use ssct::reference::hi_z::{self, MinMax};
 use ssct::reference::visibility::{self, Range};
-use ssct::study::Globals;
+use ssct::scene::scene_file;
+use ssct::study::{Globals, timing};
 
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],
@@ -46,30 +47,48 @@ fn channel(pixels: &Pixels, channel: usize) -> Level<f32> {
     Level { width: pixels.width, height: pixels.height, texels }
 }
 
+/// Holds a shot's depth chain against the twin.
+fn check_depth(shown: &Shown) {
+    let levels = shown.levels("hi-z");
+    let extent = [levels[0].width, levels[0].height];
+    for (z, r) in levels[0].texels().zip(&shown.get("depth").values) {
+        assert_eq!([z[0].to_bits(), z[1].to_bits()], [(1.0 - r).to_bits(); 2], "{extent:?}: level 0");
+    }
+    let twin = hi_z::chain(&channel(levels[0], 0));
+    assert_eq!(levels.len(), twin.len(), "{extent:?}");
+    for (n, (gpu, cpu)) in levels.iter().zip(&twin).enumerate() {
+        assert_eq!((gpu.width, gpu.height), (cpu.width, cpu.height), "{extent:?}, level {n}");
+        for (i, (g, c)) in gpu.texels().zip(&cpu.texels).enumerate() {
+            let bits = [g[0].to_bits(), g[1].to_bits()];
+            assert_eq!(bits, [c.min.to_bits(), c.max.to_bits()], "{extent:?}, level {n}, texel {i}");
+        }
+    }
+}
+
 #[test]
 fn depth_chains_equal_their_twin_to_the_bit() {
     let gpu = gpu();
     for extent in SIZES {
         let shown = render(&gpu, extent, ChainFilter::Hardware);
-        let levels = shown.levels("hi-z");
-        let reversed = shown.get("depth");
-        for (z, r) in levels[0].texels().zip(&reversed.values) {
-            assert_eq!([z[0].to_bits(), z[1].to_bits()], [(1.0 - r).to_bits(); 2], "{extent:?}: level 0");
-        }
+        check_depth(&shown);
         if extent[0] * extent[1] > 4000 {
-            assert!(reversed.values.contains(&0.0), "sky is in view");
-            let near = reversed.values.iter().copied().fold(0.0, f32::max);
+            let reversed = &shown.get("depth").values;
+            assert!(reversed.contains(&0.0), "sky is in view");
+            let near = reversed.iter().copied().fold(0.0, f32::max);
             assert!(near > 0.05, "near and far are in view: {near}");
         }
-        let twin = hi_z::chain(&channel(levels[0], 0));
-        assert_eq!(levels.len(), twin.len(), "{extent:?}");
-        for (n, (gpu, cpu)) in levels.iter().zip(&twin).enumerate() {
-            assert_eq!((gpu.width, gpu.height), (cpu.width, cpu.height), "{extent:?}, level {n}");
-            for (i, (g, c)) in gpu.texels().zip(&cpu.texels).enumerate() {
-                let bits = [g[0].to_bits(), g[1].to_bits()];
-                assert_eq!(bits, [c.min.to_bits(), c.max.to_bits()], "{extent:?}, level {n}, texel {i}");
-            }
-        }
+    }
+}
+
+#[test]
+fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
+    let Some(folder) = shared_scenes() else { return };
+    let gpu = gpu();
+    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
+    for (view, extent) in scene.views.iter().zip([[321, 179], [240, 135], [127, 61]]) {
+        let setup = Setup { split: true, ..Setup::new(extent) };
+        let camera = timing::camera(&scene, view, extent);
+        check_depth(&show(&gpu, &scene, camera, "ssct", &setup, &Globals::default()));
     }
 }
 
