@@ -11,6 +11,7 @@ mod render;
 mod resolve;
 mod study;
 mod time;
+mod truth;
 #[cfg(feature = "window")]
 mod viewer;
 #[cfg(feature = "window")]
@@ -18,7 +19,6 @@ mod window;
 #[cfg(not(feature = "window"))]
 #[path = "no_window.rs"]
 mod window;
-mod truth;
 
 use crate::error::Error;
 use clap::Parser;
