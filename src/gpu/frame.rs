@@ -4,15 +4,18 @@
 //! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
 //! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
 
+mod draw;
+mod transfer;
+
 use super::device::{Gpu, vulkan};
 use super::image::{ImageSlice, Sampler};
 use super::memory::{Buffer, Place};
-use super::pipeline::{ComputePipeline, GraphicsPipeline, Layout};
-use super::shader::BindingKind;
+use super::pipeline::{ComputePipeline, GraphicsPipeline};
 use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
+use draw::Raster;
 use std::cell::Cell;
 
 /// What a frame is recorded for.
@@ -268,138 +271,6 @@ impl Frame<'_> {
         })
     }
 
-    /// Scales one level into another with a linear filter: one step of a hardware mip chain.
-    pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_image(to, Access::TransferWrite);
-            frame.flush();
-            let side = |s: &ImageSlice| {
-                let [w, h] = s.extent();
-                [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
-            };
-            let region = vk::ImageBlit2::default()
-                .src_subresource(layers(&from))
-                .src_offsets(side(&from))
-                .dst_subresource(layers(&to))
-                .dst_offsets(side(&to));
-            let regions = [region];
-            let info = vk::BlitImageInfo2::default()
-                .src_image(from.image().handle())
-                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
-                .dst_image(to.image().handle())
-                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
-                .regions(&regions)
-                .filter(vk::Filter::LINEAR);
-            // SAFETY: both levels are in the layouts named, by the barriers above.
-            unsafe { frame.device().cmd_blit_image2(frame.context.commands, &info) };
-            Ok(())
-        })
-    }
-
-    /// Copies the bits of one level to another of the same size, whose format may differ in what
-    /// the bits mean.
-    pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
-        assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_image(to, Access::TransferWrite);
-            frame.flush();
-            let [width, height] = from.extent();
-            let regions = [vk::ImageCopy2::default()
-                .src_subresource(layers(&from))
-                .dst_subresource(layers(&to))
-                .extent(vk::Extent3D { width, height, depth: 1 })];
-            let info = vk::CopyImageInfo2::default()
-                .src_image(from.image().handle())
-                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
-                .dst_image(to.image().handle())
-                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
-                .regions(&regions);
-            // SAFETY: both levels are in the layouts named, by the barriers above.
-            unsafe { frame.device().cmd_copy_image2(frame.context.commands, &info) };
-            Ok(())
-        })
-    }
-
-    /// Fills a colour image's levels with one value.
-    pub fn clear(&mut self, name: &str, slice: ImageSlice, value: [f32; 4]) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(slice, Access::TransferWrite);
-            frame.flush();
-            let range = slice.image().range(slice.base_level(), slice.states().count() as u32);
-            // SAFETY: the levels are in the layout named, by the barrier above.
-            unsafe {
-                frame.device().cmd_clear_color_image(
-                    frame.context.commands,
-                    slice.image().handle(),
-                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                    &vk::ClearColorValue { float32: value },
-                    &[range],
-                );
-            }
-            Ok(())
-        })
-    }
-
-    /// Copies tightly packed texels of all layers from a buffer into a level.
-    pub fn upload(&mut self, name: &str, from: &Buffer, to: ImageSlice) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_buffer(from, Access::TransferRead);
-            frame.use_image(to, Access::TransferWrite);
-            frame.flush();
-            let region = whole(&to);
-            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
-            unsafe {
-                frame.device().cmd_copy_buffer_to_image(
-                    frame.context.commands,
-                    from.handle(),
-                    to.image().handle(),
-                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
-                    &[region],
-                );
-            }
-            Ok(())
-        })
-    }
-
-    /// Copies a level into a readback buffer, tightly packed, for the host.
-    pub fn download(&mut self, name: &str, from: ImageSlice, to: &Buffer) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_buffer(to, Access::TransferWrite);
-            frame.flush();
-            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
-            unsafe {
-                frame.device().cmd_copy_image_to_buffer(
-                    frame.context.commands,
-                    from.image().handle(),
-                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-                    to.handle(),
-                    &[whole(&from)],
-                );
-            }
-            frame.use_buffer(to, Access::HostRead);
-            frame.flush();
-            Ok(())
-        })
-    }
-
-    /// Copies one buffer into another, and makes it ready for vertex input.
-    pub fn copy_vertices(&mut self, name: &str, from: &Buffer, to: &Buffer) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_buffer(from, Access::TransferRead);
-            frame.use_buffer(to, Access::TransferWrite);
-            frame.flush();
-            let region = vk::BufferCopy::default().size(from.size().min(to.size()));
-            // SAFETY: both buffers hold the region.
-            unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &[region]) };
-            frame.use_buffer(to, Access::VertexInput);
-            frame.flush();
-            Ok(())
-        })
-    }
-
     /// Moves levels to a use without a pass of its own: textures after their upload.
     pub fn make_ready(&mut self, slice: ImageSlice, access: Access) {
         self.use_image(slice, access);
@@ -622,129 +493,6 @@ impl Frame<'_> {
         unsafe { self.device().cmd_end_rendering(commands) };
         drawn
     }
-
-    fn bind(&self, pipeline: vk::Pipeline, point: vk::PipelineBindPoint) {
-        // SAFETY: the pipeline is alive and fits the point.
-        unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
-    }
-
-    /// Pushes descriptors and constants.
-    fn push(
-        &mut self,
-        layout: &Layout,
-        point: vk::PipelineBindPoint,
-        name: &str,
-        resources: &[(&str, Resource)],
-        push: &[u8],
-    ) -> Result<()> {
-        assert_eq!(push.len(), layout.push_size as usize, "push constants of {name}");
-        assert_eq!(resources.len(), layout.bindings.len(), "bindings of {name}: {:?}", layout.bindings);
-        let mut images = Vec::with_capacity(resources.len());
-        let mut buffers = Vec::with_capacity(resources.len());
-        let mut kinds = Vec::with_capacity(resources.len());
-        for (binding_name, resource) in resources {
-            let Some(binding) = layout.binding(binding_name) else {
-                panic!("{name} has no binding {binding_name:?}: {:?}", layout.bindings)
-            };
-            let (image, buffer, kind) = self.descriptor(*resource);
-            assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
-            images.push([image]);
-            buffers.push([buffer]);
-            kinds.push(binding);
-        }
-        let writes: Vec<_> = kinds
-            .iter()
-            .enumerate()
-            .map(|(i, b)| {
-                let write = vk::WriteDescriptorSet::default()
-                    .dst_binding(b.binding)
-                    .descriptor_type(b.kind.descriptor_type())
-                    .descriptor_count(1);
-                match b.kind {
-                    BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
-                    BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
-                }
-            })
-            .collect();
-        let commands = self.context.commands;
-        // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
-        // submission, which the host waits for.
-        unsafe {
-            if !writes.is_empty() {
-                let push = &self.context.gpu.shared().push_descriptor;
-                push.cmd_push_descriptor_set(commands, point, layout.pipeline, 0, &writes);
-            }
-            if !push.is_empty() {
-                self.device().cmd_push_constants(commands, layout.pipeline, layout.stages, 0, push);
-            }
-        }
-        Ok(())
-    }
-
-    fn descriptor(&mut self, resource: Resource) -> (vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind) {
-        let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
-        let kind = match resource {
-            Resource::Sampled(slice, sampler) => {
-                image = image
-                    .sampler(self.context.gpu.sampler(sampler))
-                    .image_view(slice.view())
-                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-                BindingKind::SampledImage
-            }
-            Resource::Storage(slice) => {
-                image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
-                BindingKind::StorageImage
-            }
-            Resource::Buffer(b) => {
-                buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
-                BindingKind::StorageBuffer
-            }
-            Resource::Uniform(bytes) => {
-                let offset = self.uniform(bytes);
-                buffer = buffer.buffer(self.context.uniforms.handle()).offset(offset).range(bytes.len() as u64);
-                BindingKind::UniformBuffer
-            }
-        };
-        (image, buffer, kind)
-    }
-
-    /// Puts a uniform block into this frame's memory; returns its offset.
-    fn uniform(&mut self, bytes: &[u8]) -> u64 {
-        let alignment = self.context.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
-        let offset = self.uniform_bytes.next_multiple_of(alignment);
-        self.uniform_bytes = offset + bytes.len() as u64;
-        assert!(self.uniform_bytes <= UNIFORM_BYTES, "a frame has more than {UNIFORM_BYTES} bytes of uniforms");
-        if let Ok(memory) = self.context.uniforms.bytes_mut() {
-            memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
-        }
-        offset
-    }
-}
-
-/// Records the draws of [`Frame::raster`].
-pub struct Raster<'f, 'c> {
-    frame: &'f mut Frame<'c>,
-    pipeline: &'f GraphicsPipeline,
-}
-
-impl Raster<'_, '_> {
-    /// Binds resources and constants for the draws that follow. Images must have been made ready
-    /// ([`Frame::make_ready`]): no barrier can stand inside rendering.
-    pub fn bind(&mut self, resources: &[(&str, Resource)], push: &[u8]) -> Result<()> {
-        let p = self.pipeline;
-        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, resources, push)
-    }
-
-    /// Draws indexed triangles.
-    pub fn draw(&mut self, vertices: &Buffer, indices: &Buffer, index_count: u32) {
-        let commands = self.frame.context.commands;
-        // SAFETY: the pipeline is bound with its resources; the buffers hold the indices' range.
-        unsafe {
-            self.frame.device().cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);
-            self.frame.device().cmd_bind_index_buffer(commands, indices.handle(), 0, vk::IndexType::UINT32);
-            self.frame.device().cmd_draw_indexed(commands, index_count, 1, 0, 0, 0);
-        }
-    }
 }
 
 fn step(state: &Cell<State>, access: Access) -> Option<Transition> {
@@ -752,22 +500,4 @@ fn step(state: &Cell<State>, access: Access) -> Option<Transition> {
     let transition = s.transition(access);
     state.set(s);
     transition
-}
-
-fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
-    vk::ImageSubresourceLayers {
-        aspect_mask: slice.image().aspect(),
-        mip_level: slice.base_level(),
-        base_array_layer: 0,
-        layer_count: slice.image().layers(),
-    }
-}
-
-fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
-    let [width, height] = slice.extent();
-    vk::BufferImageCopy::default().image_subresource(layers(slice)).image_extent(vk::Extent3D {
-        width,
-        height,
-        depth: 1,
-    })
 }

@@ -1,0 +1,160 @@
+//! Copies, blits, clears, uploads and read-backs, each a pass of its own.
+
+use super::Frame;
+use crate::error::Result;
+use crate::gpu::image::ImageSlice;
+use crate::gpu::memory::Buffer;
+use crate::gpu::sync::Access;
+use ash::vk;
+
+impl Frame<'_> {
+    /// Scales one level into another with a linear filter: one step of a hardware mip chain.
+    pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let side = |s: &ImageSlice| {
+                let [w, h] = s.extent();
+                [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
+            };
+            let region = vk::ImageBlit2::default()
+                .src_subresource(layers(&from))
+                .src_offsets(side(&from))
+                .dst_subresource(layers(&to))
+                .dst_offsets(side(&to));
+            let regions = [region];
+            let info = vk::BlitImageInfo2::default()
+                .src_image(from.image().handle())
+                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
+                .dst_image(to.image().handle())
+                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
+                .regions(&regions)
+                .filter(vk::Filter::LINEAR);
+            // SAFETY: both levels are in the layouts named, by the barriers above.
+            unsafe { frame.device().cmd_blit_image2(frame.context.commands, &info) };
+            Ok(())
+        })
+    }
+
+    /// Copies the bits of one level to another of the same size, whose format may differ in what
+    /// the bits mean.
+    pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let [width, height] = from.extent();
+            let regions = [vk::ImageCopy2::default()
+                .src_subresource(layers(&from))
+                .dst_subresource(layers(&to))
+                .extent(vk::Extent3D { width, height, depth: 1 })];
+            let info = vk::CopyImageInfo2::default()
+                .src_image(from.image().handle())
+                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
+                .dst_image(to.image().handle())
+                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
+                .regions(&regions);
+            // SAFETY: both levels are in the layouts named, by the barriers above.
+            unsafe { frame.device().cmd_copy_image2(frame.context.commands, &info) };
+            Ok(())
+        })
+    }
+
+    /// Fills a colour image's levels with one value.
+    pub fn clear(&mut self, name: &str, slice: ImageSlice, value: [f32; 4]) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(slice, Access::TransferWrite);
+            frame.flush();
+            let range = slice.image().range(slice.base_level(), slice.states().count() as u32);
+            // SAFETY: the levels are in the layout named, by the barrier above.
+            unsafe {
+                frame.device().cmd_clear_color_image(
+                    frame.context.commands,
+                    slice.image().handle(),
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &vk::ClearColorValue { float32: value },
+                    &[range],
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// Copies tightly packed texels of all layers from a buffer into a level.
+    pub fn upload(&mut self, name: &str, from: &Buffer, to: ImageSlice) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_buffer(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let region = whole(&to);
+            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
+            unsafe {
+                frame.device().cmd_copy_buffer_to_image(
+                    frame.context.commands,
+                    from.handle(),
+                    to.image().handle(),
+                    vk::ImageLayout::TRANSFER_DST_OPTIMAL,
+                    &[region],
+                );
+            }
+            Ok(())
+        })
+    }
+
+    /// Copies a level into a readback buffer, tightly packed, for the host.
+    pub fn download(&mut self, name: &str, from: ImageSlice, to: &Buffer) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
+            unsafe {
+                frame.device().cmd_copy_image_to_buffer(
+                    frame.context.commands,
+                    from.image().handle(),
+                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                    to.handle(),
+                    &[whole(&from)],
+                );
+            }
+            frame.use_buffer(to, Access::HostRead);
+            frame.flush();
+            Ok(())
+        })
+    }
+
+    /// Copies one buffer into another, and makes it ready for vertex input.
+    pub fn copy_vertices(&mut self, name: &str, from: &Buffer, to: &Buffer) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_buffer(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            let region = vk::BufferCopy::default().size(from.size().min(to.size()));
+            // SAFETY: both buffers hold the region.
+            unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &[region]) };
+            frame.use_buffer(to, Access::VertexInput);
+            frame.flush();
+            Ok(())
+        })
+    }
+}
+
+fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
+    vk::ImageSubresourceLayers {
+        aspect_mask: slice.image().aspect(),
+        mip_level: slice.base_level(),
+        base_array_layer: 0,
+        layer_count: slice.image().layers(),
+    }
+}
+
+fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
+    let [width, height] = slice.extent();
+    vk::BufferImageCopy::default().image_subresource(layers(slice)).image_extent(vk::Extent3D {
+        width,
+        height,
+        depth: 1,
+    })
+}
