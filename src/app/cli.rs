@@ -131,7 +131,7 @@ pub struct DeviceOptions {
 pub struct RenderOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The method.
+    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles.
     #[arg(long, default_value = "ssct")]
     pub method: String,
     /// Width and height in pixels.
@@ -149,6 +149,15 @@ pub struct RenderOptions {
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
     pub reflection_only: bool,
+    /// For --method reference: sample until the reflection's standard error is at most this.
+    #[arg(long, value_name = "E", default_value_t = 0.003)]
+    pub standard_error: f32,
+    /// For --method reference: rays a pixel at most.
+    #[arg(long, value_name = "N", default_value_t = 1024, value_parser = clap::value_parser!(u32).range(2..=1_048_576))]
+    pub max_rays: u32,
+    /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
+    #[arg(long, value_name = "DIR")]
+    pub cache: Option<PathBuf>,
     /// Print what was drawn and recorded, as JSON.
     #[arg(long)]
     pub json: bool,

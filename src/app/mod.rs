@@ -7,6 +7,7 @@ mod error;
 mod fly_camera;
 mod gbuffer;
 mod progress;
+mod reference;
 mod render;
 mod resolve;
 mod study;

@@ -10,6 +10,9 @@ use std::io::Write;
 
 /// Renders one image, its intermediates or a figure.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+    if options.method == "reference" {
+        return super::reference::run(options);
+    }
     let common = &options.common;
     let method = methods::find(&options.method)?;
     let globals = resolve::one_globals(common, "render makes one image")?;

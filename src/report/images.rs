@@ -85,6 +85,8 @@ pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
+        // In order, so that equal images are equal files.
+        .non_parallel()
         .to_buffered(&mut bytes)
         .map_err(|e| Error::io("encode", path, std::io::Error::other(e.to_string())))?;
     write(path, bytes.get_ref())

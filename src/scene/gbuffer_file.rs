@@ -58,6 +58,8 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
+        // In order, so that equal images are equal files.
+        .non_parallel()
         .to_buffered(&mut bytes)
         .map_err(|e| Error::malformed(path, None, format!("cannot be encoded as OpenEXR: {e}")))?;
     Ok(bytes.into_inner())

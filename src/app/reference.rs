@@ -1,0 +1,83 @@
+//! `ssct render --method reference`: the world reference as an image. It needs no Vulkan device.
+
+use super::cli::RenderOptions;
+use super::{progress, resolve};
+use crate::error::Error;
+use crate::gpu::Pixels;
+use crate::reference::first_hits::FirstHits;
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, Target, WorldReference};
+use crate::report::images;
+use crate::study::record::DEFINITIONS;
+use crate::study::timing::camera;
+use glam::Vec3;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Samples until the standard error is met; what was sampled before, for the same image, is kept.
+pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
+    let common = &options.common;
+    let Some(output) = options.output.as_ref().filter(|_| options.dump.is_none() && options.figure.is_none()) else {
+        return Err(
+            Error::Usage("the reference has no intermediates: give -o, without --dump or --figure".into()).into()
+        );
+    };
+    if !(options.standard_error.is_finite() && options.standard_error > 0.0) {
+        return Err(Error::Usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());
+    }
+    images::check_extension(output)?;
+    let globals = resolve::one_globals(common, "render makes one image")?;
+    let scene = resolve::scene(common, "rooms")?;
+    let view = resolve::view(&scene, common, None)?;
+    let materials = globals.materials(&scene, &view);
+    let camera = camera(&scene, &view, options.size);
+
+    let world = World::new(&scene, &materials);
+    let first_hits = FirstHits::trace(&world, &camera, options.size);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let target = Target {
+        standard_error: f64::from(options.standard_error),
+        samples_max: options.max_rays,
+        samples_min: Target::default().samples_min.min(options.max_rays),
+        ..Target::default()
+    };
+    let name: String = reference.fingerprint().iter().take(16).map(|b| format!("{b:02x}")).collect();
+    let kept = options.cache.clone().or_else(default_cache).map(|folder| folder.join(format!("{name}.world")));
+    let (mut state, unusable) = match &kept {
+        Some(path) => reference.resume(path),
+        None => (reference.start(), None),
+    };
+    if let Some(why) = unusable {
+        eprintln!("ssct: warning: {why}; sampling begins anew");
+    }
+    let bar = progress::bar("reference", options.max_rays as usize);
+    reference.run(&mut state, &target, &mut |state| {
+        bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
+        bar.set_message(format!("reference, standard error {:.4}", state.overall_standard_error()));
+        kept.as_ref().map_or(Ok(()), |path| state.save(path))
+    })?;
+    bar.finish_and_clear();
+
+    let made = reference.image(&state);
+    let shown = if options.reflection_only { &made.reflection } else { &made.composite };
+    images::write_image(output, &pixels(shown, options.size))?;
+    if options.json {
+        let summary = serde_json::json!({
+            "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name, "method": "reference",
+            "width": options.size[0], "height": options.size[1],
+            "rays": made.samples.iter().max(), "standard_error": state.overall_standard_error(),
+        });
+        writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
+    }
+    Ok(())
+}
+
+fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
+    Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
+}
+
+/// Where states are kept unless `--cache` says otherwise.
+fn default_cache() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    Some(set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?.join("ssct"))
+}
