@@ -4,7 +4,7 @@
 //!
 //! The edge functions of that test depend on an edge's two vertices only, and swapping these changes
 //! nothing but the sign; so a ray that passes between two triangles of a shared edge hits at least
-//! one of them. The boxes are enlarged by more than the rounding of f32 ([`PADDING`]), so that none
+//! one of them. The boxes are enlarged by more than the rounding of f32 (`PADDING`), so that none
 //! hides a triangle which the test in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
