@@ -363,16 +363,16 @@ fn constant_name(path: &str) -> String {
 /// The commit that is built, for records; "unknown" outside a repository, "+" after it for a
 /// working tree that differs.
 fn commit() -> String {
-    // The index changes with every commit and checkout; without a repository there is none.
-    for file in [".git/HEAD", ".git/index"] {
-        if Path::new(file).exists() {
-            println!("cargo:rerun-if-changed={file}");
-        }
-    }
     let git = |args: &[&str]| {
         let output = std::process::Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
         Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
+    // The index changes with every commit and checkout; in a worktree it is not under `.git`. The
+    // sources decide whether the tree differs.
+    println!("cargo:rerun-if-changed=src");
+    for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--git-path", f])) {
+        println!("cargo:rerun-if-changed={file}");
+    }
     match git(&["rev-parse", "--short=10", "HEAD"]) {
         None => "unknown".into(),
         Some(commit) => match git(&["status", "--porcelain", "--untracked-files=no"]) {

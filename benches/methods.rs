@@ -1,6 +1,8 @@
 //! GPU time of each method's passes on the corridor of the built-in rooms, 480×270, roughness 0.1:
 //! criterion's statistics over the device's own timestamps (not over the host's clock).
 
+#![allow(clippy::expect_used)]
+
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};

@@ -14,6 +14,9 @@ packages=(
     glslang-dev             # which is glslang
     spirv-tools             # and the SPIRV-Tools archives
     spirv-headers
+    xvfb                    # the window's test, without a screen
+    # What ssct view loads at run time:
+    libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 xkb-data libwayland-client0
 )
 
 say() { printf 'setup: %s\n' "$*" >&2; }
@@ -68,21 +71,22 @@ fi
 # archive with all of them links; .cargo/config.toml tells the crate where it is,
 # so that a bare `cargo build` works without a variable set by hand.
 archive_dir="$root/.shaderc"
-archive="$archive_dir/libshaderc_combined.a"
+archive_name=libshaderc_combined.a
 system_lib="/usr/lib/$(gcc -print-multiarch 2>/dev/null || dpkg-architecture -qDEB_HOST_MULTIARCH)"
-if [ ! -s "$archive" ]; then
+if [ ! -s "$archive_dir/$archive_name" ]; then
     say 'merging the shader compiler into one archive'
     mkdir -p "$archive_dir"
-    script="CREATE $archive.new"$'\n'
+    # Relative names: ar's scripts know no quoting, and a path may hold what they would split at.
+    cd "$archive_dir"
+    script="CREATE $archive_name.new"$'\n'
     for library in shaderc_static shaderc_util glslang MachineIndependent GenericCodeGen \
         OGLCompiler OSDependent HLSL SPIRV SPIRV-Tools-opt SPIRV-Tools \
         glslang-default-resource-limits shaderc_combined; do
         [ -e "$system_lib/lib$library.a" ] && script+="ADDLIB $system_lib/lib$library.a"$'\n'
     done
     script+=$'SAVE\nEND\n'
-    # The `+` in a path would be an operator in an MRI script, so work through a link-free name.
     ar -M <<<"$script"
-    mv "$archive.new" "$archive"
+    mv "$archive_dir/$archive_name.new" "$archive_dir/$archive_name"
 fi
 
 mkdir -p "$root/.cargo"

@@ -36,6 +36,10 @@ pub enum Error {
     #[error("no Vulkan device: {0}")]
     NoDevice(String),
 
+    /// No window can be opened, or none can be drawn to.
+    #[error("no window: {0}")]
+    NoWindow(String),
+
     /// A Vulkan call failed.
     #[error("Vulkan: {what} failed: {result}")]
     Vulkan {

@@ -1,7 +1,7 @@
 //! The world reference's own first hits against the G-buffer and the lit colour of the GPU: two
 //! implementations of geometry, materials, normals and light that share no code.
 
-#![allow(clippy::expect_used)]
+#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};

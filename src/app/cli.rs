@@ -1,5 +1,6 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
+use super::window::ViewOptions;
 use crate::methods::Preset;
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
@@ -25,8 +26,15 @@ pub enum Command {
     Render(RenderOptions),
     /// Time every pass on the GPU.
     Time(TimeOptions),
+    /// Measure run time against error.
+    Error(ErrorOptions),
+    /// Write a G-buffer to a file, or run a method on one from any renderer.
+    #[command(subcommand, name = "gbuffer")]
+    GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Fly through a scene in a window.
+    View(ViewOptions),
     /// Write the ground truth for another renderer to check.
     Truth(super::truth::TruthOptions),
 }
@@ -75,9 +83,27 @@ pub struct CommonOptions {
     /// Replace every material's normal deviation (0 is the geometric normal, 1 the normal map).
     #[arg(long, value_name = "D")]
     pub normal_deviation: Option<f32>,
+    #[command(flatten)]
+    pub method_options: MethodOptions,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// How methods run.
+#[derive(Debug, Args)]
+pub struct MethodOptions {
     /// Whose constants a published method uses.
     #[arg(long, value_enum, default_value_t)]
     pub preset: Preset,
+    /// Bound of the Hi-Z traversal's iterations, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub iterations: Option<u32>,
+    /// Hi-Z level that the traversal begins at, instead of the preset's.
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=31))]
+    pub start_level: Option<u32>,
+    /// Circles of the cone, instead of the preset's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub cone_samples: Option<u32>,
     /// How the colour chain is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
@@ -87,8 +113,6 @@ pub struct CommonOptions {
     /// Fade reflections at the screen's border.
     #[arg(long, value_enum, default_value_t)]
     pub fade: Switch,
-    #[command(flatten)]
-    pub device: DeviceOptions,
 }
 
 /// Which device, and whether it is watched.
@@ -122,7 +146,7 @@ pub struct RenderOptions {
     /// Write a figure of the thesis instead of the image.
     #[arg(long, value_enum, requires = "output")]
     pub figure: Option<Figure>,
-    /// Show only the reflection, as the composite adds it.
+    /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
     pub reflection_only: bool,
     /// Print what was drawn and recorded, as JSON.
@@ -156,6 +180,80 @@ pub struct TimeOptions {
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `ssct error`.
+#[derive(Debug, Args)]
+pub struct ErrorOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Widths and heights in pixels; without it, 480x270 (320x180 with --quick).
+    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Two views, two roughness values, no sweep.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only the variant that the flags name, instead of both presets and their parameters.
+    #[arg(long)]
+    pub no_sweep: bool,
+    /// Frames that count, for each variant.
+    #[arg(long, default_value_t = 5)]
+    pub samples: usize,
+    /// Rays a pixel of the screen and the world reference.
+    #[arg(long, default_value_t = 64)]
+    pub rays: u32,
+    /// Write records, plots and pictures into a folder; cells that it has are not measured again.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// The subcommands of `ssct gbuffer`.
+#[derive(Debug, Subcommand)]
+pub enum GBufferCommand {
+    /// Write the G-buffer of a view as multi-channel OpenEXR.
+    Export(GBufferExportOptions),
+    /// Run a method on a G-buffer file.
+    Reflect(GBufferReflectOptions),
+}
+
+/// Options of `ssct gbuffer export`.
+#[derive(Debug, Args)]
+pub struct GBufferExportOptions {
+    /// The file (.exr).
+    #[arg(value_name = "FILE.exr")]
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
+    pub size: [u32; 2],
+}
+
+/// Options of `ssct gbuffer reflect`.
+#[derive(Debug, Args)]
+pub struct GBufferReflectOptions {
+    /// The G-buffer: R, G, B, depth or Z, N.X, N.Y, N.Z, roughness, reflectivity, and a projection.
+    #[arg(value_name = "FILE.exr")]
+    pub file: PathBuf,
+    /// The method.
+    #[arg(long, default_value = "ssct")]
+    pub method: String,
+    /// The image: .png (display) or .exr (linear).
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Write only the reflection, before fade and reflectivity.
+    #[arg(long)]
+    pub reflection_only: bool,
+    #[command(flatten)]
+    pub method_options: MethodOptions,
+    #[command(flatten)]
+    pub device: DeviceOptions,
 }
 
 /// A table of the thesis.
@@ -193,7 +291,7 @@ pub enum Switch {
 }
 
 /// `960x540`.
-pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+pub fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let [w, h] = [w, h].map(|v| v.trim().parse::<u32>());

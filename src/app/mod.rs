@@ -2,12 +2,23 @@
 
 mod cli;
 mod devices;
+mod error;
+#[cfg(feature = "window")]
+mod fly_camera;
+mod gbuffer;
 mod progress;
 mod render;
 mod resolve;
 mod study;
 mod time;
 mod truth;
+#[cfg(feature = "window")]
+mod viewer;
+#[cfg(feature = "window")]
+mod window;
+#[cfg(not(feature = "window"))]
+#[path = "no_window.rs"]
+mod window;
 
 use crate::error::Error;
 use clap::Parser;
@@ -34,7 +45,10 @@ pub fn run() -> ExitCode {
         Command::Devices(options) => devices::run(options),
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
+        Command::Error(options) => error::run(options),
+        Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
+        Command::View(options) => window::run(options),
         Command::Truth(options) => truth::run(options),
     };
     match done {

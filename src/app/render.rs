@@ -2,7 +2,6 @@
 
 use super::cli::RenderOptions;
 use super::resolve;
-use crate::error::Error;
 use crate::methods;
 use crate::report::{figures, images};
 use crate::study::timing::camera;
@@ -13,10 +12,7 @@ use std::io::Write;
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let method = methods::find(&options.method)?;
-    let globals = match resolve::globals(common)?[..] {
-        [one] => one,
-        _ => return Err(Error::Usage("render makes one image: give one --roughness".into()).into()),
-    };
+    let globals = resolve::one_globals(common, "render makes one image")?;
     if let Some(path) = &options.output {
         images::check_extension(path)?;
     }
@@ -26,7 +22,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     // The hits exist only where ray trace and cone trace are two passes; the image is the same.
     let inside = options.dump.is_some() || options.figure.is_some();
-    let mut setup = resolve::setup(common, options.size);
+    let mut setup = resolve::setup(&common.method_options, options.size);
     setup.split |= inside;
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);

@@ -1,9 +1,9 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{CommonOptions, DeviceOptions, Switch};
+use super::cli::{CommonOptions, DeviceOptions, MethodOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
-use crate::methods::Setup;
+use crate::methods::{Setup, Tuning};
 use crate::scene::{Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
@@ -54,7 +54,7 @@ pub fn scene(options: &CommonOptions, default: &str) -> Result<Scene> {
 
 /// The view that the flags name, else the default, else the scene's first; with the flags' lens.
 pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Result<View> {
-    let mut view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
+    let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
         (_, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
                 return Err(Error::Usage("--eye and --look-at are the same point".into()));
@@ -64,6 +64,11 @@ pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Re
         (Some(name), ..) => scene.view(name)?.clone(),
         _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
     };
+    with_lens(scene, view, options)
+}
+
+/// A view with the lens that the flags ask for.
+pub fn with_lens(scene: &Scene, mut view: View, options: &CommonOptions) -> Result<View> {
     let mut lens = view.lens.unwrap_or(scene.lens);
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
@@ -101,11 +106,24 @@ pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
     options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
 }
 
+/// The global factors where only one roughness makes sense; `why` says so.
+pub fn one_globals(options: &CommonOptions, why: &str) -> Result<Globals> {
+    match globals(options)?[..] {
+        [one] => Ok(one),
+        _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
+    }
+}
+
 /// How methods are set up at a size.
-pub fn setup(options: &CommonOptions, extent: [u32; 2]) -> Setup {
+pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
     Setup {
         extent,
         preset: options.preset,
+        tuning: Tuning {
+            iterations: options.iterations,
+            start_level: options.start_level,
+            cone_samples: options.cone_samples,
+        },
         split: options.split,
         chain_filter: options.chain_filter,
         fade: options.fade == Switch::On,

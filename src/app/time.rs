@@ -69,7 +69,7 @@ fn measure(
     if options.samples == 0 {
         return Err(Error::Usage("--samples 0: at least one is needed".into()));
     }
-    let setup = resolve::setup(&options.common, sizes[0]);
+    let setup = resolve::setup(&options.common.method_options, sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
     let spec = TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup, samples };
     let bar = progress::bar("timing", spec.frames());

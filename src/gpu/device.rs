@@ -24,7 +24,7 @@ pub struct DeviceQuery {
 }
 
 /// What a device calls itself and can do.
-#[derive(Debug, Clone, serde::Serialize, PartialEq)]
+#[derive(Debug, Clone, serde::Serialize, serde::Deserialize, PartialEq)]
 pub struct DeviceInfo {
     /// Marketing name.
     pub name: String,
@@ -57,9 +57,11 @@ pub struct Gpu {
 
 /// What the handles share, in the order in which it was made.
 pub(crate) struct Shared {
+    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "keeps the loader loaded"))]
     pub entry: ash::Entry,
     pub instance: ash::Instance,
     debug: Option<Debug>,
+    #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
     pub device: ash::Device,
     pub push_descriptor: ash::khr::push_descriptor::Device,
@@ -128,12 +130,17 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
 
+    /// What of it is outside the allow-list.
+    pub fn violations(&self) -> Vec<validation::Message> {
+        self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
+    }
+
     /// An error if the validation layers said anything outside the allow-list.
     pub fn check_validation(&self) -> Result<()> {
-        let log: Vec<_> = self.validation().into_iter().filter(|m| !m.allowed).collect();
-        match log.first() {
+        let violations = self.violations();
+        match violations.first() {
             None => Ok(()),
-            Some(first) => Err(Error::Validation { count: log.len(), first: first.text.clone() }),
+            Some(first) => Err(Error::Validation { count: violations.len(), first: first.text.clone() }),
         }
     }
 
@@ -287,6 +294,9 @@ fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bo
     let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
             Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
+        }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
         }
         _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
     })?;
@@ -496,6 +506,7 @@ fn open_device(
         entry,
         instance,
         debug,
+        #[cfg(feature = "window")]
         physical,
         device,
         queue_family: queue_family as u32,

@@ -297,6 +297,31 @@ impl Frame<'_> {
         })
     }
 
+    /// Copies the bits of one level to another of the same size, whose format may differ in what
+    /// the bits mean.
+    pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            let [width, height] = from.extent();
+            let regions = [vk::ImageCopy2::default()
+                .src_subresource(layers(&from))
+                .dst_subresource(layers(&to))
+                .extent(vk::Extent3D { width, height, depth: 1 })];
+            let info = vk::CopyImageInfo2::default()
+                .src_image(from.image().handle())
+                .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
+                .dst_image(to.image().handle())
+                .dst_image_layout(vk::ImageLayout::TRANSFER_DST_OPTIMAL)
+                .regions(&regions);
+            // SAFETY: both levels are in the layouts named, by the barriers above.
+            unsafe { frame.device().cmd_copy_image2(frame.context.commands, &info) };
+            Ok(())
+        })
+    }
+
     /// Fills a colour image's levels with one value.
     pub fn clear(&mut self, name: &str, slice: ImageSlice, value: [f32; 4]) -> Result<()> {
         self.pass(name, |frame| {
@@ -382,11 +407,31 @@ impl Frame<'_> {
     }
 
     /// Submits, waits, and reads the queries.
-    pub fn finish(mut self) -> Result<FrameReport> {
+    pub fn finish(self) -> Result<FrameReport> {
+        self.submit(&[], &[])
+    }
+
+    /// As [`Self::finish`], around the presentation engine: waits for `acquired` before
+    /// `wait_stages`, and signals `rendered` when all is done.
+    #[cfg(feature = "window")]
+    pub(super) fn finish_presenting(
+        self,
+        acquired: vk::Semaphore,
+        wait_stages: vk::PipelineStageFlags2,
+        rendered: vk::Semaphore,
+    ) -> Result<FrameReport> {
+        let at = |semaphore, stages| vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stages);
+        self.submit(&[at(acquired, wait_stages)], &[at(rendered, vk::PipelineStageFlags2::ALL_COMMANDS)])
+    }
+
+    fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
         self.stamp();
         let device = self.context.gpu.raw();
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.context.commands)];
-        let submit = vk::SubmitInfo2::default().command_buffer_infos(&commands);
+        let submit = vk::SubmitInfo2::default()
+            .wait_semaphore_infos(waits)
+            .command_buffer_infos(&commands)
+            .signal_semaphore_infos(signals);
         // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
         // anything is reused or destroyed.
         unsafe {

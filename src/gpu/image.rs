@@ -48,6 +48,8 @@ pub struct Image {
     layers: u32,
     states: Vec<Cell<State>>,
     name: String,
+    /// Whether a swapchain destroys the handle.
+    borrowed: bool,
 }
 
 /// A range of an image's mip levels, as a shader or an attachment sees it.
@@ -99,6 +101,7 @@ impl Image {
             layers: desc.layers,
             states: vec![Cell::default(); desc.levels as usize],
             name: desc.name.to_owned(),
+            borrowed: false,
         };
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
@@ -118,6 +121,34 @@ impl Image {
             }
         }
         Ok(image)
+    }
+
+    /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
+    #[cfg(feature = "window")]
+    pub(super) fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
+        gpu.name(handle, "swapchain");
+        Self {
+            gpu: gpu.clone(),
+            handle,
+            allocation: None,
+            level_views: Vec::new(),
+            whole_view: vk::ImageView::null(),
+            format,
+            extent,
+            layers: 1,
+            states: vec![Cell::default()],
+            name: "swapchain".to_owned(),
+            borrowed: true,
+        }
+    }
+
+    /// Says that the presentation engine handed the image over, for a submission that waits for it
+    /// at some stages.
+    #[cfg(feature = "window")]
+    pub(super) fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
+        for state in &self.states {
+            state.set(State::acquired(wait_stages));
+        }
     }
 
     fn view(&self, base: u32, count: u32, cube: bool) -> Result<vk::ImageView> {
@@ -233,7 +264,9 @@ impl Drop for Image {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);
-            device.destroy_image(self.handle, None);
+            if !self.borrowed {
+                device.destroy_image(self.handle, None);
+            }
         }
         memory::release(&self.gpu, self.allocation.take());
     }

@@ -12,6 +12,8 @@ pub mod memory;
 pub mod pipeline;
 pub mod readback;
 pub mod shader;
+#[cfg(feature = "window")]
+pub mod swapchain;
 pub mod sync;
 pub mod timing;
 pub mod validation;
@@ -22,4 +24,6 @@ pub use image::{Image, ImageDesc, ImageSlice, Sampler};
 pub use memory::Buffer;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use readback::Pixels;
+#[cfg(feature = "window")]
+pub use swapchain::{PresentMode, Swapchain};
 pub use timing::PassTime;

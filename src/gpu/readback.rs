@@ -1,7 +1,7 @@
-//! Images back on the host as 32-bit floats.
+//! Images between device and host as 32-bit floats.
 
 use super::frame::FrameContext;
-use super::image::ImageSlice;
+use super::image::{Image, ImageDesc, ImageSlice};
 use super::memory::{Buffer, Place};
 use crate::error::{Error, Result};
 use ash::vk;
@@ -29,6 +29,19 @@ impl Pixels {
     /// The texels, in rows from the top.
     pub fn texels(&self) -> impl Iterator<Item = &[f32]> {
         self.values.chunks_exact(self.channels)
+    }
+}
+
+impl Image {
+    /// A 32-bit float RGBA image with some texels, rows from the top, to be sampled.
+    pub fn from_texels(context: &mut FrameContext, name: &str, extent: [u32; 2], texels: &[[f32; 4]]) -> Result<Self> {
+        let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
+        let format = vk::Format::R32G32B32A32_SFLOAT;
+        let image = Self::new(context.gpu(), &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })?;
+        let bytes = bytemuck::cast_slice(texels);
+        let staging = Buffer::upload(context.gpu(), "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+        context.once(|frame| frame.upload("upload", &staging, image.level(0)))?;
+        Ok(image)
     }
 }
 

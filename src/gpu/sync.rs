@@ -152,6 +152,13 @@ impl Default for State {
 }
 
 impl State {
+    /// Just acquired from the presentation engine: the content is lost, and the first use must
+    /// follow the stages at which the submission waits for the acquisition.
+    #[cfg(feature = "window")]
+    pub(super) fn acquired(wait_stages: vk::PipelineStageFlags2) -> Self {
+        Self { write_stages: wait_stages, ..Self::default() }
+    }
+
     /// The present layout.
     pub fn layout(&self) -> vk::ImageLayout {
         self.layout
@@ -176,8 +183,7 @@ impl State {
             self.read_stages |= info.stages;
             self.read_access |= info.access;
         }
-        let needed =
-            moves || (!untouched && (info.writes || !sees) && !(before.write_stages.is_empty() && !info.writes));
+        let needed = moves || (!untouched && (info.writes || !(sees || before.write_stages.is_empty())));
         needed.then(|| Transition {
             // A write waits for the reads before it; the write before those is already ordered.
             src_stages: before.write_stages
@@ -260,6 +266,18 @@ mod tests {
         assert!(t.src_stages.contains(S::FRAGMENT_SHADER | S::COMPUTE_SHADER));
         let t = s.transition(Access::ColorAttachment).expect("write after write");
         assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE));
+    }
+
+    #[cfg(feature = "window")]
+    #[test]
+    fn an_acquired_image_is_touched_after_the_acquisition_and_presented_after_the_write() {
+        let mut s = State::acquired(S::ALL_TRANSFER);
+        let t = s.transition(Access::TransferWrite).expect("from undefined");
+        assert_eq!((t.src_stages, t.dst_stages), (S::ALL_TRANSFER, S::ALL_TRANSFER));
+        assert_eq!((t.old_layout, t.new_layout), (L::UNDEFINED, L::TRANSFER_DST_OPTIMAL));
+        let t = s.transition(Access::Present).expect("another layout");
+        assert_eq!((t.src_stages, t.src_access), (S::ALL_TRANSFER, A::TRANSFER_WRITE));
+        assert_eq!(t.new_layout, L::PRESENT_SRC_KHR);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::{ColorChain, GBuffer, HiZ, Hits, Reflection, Visibility};
 use crate::scene::Camera;
-pub use thesis::Preset;
+pub use thesis::{Preset, Tuning};
 
 /// What a method is made for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Setup {
     pub extent: [u32; 2],
     /// Whose constants a published method uses.
     pub preset: Preset,
+    /// Numbers that replace the preset's.
+    pub tuning: Tuning,
     /// Ray trace and cone trace as two passes, which also gives the hits.
     pub split: bool,
     /// How the colour chain is filtered.
@@ -30,7 +32,14 @@ pub struct Setup {
 impl Setup {
     /// The defaults at a size.
     pub fn new(extent: [u32; 2]) -> Self {
-        Self { extent, preset: Preset::default(), split: false, chain_filter: ChainFilter::default(), fade: true }
+        Self {
+            extent,
+            preset: Preset::default(),
+            tuning: Tuning::default(),
+            split: false,
+            chain_filter: ChainFilter::default(),
+            fade: true,
+        }
     }
 }
 

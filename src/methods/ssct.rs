@@ -1,7 +1,7 @@
 //! `ssct`: Hi-Z tracing, a linear march for rays towards the camera, and cone tracing (thesis ch. 4).
 //! `hzct` is the same without the march; both are [`ThesisMethod`].
 
-use super::thesis::{self, Preset};
+use super::thesis::{self, Variant};
 use super::{Method, MethodInfo, Output, Setup};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
@@ -10,7 +10,7 @@ use crate::passes::composite::CompositePass;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{GBuffer, gbuffer};
+use crate::passes::{GBuffer, Hits, LIT_COLOR, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -28,9 +28,7 @@ pub struct ThesisMethod {
     color: ColorChainPass,
     trace: ThesisTracePass,
     composite: CompositePass,
-    preset: Preset,
-    fallback: bool,
-    fade: bool,
+    variant: Variant,
 }
 
 impl ThesisMethod {
@@ -39,13 +37,30 @@ impl ThesisMethod {
         Ok(Self {
             hi_z: HiZPass::new(gpu, setup.extent)?,
             visibility: VisibilityPass::new(gpu, setup.extent)?,
-            color: ColorChainPass::new(gpu, setup.extent, gbuffer::COLOR, setup.chain_filter)?,
+            color: ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter)?,
             trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
             composite: CompositePass::new(gpu, setup.extent)?,
-            preset: setup.preset,
-            fallback,
-            fade: setup.fade,
+            variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback, fade: setup.fade },
         })
+    }
+}
+
+impl ThesisMethod {
+    /// The chains and the cone trace from hits of any origin: what the cone makes of exact hits.
+    /// The method must have been made split.
+    pub fn record_cone<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer<'a>,
+        camera: &Camera,
+        hits: Hits,
+    ) -> Result<Reflection<'a>> {
+        let hi_z = self.hi_z.record(frame, gbuffer)?;
+        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
+        let color = self.color.record(frame, gbuffer)?;
+        let parameters = thesis::parameters(&self.variant, camera, gbuffer.depth.extent(), hi_z.0.levels());
+        let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
+        self.trace.record_cone(frame, &input, &parameters, hits)
     }
 }
 
@@ -55,7 +70,7 @@ impl Method for ThesisMethod {
         let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
         let color = self.color.record(frame, gbuffer)?;
         let extent = gbuffer.depth.extent();
-        let parameters = thesis::parameters(self.preset, camera, extent, hi_z.0.levels(), !self.fallback, self.fade);
+        let parameters = thesis::parameters(&self.variant, camera, extent, hi_z.0.levels());
         let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
         let (reflection, hits) = self.trace.record(frame, &input, &parameters)?;
         let composite = self.composite.record(frame, gbuffer, reflection)?;

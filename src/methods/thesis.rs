@@ -5,7 +5,7 @@ use crate::gpu::shader::ThesisBlock;
 use crate::scene::Camera;
 
 /// Whose constants a published method uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// What the thesis prints, and the author's value where it prints nothing.
@@ -18,16 +18,37 @@ pub enum Preset {
 /// A bound for loops that the thesis leaves unbounded (DEFINITIONS, "Time").
 pub const UNBOUNDED: i32 = 1024;
 
-/// The parameters of a preset for a camera and a size in pixels. `levels` is the length of the
-/// Hi-Z chain; `towards_camera_fade` adds `hzct`'s fade.
-pub fn parameters(
-    preset: Preset,
-    camera: &Camera,
-    extent: [u32; 2],
-    levels: u32,
-    towards_camera_fade: bool,
-    fade: bool,
-) -> ThesisBlock {
+/// Numbers that replace a preset's, for studies of run time against error; `None` keeps them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub struct Tuning {
+    /// Bound of the Hi-Z traversal's iterations, ≥ 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub iterations: Option<u32>,
+    /// Hi-Z level that the traversal begins at.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub start_level: Option<u32>,
+    /// Circles of the cone, ≥ 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cone_samples: Option<u32>,
+}
+
+/// Which of the thesis's methods, with whose numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variant {
+    /// Whose constants.
+    pub preset: Preset,
+    /// What replaces them.
+    pub tuning: Tuning,
+    /// Whether rays towards the camera are marched (`ssct`) or fade out (`hzct`).
+    pub fallback: bool,
+    /// Whether reflections fade at all.
+    pub fade: bool,
+}
+
+/// The parameters of a variant for a camera and a size in pixels. `levels` is the length of the
+/// Hi-Z chain.
+pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: u32) -> ThesisBlock {
+    let tuning = variant.tuning;
     let projection = camera.view_to_clip().as_dmat4();
     let shared = ThesisBlock {
         projection: projection.as_mat4().to_cols_array_2d(),
@@ -41,7 +62,7 @@ pub fn parameters(
         view_direction_epsilon: 1e-5,
         cross_offset: 0.5,
         linear_march_stride: 0.001,
-        fade_towards_camera: if towards_camera_fade { 10.0 } else { 0.0 },
+        fade_towards_camera: if variant.fallback { 0.0 } else { 10.0 },
         // Printed, and the same in the author's program.
         linear_march_count: 100,
         linear_march_increase: 1.5,
@@ -49,10 +70,10 @@ pub fn parameters(
         cone_samples: 7,
         fade_start: 0.8,
         fade_end: 1.0,
-        fade: i32::from(fade),
+        fade: i32::from(variant.fade),
         ..ThesisBlock::default()
     };
-    match preset {
+    let block = match variant.preset {
         Preset::Published => ThesisBlock {
             start_level: 0,            // Alg. 4, line 2
             iterations: UNBOUNDED,     // Alg. 4, line 3: while
@@ -72,5 +93,11 @@ pub fn parameters(
             cone_lengthened: 1,
             ..shared
         },
+    };
+    ThesisBlock {
+        iterations: tuning.iterations.map_or(block.iterations, |n| n as i32),
+        start_level: tuning.start_level.map_or(block.start_level, |l| l.min(levels - 1) as i32),
+        cone_samples: tuning.cone_samples.map_or(block.cone_samples, |n| n as i32),
+        ..block
     }
 }

@@ -1,3 +1,51 @@
-//! Figures over plain slices: what an image or a set of hits is worth against a reference.
+//! How far two images are apart, or two sets of hits, and what is best of both time and error.
 
+pub mod flip;
+pub mod hits;
+pub mod image;
+pub mod pareto;
 pub mod world;
+
+pub use hits::HitAgreement;
+
+/// Root of the mean squared difference over all values (DEFINITIONS, "Image error": the three
+/// channels of the pixels compared). Zero for none.
+///
+/// # Panics
+/// If the slices differ in length.
+pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
+    assert_eq!(a.len(), b.len(), "images of one size are compared");
+    if a.is_empty() {
+        return 0.0;
+    }
+    let sum: f64 = a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(*b)).powi(2)).sum();
+    (sum / a.len() as f64).sqrt()
+}
+
+/// The least of some sorted numbers that a share (0 < share ≤ 1) of them don't exceed; `None` of none.
+pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
+    let rank = (share * sorted.len() as f64).ceil() as usize;
+    sorted.get(rank.saturating_sub(1)).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rmse_is_that_of_a_hand_computation() {
+        // Differences 0, 3, 4, 0: √(25 / 4).
+        assert!((rmse(&[1.0, 0.0, 0.0, 2.0], &[1.0, 3.0, -4.0, 2.0]) - 2.5).abs() < 1e-12);
+        assert_eq!(rmse(&[], &[]), 0.0);
+        assert!(rmse(&[f32::NAN], &[0.0]).is_nan(), "NaN is not hidden");
+    }
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let numbers: Vec<f64> = (1..=200).map(f64::from).collect();
+        assert_eq!(percentile(&numbers, 0.5), Some(100.0));
+        assert_eq!(percentile(&numbers, 0.99), Some(198.0));
+        assert_eq!(percentile(&numbers, 1.0), Some(200.0));
+        assert_eq!((percentile(&[7.0], 0.01), percentile(&[], 0.5)), (Some(7.0), None));
+    }
+}

@@ -8,7 +8,7 @@ use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Targe
 use ash::vk;
 
 /// How the chain is filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ChainFilter {
     /// Each level is a linear blit of the one below: the GPU's own mip generation.

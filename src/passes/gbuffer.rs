@@ -2,24 +2,32 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, camera_block};
+use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image};
+use crate::gpu::{
+    Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image,
+};
 use crate::math::frustum::Frustum;
-use crate::scene::{Camera, Material, Surface, Vertex};
+use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
+use glam::Vec3;
 use std::mem::offset_of;
+
+/// The images that [`GBuffer`] borrows, all of one size.
+pub struct GBufferImages {
+    depth: Image,
+    normal: Image,
+    material: Image,
+    color: Image,
+}
 
 /// Pipeline and images of one size.
 pub struct GBufferPass {
     pipeline: GraphicsPipeline,
-    depth: Image,
+    images: GBufferImages,
     albedo: Image,
-    normal: Image,
-    material: Image,
-    color: Image,
 }
 
 /// What was drawn.
@@ -37,19 +45,62 @@ const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
-/// Format of the lit colour.
-pub const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+
+impl GBufferImages {
+    /// Images of a size in pixels, without content.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        Ok(Self {
+            depth: image_of(gpu, "depth", DEPTH, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
+            normal: image_of(gpu, "normal", NORMAL, extent, 1, U::COLOR_ATTACHMENT)?,
+            material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT)?,
+            color: image_of(gpu, "color", LIT_COLOR, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
+        })
+    }
+
+    /// Images with the content of a G-buffer on the host, rounded to their formats.
+    pub fn upload(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
+        let images = Self::new(context.gpu(), [data.width, data.height])?;
+        let half = |v: f32| half::f16::from_f32(v).to_bits();
+        let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half)).collect::<Vec<u16>>();
+        let material: Vec<u16> =
+            data.reflectivity.iter().zip(&data.roughness).flat_map(|(a, b)| [half(*a), half(*b)]).collect();
+        let (normal, color) = (padded(&data.normal, 0.0), padded(&data.color, 1.0));
+        let content: [(&Image, &[u8]); 4] = [
+            (&images.depth, bytemuck::cast_slice(&data.depth)),
+            (&images.normal, bytemuck::cast_slice(&normal)),
+            (&images.material, bytemuck::cast_slice(&material)),
+            (&images.color, bytemuck::cast_slice(&color)),
+        ];
+        for (image, bytes) in content {
+            let staging = Buffer::upload(context.gpu(), "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+            context.once(|frame| frame.upload("upload", &staging, image.level(0)))?;
+        }
+        Ok(images)
+    }
+
+    /// The images as methods take them.
+    pub fn gbuffer(&self) -> GBuffer<'_> {
+        GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color }
+    }
+}
+
+fn image_of(
+    gpu: &Gpu,
+    name: &str,
+    format: vk::Format,
+    extent: [u32; 2],
+    levels: u32,
+    usage: vk::ImageUsageFlags,
+) -> Result<Image> {
+    use vk::ImageUsageFlags as U;
+    let usage = usage | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+    Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
+}
 
 impl GBufferPass {
     /// Images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let make = |name, format, levels, usage| {
-            Image::new(
-                gpu,
-                &ImageDesc { name, format, extent, levels, layers: 1, usage: usage | U::SAMPLED | U::TRANSFER_SRC },
-            )
-        };
         let input = VertexInput {
             stride: size_of::<Vertex>() as u32,
             attributes: &[
@@ -59,26 +110,17 @@ impl GBufferPass {
                 (vk::Format::R32G32B32A32_SFLOAT, offset_of!(Vertex, tangent) as u32),
             ],
         };
+        let targets = [ALBEDO, NORMAL, MATERIAL];
         Ok(Self {
-            depth: make("depth", DEPTH, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
-            albedo: make("albedo", ALBEDO, 1, U::COLOR_ATTACHMENT)?,
-            normal: make("normal", NORMAL, 1, U::COLOR_ATTACHMENT)?,
-            material: make("material", MATERIAL, 1, U::COLOR_ATTACHMENT)?,
-            color: make("color", COLOR, image::full_chain(extent), U::COLOR_ATTACHMENT | U::TRANSFER_DST)?,
-            pipeline: GraphicsPipeline::mesh(
-                gpu,
-                &SCENE_GBUFFER_VERT,
-                &SCENE_GBUFFER_FRAG,
-                input,
-                &[ALBEDO, NORMAL, MATERIAL],
-                DEPTH,
-            )?,
+            pipeline: GraphicsPipeline::mesh(gpu, &SCENE_GBUFFER_VERT, &SCENE_GBUFFER_FRAG, input, &targets, DEPTH)?,
+            images: GBufferImages::new(gpu, extent)?,
+            albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
         })
     }
 
     /// The images, whose colour the lighting pass writes.
     pub fn gbuffer(&self) -> GBuffer<'_> {
-        GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color }
+        self.images.gbuffer()
     }
 
     /// Albedo (a: 1 lit, 0 shows the sky).
@@ -94,7 +136,7 @@ impl GBufferPass {
         materials: &[Material],
         camera: &Camera,
     ) -> Result<Drawn> {
-        let extent = self.depth.extent();
+        let extent = self.albedo.extent();
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
         let (seen, culled): (Vec<&MeshData>, Vec<_>) =
@@ -102,40 +144,46 @@ impl GBufferPass {
         let camera = camera_block(camera, extent);
         let targets = [
             Target::cleared(self.albedo.all(), [0.0; 4]),
-            Target::cleared(self.normal.all(), [0.0; 4]),
-            Target::cleared(self.material.all(), [0.0; 4]),
+            Target::cleared(self.images.normal.all(), [0.0; 4]),
+            Target::cleared(self.images.material.all(), [0.0; 4]),
         ];
         let drawn = Drawn {
             meshes: seen.len(),
             culled: culled.len(),
             triangles: seen.iter().map(|m| m.index_count as usize / 3).sum(),
         };
-        frame.raster("g-buffer", &self.pipeline, &targets, Target::cleared(self.depth.all(), [0.0; 4]), |raster| {
-            let mut bound = None;
-            for mesh in seen {
-                if bound != Some(mesh.material) {
-                    let material = &materials[mesh.material];
-                    let map = |index: Option<usize>| {
-                        let image = index.map_or(&scene.white, |i| &scene.textures[i]);
-                        Resource::Sampled(image.all(), Sampler::Material)
-                    };
-                    let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
-                    raster.bind(
-                        &[
-                            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-                            ("albedo_map", map(material.albedo_map)),
-                            ("normal_map", map(material.normal_map)),
-                            ("alpha_mask", map(material.alpha_mask)),
-                            ("reflectivity_map", map(material.reflectivity_map)),
-                        ],
-                        bytemuck::bytes_of(&block),
-                    )?;
-                    bound = Some(mesh.material);
+        frame.raster(
+            "g-buffer",
+            &self.pipeline,
+            &targets,
+            Target::cleared(self.images.depth.all(), [0.0; 4]),
+            |raster| {
+                let mut bound = None;
+                for mesh in seen {
+                    if bound != Some(mesh.material) {
+                        let material = &materials[mesh.material];
+                        let map = |index: Option<usize>| {
+                            let image = index.map_or(&scene.white, |i| &scene.textures[i]);
+                            Resource::Sampled(image.all(), Sampler::Material)
+                        };
+                        let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
+                        raster.bind(
+                            &[
+                                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
+                                ("albedo_map", map(material.albedo_map)),
+                                ("normal_map", map(material.normal_map)),
+                                ("alpha_mask", map(material.alpha_mask)),
+                                ("reflectivity_map", map(material.reflectivity_map)),
+                            ],
+                            bytemuck::bytes_of(&block),
+                        )?;
+                        bound = Some(mesh.material);
+                    }
+                    raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
                 }
-                raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
-            }
-            Ok(())
-        })?;
+                Ok(())
+            },
+        )?;
         Ok(drawn)
     }
 }

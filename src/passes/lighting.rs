@@ -1,7 +1,7 @@
 //! Lit colour from the G-buffer: direct light without shadows, and the sky. A scene pass.
 
 use super::scene_data::SceneData;
-use super::{GBuffer, camera_block, gbuffer};
+use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{LightBlock, LightData, SCENE_LIGHTING_FRAG};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
@@ -18,7 +18,7 @@ pub struct LightingPass {
 impl LightingPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[gbuffer::COLOR])? })
+        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[LIT_COLOR])? })
     }
 
     /// Writes level 0 of the G-buffer's colour.

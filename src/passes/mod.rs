@@ -15,6 +15,10 @@ pub mod visibility;
 use crate::gpu::Image;
 use crate::gpu::shader::CameraBlock;
 use crate::scene::Camera;
+use ash::vk;
+
+/// Format of the lit colour and its chain.
+pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]

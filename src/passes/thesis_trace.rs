@@ -21,7 +21,7 @@ pub struct ThesisTracePass {
 
 enum Stages {
     Combined(GraphicsPipeline),
-    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Image },
+    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Box<Image> },
 }
 
 /// What the pass reads.
@@ -50,7 +50,7 @@ impl ThesisTracePass {
             Stages::Split {
                 trace: GraphicsPipeline::fullscreen(gpu, trace, &[HITS])?,
                 cone: GraphicsPipeline::fullscreen(gpu, &THESIS_CONE_TRACE_FRAG, &[REFLECTION])?,
-                hits: image("hits", HITS)?,
+                hits: Box::new(image("hits", HITS)?),
             }
         } else {
             let shader = if fallback { &THESIS_SSCT_FRAG } else { &THESIS_HZCT_FRAG };
@@ -77,20 +77,44 @@ impl ThesisTracePass {
             ("colorBuffer", Resource::trilinear(input.color.0.all())),
             ("visibilityBuffer", Resource::trilinear(input.visibility.0.all())),
         ];
-        let target = [Target::overwrite(self.reflection.all())];
         let hits = match &self.stages {
             Stages::Combined(pipeline) => {
+                let target = [Target::overwrite(self.reflection.all())];
                 let resources = [&traced[..], &coned[..]].concat();
                 frame.fullscreen("trace+cone", pipeline, &target, &resources, &[])?;
                 None
             }
-            Stages::Split { trace, cone, hits } => {
+            Stages::Split { trace, hits, .. } => {
                 frame.fullscreen("ray trace", trace, &[Target::overwrite(hits.all())], &traced, &[])?;
-                let resources = [&traced[..], &coned[..], &[("hitBuffer", Resource::nearest(hits.all()))]].concat();
-                frame.fullscreen("cone trace", cone, &target, &resources, &[])?;
+                self.record_cone(frame, input, parameters, Hits(hits))?;
                 Some(Hits(hits))
             }
         };
         Ok((Reflection(&self.reflection), hits))
+    }
+
+    /// Pass "cone trace" alone, from hits of any origin.
+    ///
+    /// # Panics
+    /// If the pass was made combined.
+    pub fn record_cone<'a>(
+        &'a self,
+        frame: &mut Frame,
+        input: &TraceInput,
+        parameters: &ThesisBlock,
+        hits: Hits,
+    ) -> Result<Reflection<'a>> {
+        let Stages::Split { cone, .. } = &self.stages else { panic!("the cone alone needs the split pass") };
+        let resources = [
+            ("thesis", Resource::Uniform(bytemuck::bytes_of(parameters))),
+            ("hiZBuffer", Resource::nearest(input.hi_z.0.all())),
+            ("normalBuffer", Resource::nearest(input.gbuffer.normal.all())),
+            ("materialBuffer", Resource::nearest(input.gbuffer.material.all())),
+            ("colorBuffer", Resource::trilinear(input.color.0.all())),
+            ("visibilityBuffer", Resource::trilinear(input.visibility.0.all())),
+            ("hitBuffer", Resource::nearest(hits.0.all())),
+        ];
+        frame.fullscreen("cone trace", cone, &[Target::overwrite(self.reflection.all())], &resources, &[])?;
+        Ok(Reflection(&self.reflection))
     }
 }

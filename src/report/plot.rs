@@ -1,6 +1,7 @@
 //! Plots as SVG.
 
 use crate::study::TimeRecord;
+use crate::study::sweep::Point;
 use plotters::prelude::*;
 
 /// Colours of the stages, in the order in which they first appear.
@@ -76,4 +77,93 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
         root.present().map_err(failed)?;
     }
     Ok(svg)
+}
+
+/// Run time against error on log axes: every point named, the Pareto front connected.
+pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, String> {
+    let bounds = |values: &dyn Fn(&Point) -> f64| {
+        let (least, most) = points.iter().map(values).fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
+        (least / 1.3, most * 1.3)
+    };
+    let (x, y) = (bounds(&|p| p.time_ms), bounds(&|p| p.error));
+    let (width, plot_width) = (1100_i32, 760_i32);
+    let height = (points.len() as i32 * 17 + 90).max(460);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
+        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        root.fill(&WHITE).map_err(failed)?;
+        let (left, _names) = root.split_horizontally(plot_width);
+        let mut chart = ChartBuilder::on(&left)
+            .margin(14)
+            .x_label_area_size(40)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.0.log10()..x.1.log10(), y.0.log10()..y.1.log10())
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .disable_mesh()
+            .x_labels(0)
+            .y_labels(0)
+            .x_desc("milliseconds, median")
+            .y_desc(error_axis)
+            .draw()
+            .map_err(failed)?;
+        let grid = STAGE_COLORS[7].mix(0.35);
+        for tick in log_ticks(x) {
+            let (low, high) =
+                (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
+            root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 8, low.1 + 5), ("sans-serif", 12))).map_err(failed)?;
+        }
+        for tick in log_ticks(y) {
+            let (low, high) =
+                (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
+            root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", 12))).map_err(failed)?;
+        }
+        let place = |p: &Point| (p.time_ms.log10(), p.error.log10());
+        let front = points.iter().filter(|p| p.on_front).map(place);
+        chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
+        let color = |p: &Point| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
+        chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
+
+        // Names stand in a column of their own, in the order of the errors, each led to its point.
+        let mut order: Vec<&Point> = points.iter().collect();
+        order.sort_by(|a, b| b.error.total_cmp(&a.error));
+        for (row, p) in order.into_iter().enumerate() {
+            let at = chart.backend_coord(&place(p));
+            let name = (plot_width + 24, 30 + row as i32 * 17);
+            let line = [at, (name.0 - 4, name.1 + 6)];
+            root.draw(&PathElement::new(line, STAGE_COLORS[7].mix(0.6))).map_err(failed)?;
+            let style = ("sans-serif", 13).into_font().color(&color(p));
+            root.draw(&Text::new(p.name.clone(), name, style)).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+/// Ticks of a log axis: 1, 2 and 5 times powers of ten inside the bounds, and what lies between them
+/// where those are too few.
+fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
+    let inside = |steps: &[f64]| -> Vec<f64> {
+        let powers = least.log10().floor() as i32..=most.log10().ceil() as i32;
+        // Written as text and read back, 3 · 10⁻² is 0.03 and prints so.
+        let tick = |step: &f64, power: i32| format!("{step}e{power}").parse().unwrap_or(f64::NAN);
+        powers.flat_map(|p| steps.iter().map(move |s| tick(s, p))).filter(|t| (least..=most).contains(t)).collect()
+    };
+    let coarse = inside(&[1.0, 2.0, 5.0]);
+    if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(log_ticks((0.8, 60.0)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
+        assert_eq!(log_ticks((0.025, 0.045)), [0.03, 0.04]);
+    }
 }

@@ -38,6 +38,11 @@ impl GBufferData {
         self.depth[index] > 0.0 && self.reflectivity[index] > Self::REFLECTS_ABOVE
     }
 
+    /// Which pixels reflect, rows from the top.
+    pub fn reflecting(&self) -> Vec<bool> {
+        (0..self.depth.len()).map(|i| self.reflects(i)).collect()
+    }
+
     /// View to clip with reversed depth, in f64: the f32 matrix that the G-buffer was rendered
     /// with, widened.
     pub fn view_to_clip(&self) -> DMat4 {

@@ -6,6 +6,7 @@
 
 pub mod camera;
 pub mod gbuffer;
+pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
 pub mod pattern;

@@ -1,8 +1,11 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod error;
+pub mod gbuffer;
 pub mod image;
 pub mod record;
 pub mod stage;
+pub mod sweep;
 pub mod table;
 pub mod timing;
 

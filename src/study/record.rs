@@ -1,11 +1,13 @@
 //! Records: what a measurement was of, and what it found. One is one JSON object (DESIGN,
 //! "Command line").
 
-use crate::gpu::DeviceInfo;
+use super::stage::Globals;
 use crate::gpu::timing::PassWork;
-use crate::methods::Preset;
+use crate::gpu::{DeviceInfo, Gpu};
+use crate::methods::{Preset, Setup};
 use crate::passes::gbuffer::Drawn;
-use serde::Serialize;
+use crate::scene::{Scene, View};
+use serde::{Deserialize, Serialize};
 
 /// The version of DEFINITIONS that the figures are of.
 pub const DEFINITIONS: u32 = 1;
@@ -67,16 +69,16 @@ pub struct SkippedPass {
 }
 
 /// What every record begins with.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Head {
     /// "time", "error", …
-    pub kind: &'static str,
+    pub kind: String,
     /// [`DEFINITIONS`].
     pub definitions: u32,
     /// Of this program.
-    pub version: &'static str,
+    pub version: String,
     /// Of its source; "unknown" outside a repository.
-    pub commit: &'static str,
+    pub commit: String,
     /// Scene name.
     pub scene: String,
     /// View name.
@@ -98,6 +100,33 @@ pub struct Head {
 }
 
 impl Head {
+    /// The head of a measurement by this program. Method, size and factors are the caller's.
+    pub fn new(
+        kind: &str,
+        scene: &Scene,
+        view: &View,
+        method: &str,
+        setup: &Setup,
+        globals: &Globals,
+        gpu: &Gpu,
+    ) -> Self {
+        Self {
+            kind: kind.to_owned(),
+            definitions: DEFINITIONS,
+            version: Self::VERSION.to_owned(),
+            commit: Self::COMMIT.to_owned(),
+            scene: scene.name.clone(),
+            view: view.name.clone(),
+            method: method.to_owned(),
+            preset: setup.preset,
+            width: setup.extent[0],
+            height: setup.extent[1],
+            roughness: globals.roughness,
+            normal_deviation: globals.normal_deviation,
+            device: gpu.info().clone(),
+        }
+    }
+
     /// This program's version.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     /// The commit it was built from.

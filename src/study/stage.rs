@@ -64,7 +64,12 @@ impl Stage {
 
     /// Runs one frame of a shot and hands over what it made.
     pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
-        let mut frame = self.context.begin(Mode::Plain)?;
+        self.output_in(Mode::Plain, shot)
+    }
+
+    /// The same in a mode of choice.
+    pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+        let mut frame = self.context.begin(mode)?;
         let (drawn, output) = shot.record(&mut frame, &self.data)?;
         Ok((frame.finish()?, drawn, output))
     }

@@ -1,6 +1,6 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample.
 
-use super::record::{DEFINITIONS, Head, PassRecord, Stats, TimeRecord};
+use super::record::{Head, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
@@ -87,21 +87,8 @@ fn time_shots(
     for ((shot, reports), method) in shots.iter().zip(reports).zip(&spec.methods) {
         let (counted, drawn) = stage.run(shot, Mode::Counted)?;
         progress();
-        let head = Head {
-            kind: "time",
-            definitions: DEFINITIONS,
-            version: Head::VERSION,
-            commit: Head::COMMIT,
-            scene: spec.scene.name.clone(),
-            view: spec.view.name.clone(),
-            method: method.name.to_owned(),
-            preset: spec.setup.preset,
-            width: extent[0],
-            height: extent[1],
-            roughness: globals.roughness,
-            normal_deviation: globals.normal_deviation,
-            device: spec.gpu.info().clone(),
-        };
+        let setup = Setup { extent, ..spec.setup };
+        let head = Head::new("time", spec.scene, spec.view, method.name, &setup, globals, spec.gpu);
         let samples: Vec<Vec<f64>> = reports.iter().map(|r| r.passes.iter().map(|p| p.ms).collect()).collect();
         let first = reports.first();
         let passes = first.map_or(&[][..], |r| &r.passes).iter().enumerate();

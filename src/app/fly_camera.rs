@@ -1,0 +1,167 @@
+//! A camera that flies: turned by the mouse, moved by keys. Pure arithmetic, without a window.
+//!
+//! It is kept as an eye and a point that it looks at, as a view is, so that a view which nobody
+//! moved from is rendered to the bit as `ssct render` does.
+
+use crate::scene::{Camera, Lens, View};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_PI_2;
+
+/// How far a pixel of mouse motion turns.
+const RADIANS_PER_PIXEL: f32 = 0.003;
+/// Straight up and down are left out: there, a heading has no meaning.
+const MAX_PITCH_RADIANS: f32 = FRAC_PI_2 - 0.02;
+/// Speed with the "fast" key over speed without.
+const FAST: f32 = 5.0;
+/// Speed after a notch of the wheel over speed before.
+const SPEED_STEP: f32 = 1.25;
+
+/// Where the camera is, where it looks, and how fast it flies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlyCamera {
+    eye: Vec3,
+    look_at: Vec3,
+    speed_m_per_s: f32,
+}
+
+/// Which way the keys ask to fly.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Motion {
+    /// To the right, up (in the world), and forward; each −1, 0 or 1.
+    pub direction: Vec3,
+    /// Whether it is to go fast.
+    pub fast: bool,
+}
+
+impl FlyCamera {
+    /// At a view.
+    pub fn new(view: &View, speed_m_per_s: f32) -> Self {
+        Self { eye: view.eye, look_at: view.look_at, speed_m_per_s }
+    }
+
+    /// Jumps to a view; keeps the speed.
+    pub fn jump(&mut self, view: &View) {
+        *self = Self::new(view, self.speed_m_per_s);
+    }
+
+    /// The camera through a lens; `aspect` is width over height.
+    pub fn camera(&self, lens: Lens, aspect: f32) -> Camera {
+        Camera::new(self.eye, self.look_at, lens, aspect)
+    }
+
+    /// Turns by mouse motion in pixels, +x to the right and +y downwards.
+    pub fn turn(&mut self, pixels: Vec2) {
+        let (forward, distance) = (self.forward(), self.eye.distance(self.look_at));
+        let yaw = forward.x.atan2(forward.z) + pixels.x * RADIANS_PER_PIXEL;
+        let pitch = (forward.y.clamp(-1.0, 1.0).asin() - pixels.y * RADIANS_PER_PIXEL)
+            .clamp(-MAX_PITCH_RADIANS, MAX_PITCH_RADIANS);
+        let turned = Vec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos());
+        self.look_at = self.eye + turned * distance.max(1.0);
+    }
+
+    /// Flies for a time; whether it moved.
+    pub fn fly(&mut self, motion: Motion, seconds: f32) -> bool {
+        let forward = self.forward();
+        let right = Vec3::Y.cross(forward).normalize_or(Vec3::X);
+        let way = right * motion.direction.x + Vec3::Y * motion.direction.y + forward * motion.direction.z;
+        let speed = self.speed_m_per_s * if motion.fast { FAST } else { 1.0 };
+        let step = way.normalize_or_zero() * speed * seconds;
+        self.eye += step;
+        self.look_at += step;
+        step != Vec3::ZERO
+    }
+
+    /// Flies faster (positive) or slower by notches of the wheel.
+    pub fn change_speed(&mut self, notches: f32) {
+        self.speed_m_per_s = (self.speed_m_per_s * SPEED_STEP.powf(notches)).clamp(1e-3, 1e5);
+    }
+
+    fn forward(&self) -> Vec3 {
+        (self.look_at - self.eye).normalize_or(Vec3::Z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(eye: Vec3, look_at: Vec3) -> FlyCamera {
+        FlyCamera::new(&View { eye, look_at, ..View::default() }, 2.0)
+    }
+
+    fn towards(x: f32, y: f32, z: f32) -> Motion {
+        Motion { direction: Vec3::new(x, y, z), fast: false }
+    }
+
+    #[test]
+    fn an_unmoved_view_is_the_views_camera_to_the_bit() {
+        let (eye, look_at, lens) = (Vec3::new(0.1, 1.7, -3.3), Vec3::new(5.1, 0.3, 7.9), Lens::default());
+        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        camera.jump(&View { eye, look_at, ..View::default() });
+        assert_eq!(camera.camera(lens, 1.5), Camera::new(eye, look_at, lens, 1.5));
+    }
+
+    #[test]
+    fn keys_move_along_the_axes_of_the_view() {
+        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        assert!(camera.fly(towards(1.0, 0.0, 0.0), 0.5));
+        assert!(camera.eye.distance(Vec3::X) < 1e-6, "right is +x when +z is ahead: {}", camera.eye);
+        camera.fly(towards(0.0, 1.0, 1.0), 1.0);
+        assert!(camera.eye.distance(Vec3::new(1.0, 2_f32.sqrt(), 2_f32.sqrt())) < 1e-5, "{}", camera.eye);
+        camera.fly(Motion { direction: Vec3::NEG_Z, fast: true }, 1.0);
+        assert!((camera.eye.z - (2_f32.sqrt() - 10.0)).abs() < 1e-5);
+        assert!(camera.forward().distance(Vec3::Z) < 1e-6, "flying does not turn");
+        assert!(!camera.fly(Motion::default(), 1.0));
+    }
+
+    #[test]
+    fn what_the_camera_calls_right_is_right_in_the_image() {
+        let mut camera = at(Vec3::new(3.0, 1.0, 2.0), Vec3::new(-1.0, 2.0, 5.0));
+        let before = camera.camera(Lens::default(), 1.0).world_to_view;
+        let eye = camera.eye;
+        camera.fly(towards(1.0, 0.0, 0.0), 1.0);
+        let step = before.transform_vector3(camera.eye - eye);
+        assert!(step.distance(Vec3::new(2.0, 0.0, 0.0)) < 1e-5, "{step}");
+    }
+
+    #[test]
+    fn the_mouse_to_the_right_turns_right_and_down_looks_down() {
+        let mut camera = at(Vec3::ONE, Vec3::ONE + Vec3::Z);
+        camera.turn(Vec2::new(FRAC_PI_2 / RADIANS_PER_PIXEL, 0.0));
+        assert!(camera.forward().distance(Vec3::X) < 1e-5, "{}", camera.forward());
+        camera.turn(Vec2::new(0.0, 100.0));
+        assert!(camera.forward().y < 0.0);
+        assert_eq!(camera.eye, Vec3::ONE, "turning does not move");
+    }
+
+    #[test]
+    fn looking_up_stops_short_of_the_pole_and_comes_back() {
+        let mut camera = at(Vec3::ZERO, Vec3::new(3.0, 0.0, 4.0));
+        camera.turn(Vec2::new(0.0, -1e6));
+        assert!(camera.forward().y > 0.999 && camera.forward().is_finite());
+        camera.turn(Vec2::new(0.0, MAX_PITCH_RADIANS / RADIANS_PER_PIXEL));
+        assert!(camera.forward().distance(Vec3::new(0.6, 0.0, 0.8)) < 1e-3, "{}", camera.forward());
+    }
+
+    #[test]
+    fn a_view_straight_down_can_be_turned_from() {
+        let mut camera = at(Vec3::new(0.0, 9.0, 0.0), Vec3::ZERO);
+        camera.turn(Vec2::new(10.0, -10.0));
+        assert!(camera.forward().is_finite() && camera.forward().y < -0.99);
+        camera.fly(towards(1.0, 0.0, 0.0), 1.0);
+        assert!(camera.eye.is_finite());
+    }
+
+    #[test]
+    fn notches_undo_each_other_and_speed_stays_finite() {
+        let mut camera = at(Vec3::ZERO, Vec3::Z);
+        camera.change_speed(3.0);
+        assert!(camera.speed_m_per_s > 2.0);
+        camera.change_speed(-3.0);
+        assert!((camera.speed_m_per_s - 2.0).abs() < 1e-5);
+        camera.change_speed(1e6);
+        assert!(camera.speed_m_per_s.is_finite());
+        camera.change_speed(-1e6);
+        assert!(camera.speed_m_per_s > 0.0);
+    }
+}

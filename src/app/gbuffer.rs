@@ -1,0 +1,48 @@
+//! `ssct gbuffer export` and `ssct gbuffer reflect`.
+
+use super::cli::{GBufferCommand, GBufferExportOptions, GBufferReflectOptions};
+use super::resolve;
+use crate::gpu::frame::Mode;
+use crate::methods::{self, METHODS};
+use crate::report::{files, images};
+use crate::scene::gbuffer_file;
+use crate::study::timing::camera;
+use crate::study::{Shot, Stage, gbuffer};
+
+/// Runs the subcommand.
+pub fn run(command: &GBufferCommand) -> anyhow::Result<()> {
+    match command {
+        GBufferCommand::Export(options) => export(options),
+        GBufferCommand::Reflect(options) => reflect(options),
+    }
+}
+
+fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
+    let common = &options.common;
+    let globals = resolve::one_globals(common, "a G-buffer has one roughness a pixel")?;
+    let scene = resolve::scene(common, "rooms")?;
+    let view = resolve::view(&scene, common, None)?;
+    let gpu = resolve::gpu(&common.device)?;
+    let mut stage = Stage::new(&gpu, &scene)?;
+    let camera = camera(&scene, &view, options.size);
+    let setup = resolve::setup(&common.method_options, options.size);
+    let shot = Shot::new(&gpu, &METHODS[0], &setup, camera, globals.materials(&scene, &view))?;
+    stage.run(&shot, Mode::Plain)?;
+    let data = gbuffer::read(&mut stage.context, &shot)?;
+    files::write(&options.file, &gbuffer_file::encode(&data, &options.file)?)?;
+    drop((shot, stage));
+    gpu.check_validation()?;
+    Ok(())
+}
+
+fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
+    images::check_extension(&options.output)?;
+    let method = methods::find(&options.method)?;
+    let data = gbuffer_file::load(&options.file)?;
+    let gpu = resolve::gpu(&options.device)?;
+    let setup = resolve::setup(&options.method_options, [data.width, data.height]);
+    let made = gbuffer::reflect(&gpu, &data, method, &setup)?;
+    images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
+    gpu.check_validation()?;
+    Ok(())
+}

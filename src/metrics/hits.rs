@@ -1,0 +1,133 @@
+//! Hit agreement: how far a method's rays end where the oracle's do (DEFINITIONS, "Oracle").
+
+use super::percentile;
+use serde::Serialize;
+
+/// How a method's hits compare with the oracle's over the reflecting pixels. Fractions are of those
+/// pixels and add up to 1; all are null if none reflects.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HitAgreement {
+    /// Reflecting pixels.
+    #[serde(skip)]
+    pub pixels: usize,
+    /// Both miss, or both hit and |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
+    pub hit_agreement: Option<f64>,
+    /// The method hits alone.
+    #[serde(rename = "false")]
+    pub false_hits: Option<f64>,
+    /// The oracle hits alone.
+    pub missed: Option<f64>,
+    /// Both hit, further apart.
+    pub displaced: Option<f64>,
+    /// Median distance in pixels where both hit; null if nowhere.
+    pub hit_error_px_p50: Option<f64>,
+    /// The distance in pixels that 99 % of the pixels where both hit don't exceed.
+    pub hit_error_px_p99: Option<f64>,
+}
+
+/// How one pixel compares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Verdict {
+    /// Both miss, or both hit within a pixel.
+    Agrees,
+    /// The method hits alone.
+    False,
+    /// The oracle hits alone.
+    Missed,
+    /// Both hit, further apart.
+    Displaced,
+}
+
+impl Verdict {
+    /// Of a method's hit and the oracle's, in pixels; `None` for a miss.
+    pub fn of(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
+        match (method, oracle) {
+            (None, None) => Self::Agrees,
+            (Some(_), None) => Self::False,
+            (None, Some(_)) => Self::Missed,
+            (Some(m), Some(o)) if (m[0] - o[0]).abs() <= 1.0 && (m[1] - o[1]).abs() <= 1.0 => Self::Agrees,
+            // A hit at NaN is displaced.
+            (Some(_), Some(_)) => Self::Displaced,
+        }
+    }
+}
+
+impl HitAgreement {
+    /// Compares hits in continuous pixel coordinates, rows from the top, `None` for a miss, over the
+    /// pixels that reflect.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn new(reflecting: &[bool], method: &[Option<[f64; 2]>], oracle: &[Option<[f64; 2]>]) -> Self {
+        assert!(reflecting.len() == method.len() && method.len() == oracle.len(), "images of one size are compared");
+        let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
+        let pixels = pairs().count();
+        let share = |verdict| {
+            let n = pairs().filter(|(m, o)| Verdict::of(**m, **o) == verdict).count();
+            (pixels > 0).then(|| n as f64 / pixels as f64)
+        };
+        let mut errors: Vec<f64> =
+            pairs().filter_map(|(m, o)| m.zip(*o)).map(|(m, o)| (m[0] - o[0]).hypot(m[1] - o[1])).collect();
+        errors.sort_by(f64::total_cmp);
+        Self {
+            pixels,
+            hit_agreement: share(Verdict::Agrees),
+            false_hits: share(Verdict::False),
+            missed: share(Verdict::Missed),
+            displaced: share(Verdict::Displaced),
+            hit_error_px_p50: percentile(&errors, 0.5),
+            hit_error_px_p99: percentile(&errors, 0.99),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MISS: Option<[f64; 2]> = None;
+
+    fn hit(x: f64, y: f64) -> Option<[f64; 2]> {
+        Some([x, y])
+    }
+
+    #[test]
+    fn shares_are_those_of_a_count_by_hand() {
+        let method =
+            [MISS, hit(1.0, 1.0), hit(5.0, 5.0), MISS, hit(3.0, 4.0), hit(9.0, 9.0), hit(2.0, 2.0), hit(7.0, 7.0)];
+        let oracle = [MISS, hit(2.0, 0.0), MISS, hit(4.0, 4.0), hit(0.0, 0.0), hit(9.0, 10.001), MISS, hit(7.0, 7.0)];
+        let mut reflecting = [true; 8];
+        reflecting[6] = false;
+        let a = HitAgreement::new(&reflecting, &method, &oracle);
+        let of_seven = |n: f64| Some(n / 7.0);
+        assert_eq!(a.pixels, 7);
+        // Both miss; exactly a pixel apart on both axes; equal.
+        assert_eq!(a.hit_agreement, of_seven(3.0));
+        assert_eq!((a.false_hits, a.missed, a.displaced), (of_seven(1.0), of_seven(1.0), of_seven(2.0)));
+        // Distances √2, 5, 1.001, 0.
+        assert!((a.hit_error_px_p50.expect("hits") - 1.001).abs() < 1e-9);
+        assert_eq!(a.hit_error_px_p99, Some(5.0));
+    }
+
+    #[test]
+    fn nothing_to_compare_is_null_not_perfect() {
+        let none = HitAgreement::new(&[false], &[MISS], &[MISS]);
+        assert_eq!((none.pixels, none.hit_agreement, none.false_hits), (0, None, None));
+        let misses = HitAgreement::new(&[true], &[MISS], &[MISS]);
+        assert_eq!((misses.hit_agreement, misses.hit_error_px_p50, misses.hit_error_px_p99), (Some(1.0), None, None));
+    }
+
+    #[test]
+    fn not_a_number_agrees_with_nothing() {
+        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), Verdict::Displaced);
+        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), MISS), Verdict::False);
+    }
+
+    #[test]
+    fn it_is_serialised_with_the_names_of_the_record() {
+        let json = serde_json::to_value(HitAgreement::new(&[true], &[hit(0.5, 0.5)], &[MISS])).expect("plain numbers");
+        let expected = serde_json::json!({"hit_agreement": 0.0, "false": 1.0, "missed": 0.0, "displaced": 0.0,
+            "hit_error_px_p50": null, "hit_error_px_p99": null});
+        assert_eq!(json, expected);
+    }
+}

@@ -1,0 +1,77 @@
+//! Differences of linear images over the pixels of a mask (DEFINITIONS, "Image error").
+
+use super::rmse;
+
+/// A linear image, [red, green, blue] a pixel, rows from the top.
+pub type Linear<'a> = &'a [[f32; 3]];
+
+/// Root of the mean squared difference over the three channels of the mask's pixels. Zero for none;
+/// NaN where a compared value is NaN.
+///
+/// # Panics
+/// If the images and the mask differ in length.
+pub fn masked_rmse(reference: Linear, test: Linear, mask: &[bool]) -> f64 {
+    rmse(select(reference, mask).as_flattened(), select(test, mask).as_flattened())
+}
+
+/// Mean squared difference over the mean squared value of the reference, over the three channels of
+/// the mask's pixels. `None` if the reference is black there.
+///
+/// # Panics
+/// If the images and the mask differ in length.
+pub fn masked_relative_mse(reference: Linear, test: Linear, mask: &[bool]) -> Option<f64> {
+    let (reference, test) = (select(reference, mask), select(test, mask));
+    let square = |v: f32| f64::from(v).powi(2);
+    let energy: f64 = reference.as_flattened().iter().map(|v| square(*v)).sum();
+    let values = reference.len() as f64 * 3.0;
+    (energy != 0.0).then(|| rmse(reference.as_flattened(), test.as_flattened()).powi(2) * values / energy)
+}
+
+/// The error of each pixel: root of the mean squared difference over its three channels; 0 outside
+/// the mask. The root of the mean square of the mask's values is [`masked_rmse`].
+///
+/// # Panics
+/// If the images and the mask differ in length.
+pub fn error_map(reference: Linear, test: Linear, mask: &[bool]) -> Vec<f32> {
+    check(reference, test.len());
+    check(test, mask.len());
+    let pairs = reference.iter().zip(test).zip(mask);
+    pairs.map(|((a, b), masked)| if *masked { rmse(a, b) as f32 } else { 0.0 }).collect()
+}
+
+fn select(image: Linear, mask: &[bool]) -> Vec<[f32; 3]> {
+    check(image, mask.len());
+    image.iter().zip(mask).filter(|(_, masked)| **masked).map(|(rgb, _)| *rgb).collect()
+}
+
+fn check(image: Linear, pixels: usize) {
+    assert_eq!(image.len(), pixels, "images and masks of one size are compared");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const REFERENCE: [[f32; 3]; 3] = [[1.0, 0.0, 2.0], [0.5, 0.5, 0.5], [3.0, 0.0, 0.0]];
+    const TEST: [[f32; 3]; 3] = [[1.0, 3.0, 2.0], [9.0, 9.0, 9.0], [3.0, 4.0, 0.0]];
+    const MASK: [bool; 3] = [true, false, true];
+
+    #[test]
+    fn errors_are_those_of_a_hand_computation() {
+        // Differences in the mask: 0, 3, 0 and 0, 4, 0.
+        assert!((masked_rmse(&REFERENCE, &TEST, &MASK) - (25.0_f64 / 6.0).sqrt()).abs() < 1e-12);
+        // The reference's squares: 1 + 4 + 9.
+        let relative = masked_relative_mse(&REFERENCE, &TEST, &MASK).expect("not black");
+        assert!((relative - 25.0 / 14.0).abs() < 1e-12);
+        let map = error_map(&REFERENCE, &TEST, &MASK);
+        assert!((map[0] - 3_f32.sqrt()).abs() < 1e-6 && map[1] == 0.0 && (map[2] - 4.0 / 3_f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn nothing_and_black_are_told_from_perfect_where_it_matters() {
+        assert_eq!(masked_rmse(&REFERENCE, &TEST, &[false; 3]), 0.0);
+        assert_eq!(masked_relative_mse(&REFERENCE, &TEST, &[false; 3]), None);
+        assert_eq!(masked_relative_mse(&[[0.0; 3]], &[[1.0; 3]], &[true]), None);
+        assert!(masked_rmse(&REFERENCE, &[[f32::NAN; 3]; 3], &MASK).is_nan());
+    }
+}

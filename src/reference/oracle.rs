@@ -1,0 +1,95 @@
+//! The oracle, version 1 (DEFINITIONS, "Oracle"): what a reflection ray truly meets in a G-buffer,
+//! found by looking at every pixel on its way, in f64. Slow, short and meant to be read.
+
+use super::Level;
+use super::ray::{Outcome, RaySetup, Segment, Trace};
+use super::thickness::{self, Block};
+use crate::scene::GBufferData;
+use glam::DVec3;
+
+/// The oracle of one G-buffer.
+#[derive(Debug, Clone)]
+pub struct Oracle<'a> {
+    rays: RaySetup<'a>,
+    blocks: Level<Block>,
+}
+
+impl<'a> Oracle<'a> {
+    /// Works out each pixel's block.
+    pub fn new(gbuffer: &'a GBufferData) -> Self {
+        Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer) }
+    }
+
+    /// The mirror ray of a pixel.
+    pub fn trace(&self, x: u32, y: u32) -> Trace {
+        self.rays.mirror(x, y).map_or(Trace::NO_RAY, |direction| self.trace_direction(x, y, direction))
+    }
+
+    /// A ray from a pixel's centre at its own depth along a view-space direction of any length.
+    pub fn trace_direction(&self, x: u32, y: u32, direction: DVec3) -> Trace {
+        self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
+    }
+
+    /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen. From pixel to pixel by
+    /// the nearer of the next boundaries in x and y; through a corner, at once to the pixel across it.
+    pub fn trace_segment(&self, segment: &Segment) -> Trace {
+        let mut pixel = [0, 1].map(|axis| segment.start[axis].floor() as i32);
+        let mut steps = 0;
+        loop {
+            let next = [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
+            let entry = next[0].min(next[1]);
+            if entry >= 1.0 {
+                return self.miss(pixel, segment, 1.0, steps);
+            }
+            let last = pixel;
+            for axis in 0..2 {
+                if next[axis] == entry {
+                    pixel[axis] += if segment.delta[axis] > 0.0 { 1 } else { -1 };
+                }
+            }
+            let Some(block) = self.block(pixel) else {
+                return self.miss(last, segment, entry, steps);
+            };
+            steps += 1;
+            let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
+            if let Some(s) = meets(segment, block, entry, exit) {
+                let outcome = Outcome::Hit { pixel: pixel.map(|p| p as u32), position: segment.at(s) };
+                return Trace { outcome, steps };
+            }
+        }
+    }
+
+    /// The block of a pixel; `None` off screen.
+    fn block(&self, [x, y]: [i32; 2]) -> Option<Block> {
+        let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
+        (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
+    }
+
+    fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
+        let block = self.block(last).unwrap_or(Block::EMPTY);
+        let behind = block != Block::EMPTY && segment.depth_at(end) < block.back;
+        Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
+    }
+}
+
+/// The s at which the segment leaves the column (axis 0) or row (axis 1) of a pixel.
+fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
+    segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
+}
+
+/// Where a ray that is inside a pixel from s = `entry` to `exit` meets its block: at the crossing
+/// with the front if it lies inside, else at the entry; `None` if it does not.
+fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<f64> {
+    let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
+    if first.max(last) < block.back || first.min(last) > block.front {
+        return None;
+    }
+    let crosses_front = first.min(last) <= block.front && first.max(last) >= block.front;
+    if crosses_front && segment.delta.z != 0.0 {
+        return Some(((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit));
+    }
+    Some(entry)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,165 @@
+//! Rays that can be followed by hand. The default lens: 74° vertical, near 0.1 m, far 1000 m.
+
+use super::*;
+use crate::reference::ray::MissReason;
+use crate::reference::testing::{depth_of, flat, floor_and_wall, gbuffer};
+use glam::Vec3;
+
+/// A row of square pixels at view depths in metres (infinite: sky).
+fn row(depths_m: &[f64]) -> GBufferData {
+    gbuffer(depths_m.len() as u32, 1, |x, _| depth_of(depths_m[x as usize]), |_, _| Vec3::NEG_Z)
+}
+
+fn miss(reason: MissReason, behind: bool) -> Outcome {
+    Outcome::Miss { reason, behind }
+}
+
+const SKY: f64 = f64::INFINITY;
+
+#[test]
+fn a_floor_mirrors_the_wall() {
+    let g = floor_and_wall(160, 90);
+    let oracle = Oracle::new(&g);
+    let tan = f64::from(g.camera.lens.fov_y_radians / 2.0).tan();
+    for (x, y) in [(80, 65), (10, 62), (150, 70), (79, 75)] {
+        let ndc = [2.0 * (f64::from(x) + 0.5) / 160.0 - 1.0, 1.0 - 2.0 * (f64::from(y) + 0.5) / 90.0];
+        let (a, b) = (ndc[0] * tan * 160.0 / 90.0, ndc[1] * tan);
+        // The eye's ray (a, b, 1) meets the floor at z = −1/b; mirrored it rises, and is at height
+        // −2 − 5b where it meets the wall at z = 5, straight on in x.
+        let wall = [5.0 * a, -2.0 - 5.0 * b];
+        let expected =
+            [(0.5 + 0.5 * wall[0] / (5.0 * tan * 160.0 / 90.0)) * 160.0, (0.5 - 0.5 * wall[1] / (5.0 * tan)) * 90.0];
+        let trace = oracle.trace(x, y);
+        let Outcome::Hit { pixel, position } = trace.outcome else { panic!("({x}, {y}): {trace:?}") };
+        assert_eq!(pixel, expected.map(|v| v as u32));
+        assert!((position.x - expected[0]).abs() < 1e-4 && (position.y - expected[1]).abs() < 1e-4, "{position}");
+        assert!((position.z - f64::from(depth_of(5.0))).abs() < 1e-12);
+        assert_eq!(trace.steps, y - pixel[1], "straight up, pixel by pixel");
+    }
+}
+
+#[test]
+fn rays_leave_the_screen() {
+    // From the lowest row the mirrored ray is 2 m up at the wall's depth: above the screen there,
+    // and in front of the wall all the way.
+    let g = floor_and_wall(160, 90);
+    let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians / 2.0).tan();
+    assert!(-2.0 - 5.0 * b > 0.0 && 5.0 * b.abs() < 5.0 * 0.7536);
+    let oracle = Oracle::new(&g);
+    let up = oracle.trace_direction(80, 89, DVec3::Y);
+    assert_eq!((up.outcome, up.steps), (miss(MissReason::LeftScreen, false), 89));
+    // Along the wall, a ray that runs in its depth is inside the very next pixel's block.
+    let along = oracle.trace_direction(80, 10, DVec3::X);
+    assert!(matches!(along.outcome, Outcome::Hit { pixel: [81, 10], .. }) && along.steps == 1, "{along:?}");
+}
+
+#[test]
+fn rays_towards_the_camera_end_at_the_near_plane() {
+    // The middle pixel of a wall looks straight back: its ray never leaves the pixel.
+    let g = flat(9, 9, 5.0);
+    let straight = Oracle::new(&g).trace(4, 4);
+    assert_eq!((straight.outcome, straight.steps), (miss(MissReason::Near, false), 0));
+    // From the floor pixel below the middle towards a point 0.05 m beside the eye, nearer than the
+    // near plane.
+    let g = floor_and_wall(90, 90);
+    let oracle = Oracle::new(&g);
+    let from = oracle.rays.position(45, 80).expect("floor");
+    let beside = oracle.trace_direction(45, 80, DVec3::new(0.05, 0.0, 0.0) - from);
+    assert_eq!(beside.outcome, miss(MissReason::Near, false));
+    assert!(beside.steps > 10, "it crosses the screen on its way: {beside:?}");
+}
+
+#[test]
+fn rays_away_from_the_camera_go_behind_things_and_end_far() {
+    let g = flat(9, 9, 5.0);
+    let away = Oracle::new(&g).trace_direction(4, 4, DVec3::Z);
+    assert_eq!((away.outcome, away.steps), (miss(MissReason::Far, true), 0), "behind its own pixel, unseen");
+}
+
+#[test]
+fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
+    // From column 0, 4 m away, along +x. The pole is 3 m away; alone before the sky it is
+    // T = 0.004 · 3 = 0.012 m thick. Column 8 is at 3.99 m, T = 0.01596: 4 m lies inside.
+    let thin = row(&[4.0, SKY, SKY, SKY, 3.0, SKY, SKY, SKY, 3.99]);
+    let trace = Oracle::new(&thin).trace_direction(0, 0, DVec3::X);
+    let Outcome::Hit { pixel: [8, 0], position } = trace.outcome else { panic!("{trace:?}") };
+    assert_eq!(trace.steps, 8);
+    assert!((position - DVec3::new(8.0, 0.5, f64::from(depth_of(4.0)))).length() < 1e-9, "the entry: {position}");
+    // Neighbours at 4.2 m and 5 m make the pole 1.2 + 0.012 m thick: up to 4.212 m.
+    let thick = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
+    let trace = Oracle::new(&thick).trace_direction(0, 0, DVec3::X);
+    assert!(matches!(trace.outcome, Outcome::Hit { pixel: [4, 0], .. }), "{trace:?}");
+    // With one at 3.9 m the pole reaches only to 3.912 m; but that neighbour itself, which has only
+    // the pole beside it, is 0.9 + 0.0156 m thick.
+    let thinner = row(&[4.0, SKY, SKY, SKY, 3.0, 3.9, SKY, SKY, SKY]);
+    let trace = Oracle::new(&thinner).trace_direction(0, 0, DVec3::X);
+    assert!(matches!(trace.outcome, Outcome::Hit { pixel: [5, 0], .. }), "{trace:?}");
+}
+
+#[test]
+fn the_flag_says_whether_a_ray_ended_behind_something() {
+    let g = row(&[4.0, SKY, SKY, 1.0]);
+    assert_eq!(Oracle::new(&g).trace_direction(0, 0, DVec3::X).outcome, miss(MissReason::LeftScreen, true));
+    let g = row(&[4.0, SKY, 1.0, SKY]);
+    assert_eq!(Oracle::new(&g).trace_direction(0, 0, DVec3::X).outcome, miss(MissReason::LeftScreen, false));
+}
+
+#[test]
+fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
+    // Column 1 is at 3 m and 1.012 m thick (its one neighbour is at 4 m). A ray from column 0 that
+    // is 3.2 m away where it enters column 1 and 2.9 m where it leaves it crosses the front there.
+    let g = row(&[4.0, 3.0, SKY, SKY]);
+    let oracle = Oracle::new(&g);
+    let depth = |z| f64::from(depth_of(z));
+    let slope = depth(2.9) - depth(3.2);
+    let segment = Segment {
+        start: DVec3::new(0.5, 0.5, depth(3.2) - 0.5 * slope),
+        delta: DVec3::new(3.5, 0.0, 3.5 * slope),
+        end: MissReason::LeftScreen,
+    };
+    let Outcome::Hit { pixel: [1, 0], position } = oracle.trace_segment(&segment).outcome else { panic!() };
+    let share = (depth(3.0) - depth(3.2)) / slope;
+    assert!((position - DVec3::new(1.0 + share, 0.5, depth(3.0))).length() < 1e-9, "{position}");
+}
+
+#[test]
+fn a_ray_through_a_corner_goes_across_it() {
+    // Sky but for the two pixels beside the diagonal, at the ray's own depth: not met. On the
+    // diagonal: met.
+    let depth = depth_of(2.0);
+    let on = |pixels: &'static [(u32, u32)]| {
+        gbuffer(3, 3, move |x, y| if pixels.contains(&(x, y)) { depth } else { 0.0 }, |_, _| Vec3::NEG_Z)
+    };
+    let start = DVec3::new(0.5, 0.5, f64::from(depth));
+    let diagonal = Segment { start, delta: DVec3::new(2.5, 2.5, 0.0), end: MissReason::LeftScreen };
+    let beside = on(&[(0, 0), (1, 0), (0, 1), (2, 1), (1, 2)]);
+    let trace = Oracle::new(&beside).trace_segment(&diagonal);
+    assert_eq!((trace.outcome, trace.steps), (miss(MissReason::LeftScreen, false), 2));
+    let ahead = on(&[(0, 0), (2, 2)]);
+    let trace = Oracle::new(&ahead).trace_segment(&diagonal);
+    assert_eq!(trace.outcome, Outcome::Hit { pixel: [2, 2], position: DVec3::new(2.0, 2.0, start.z) });
+}
+
+#[test]
+fn sky_neither_sends_rays_nor_stops_them() {
+    let g = row(&[4.0, SKY, SKY, SKY]);
+    let oracle = Oracle::new(&g);
+    assert_eq!(oracle.trace(2, 0), Trace::NO_RAY);
+    let across = oracle.trace_direction(0, 0, DVec3::new(1.0, 0.0, 0.2));
+    assert_eq!((across.outcome, across.steps), (miss(MissReason::LeftScreen, false), 3));
+}
+
+#[test]
+fn one_pixel_hits_nothing() {
+    let g = flat(1, 1, 3.0);
+    let oracle = Oracle::new(&g);
+    for (direction, reason, behind) in [
+        (DVec3::X, MissReason::LeftScreen, false),
+        (DVec3::NEG_Y, MissReason::LeftScreen, false),
+        (DVec3::NEG_Z, MissReason::Near, false),
+        (DVec3::Z, MissReason::Far, true),
+    ] {
+        let trace = oracle.trace_direction(0, 0, direction);
+        assert_eq!((trace.outcome, trace.steps), (miss(reason, behind), 0), "{direction}");
+    }
+}

@@ -1,0 +1,238 @@
+//! A reflection ray in the image, and how it can end: set-up and clipping of DEFINITIONS, "Oracle",
+//! items 1 and 2 (NUMERICS, "What a robust method does", item 1), in f64.
+//!
+//! The oracle and the hierarchical traversal begin with the same [`Segment`] and ask it for the
+//! parameter at which a pixel boundary is crossed. As both evaluate the same expression there, they
+//! see the same depths at the same places, and can be compared exactly.
+
+use crate::scene::GBufferData;
+use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
+
+/// Why a ray hit nothing: what ended it (DEFINITIONS, "Oracle", item 5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MissReason {
+    /// It left by one of the screen's four sides.
+    LeftScreen,
+    /// It went behind the camera's near plane.
+    Near,
+    /// It went beyond the far plane.
+    Far,
+    /// There is no ray: the pixel is sky, or its normal or the direction has no length.
+    NoRay,
+}
+
+/// How a ray ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Outcome {
+    /// It met the block of a pixel.
+    Hit {
+        /// The pixel (i, j).
+        pixel: [u32; 2],
+        /// Pixel x, pixel y (continuous) and reversed depth.
+        position: DVec3,
+    },
+    /// It met none.
+    Miss {
+        /// What ended it.
+        reason: MissReason,
+        /// Whether it ended behind the back of the last pixel's block.
+        behind: bool,
+    },
+}
+
+/// A traced ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trace {
+    /// How it ended.
+    pub outcome: Outcome,
+    /// Pixels (oracle) or cells (hierarchy) that were looked at.
+    pub steps: u32,
+}
+
+impl Trace {
+    /// A pixel without a ray.
+    pub const NO_RAY: Self = Self { outcome: Outcome::Miss { reason: MissReason::NoRay, behind: false }, steps: 0 };
+
+    /// Where it hit: continuous pixel coordinates and reversed depth; `None` for a miss.
+    pub fn position(&self) -> Option<DVec3> {
+        match self.outcome {
+            Outcome::Hit { position, .. } => Some(position),
+            Outcome::Miss { .. } => None,
+        }
+    }
+
+    /// Where it hit, in pixels; `None` for a miss. This is what `metrics::hits` compares.
+    pub fn position_px(&self) -> Option<[f64; 2]> {
+        self.position().map(|p| [p.x, p.y])
+    }
+}
+
+/// The visible part of a ray: a straight line in (pixel x, pixel y, reversed depth), by a parameter
+/// s from 0 at the pixel's centre to 1 where it leaves the frustum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// Where it begins.
+    pub start: DVec3,
+    /// From there to its end; all 0 where it leaves the frustum at once.
+    pub delta: DVec3,
+    /// Which side of the frustum ends it.
+    pub end: MissReason,
+}
+
+impl Segment {
+    /// The point at s.
+    pub fn at(&self, s: f64) -> DVec3 {
+        self.start + s * self.delta
+    }
+
+    /// Reversed depth at s. Monotonic in s, rounding included.
+    pub fn depth_at(&self, s: f64) -> f64 {
+        self.start.z + s * self.delta.z
+    }
+
+    /// The s at which the line x = `boundary` (axis 0) or y = `boundary` (axis 1) is crossed;
+    /// infinite if the ray does not move along that axis. Rises with the boundary's distance from
+    /// the start, rounding included.
+    pub fn crossing(&self, axis: usize, boundary: i32) -> f64 {
+        if self.delta[axis] == 0.0 {
+            return f64::INFINITY;
+        }
+        (f64::from(boundary) - self.start[axis]) / self.delta[axis]
+    }
+}
+
+/// Makes rays of a G-buffer.
+#[derive(Debug, Clone)]
+pub struct RaySetup<'a> {
+    /// The G-buffer.
+    pub gbuffer: &'a GBufferData,
+    view_to_clip: DMat4,
+    clip_to_view: DMat4,
+}
+
+impl<'a> RaySetup<'a> {
+    /// Inverts the matrix once.
+    pub fn new(gbuffer: &'a GBufferData) -> Self {
+        let view_to_clip = gbuffer.view_to_clip();
+        Self { gbuffer, view_to_clip, clip_to_view: view_to_clip.inverse() }
+    }
+
+    /// View-space position of a pixel's centre at its own depth; `None` for sky.
+    pub fn position(&self, x: u32, y: u32) -> Option<DVec3> {
+        let depth = self.gbuffer.depth[self.gbuffer.index(x, y)];
+        let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
+        (depth > 0.0).then(|| self.gbuffer.unproject(centre.x, centre.y, f64::from(depth), &self.clip_to_view))
+    }
+
+    /// Unit view-space normal of a pixel; `None` where there is none.
+    pub fn normal(&self, x: u32, y: u32) -> Option<DVec3> {
+        self.gbuffer.normal[self.gbuffer.index(x, y)].as_dvec3().try_normalize()
+    }
+
+    /// Unit mirror direction in view space: reflect(normalize(position), normalize(normal)). `None`
+    /// for sky or without a normal.
+    pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
+        let incident = self.position(x, y)?.try_normalize()?;
+        Some(incident.reflect(self.normal(x, y)?))
+    }
+
+    /// The visible part of the ray from a pixel's centre along a view-space direction of any
+    /// length. `None` for sky and for a direction without a length.
+    pub fn segment(&self, x: u32, y: u32, direction: DVec3) -> Option<Segment> {
+        let direction = direction.try_normalize()?;
+        let from = self.view_to_clip * self.position(x, y)?.extend(1.0);
+        let along = self.view_to_clip * direction.extend(0.0);
+        let (t, end) = clip(from, along)?;
+        // The difference of the two projected points, without its cancellation:
+        // (P + tD).xyz / (P + tD).w − P.xyz / P.w.
+        let scale = t / (from.w * (from.w + t * along.w));
+        let delta = (along.xyz() * from.w - from.xyz() * along.w) * scale;
+        let half = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height)) * 0.5;
+        let depth = f64::from(self.gbuffer.depth[self.gbuffer.index(x, y)]);
+        let segment = Segment {
+            start: DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth),
+            delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z),
+            end,
+        };
+        segment.delta.is_finite().then_some(segment)
+    }
+}
+
+/// How far P + tD stays in the frustum, and what ends it. `None` if nothing does (NaN).
+fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
+    // Each plane as its value at P and its rate along D; inside is ≥ 0. Depth is reversed.
+    let planes = [
+        (p.w + p.x, d.w + d.x, MissReason::LeftScreen),
+        (p.w - p.x, d.w - d.x, MissReason::LeftScreen),
+        (p.w + p.y, d.w + d.y, MissReason::LeftScreen),
+        (p.w - p.y, d.w - d.y, MissReason::LeftScreen),
+        (p.w - p.z, d.w - d.z, MissReason::Near),
+        (p.z, d.z, MissReason::Far),
+    ];
+    // P is inside by its definition; a value below 0 (at the near plane) is rounding.
+    let ends = planes.into_iter().filter(|(_, rate, _)| *rate < 0.0);
+    ends.map(|(value, rate, reason)| (value.max(0.0) / -rate, reason)).min_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::testing::{flat, gbuffer};
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_segment_is_the_projection_of_the_ray(
+            x in 0..16_u32, y in 0..9_u32, z in 0.11..900.0_f64, t in 0.0..1.0_f64,
+            direction in prop::array::uniform3(-1.0..1.0_f64),
+        ) {
+            let g = flat(16, 9, z);
+            let setup = RaySetup::new(&g);
+            let direction = DVec3::from(direction);
+            prop_assume!(direction.length() > 1e-2);
+            let segment = setup.segment(x, y, direction).expect("a ray");
+            let size = DVec3::new(16.0, 9.0, 1.0);
+            // The end lies on the side of the frustum that it names, within the others.
+            let end = segment.at(1.0) / size;
+            prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
+            let off = |v: f64| v.abs().min((v - 1.0).abs());
+            let named = match segment.end {
+                MissReason::LeftScreen => off(end.x).min(off(end.y)),
+                MissReason::Near => (end.z - 1.0).abs(),
+                _ => end.z.abs(),
+            };
+            prop_assert!(named < 1e-9, "{segment:?}");
+            // A point of the ray in view space lies on the segment, if it is in the frustum.
+            let position = setup.position(x, y).expect("no sky");
+            let point = position + direction.normalize() * t * z;
+            let projected = g.project(point, &g.view_to_clip());
+            if let Some(p) = projected.filter(|p| (*p / size).cmpge(DVec3::ZERO).all() && (*p / size).cmple(DVec3::ONE).all()) {
+                let (a, b) = ((p - segment.start) / size, segment.delta / size);
+                prop_assert!(a.cross(b).length() < 1e-9 && a.dot(b) >= -1e-9, "{p} is off {segment:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_have_no_direction_are_none() {
+        let mut g = flat(3, 1, 2.0);
+        g.depth[1] = 0.0;
+        g.normal[2] = Vec3::ZERO;
+        let setup = RaySetup::new(&g);
+        assert!(setup.mirror(0, 0).is_some());
+        assert!(setup.mirror(1, 0).is_none() && setup.segment(1, 0, DVec3::Z).is_none(), "sky");
+        assert!(setup.mirror(2, 0).is_none() && setup.segment(2, 0, DVec3::Z).is_some(), "no normal");
+        assert!(setup.segment(0, 0, DVec3::ZERO).is_none() && setup.segment(0, 0, DVec3::NAN).is_none());
+    }
+
+    #[test]
+    fn a_pixel_on_the_near_plane_can_send_its_ray_into_the_scene_but_not_out() {
+        let g = gbuffer(1, 1, |_, _| 1.0, |_, _| Vec3::NEG_Z);
+        let setup = RaySetup::new(&g);
+        let into = setup.segment(0, 0, DVec3::Z).expect("a ray");
+        assert!((into.at(1.0).z).abs() < 1e-12 && into.end == MissReason::Far);
+        let out = setup.segment(0, 0, DVec3::NEG_Z).expect("a ray");
+        assert!(out.delta.length() < 1e-6 && out.end == MissReason::Near);
+    }
+}

@@ -1,0 +1,179 @@
+//! Closed forms first, then what a Monte Carlo image must keep to statistically.
+
+use super::*;
+use crate::reference::Oracle;
+use crate::reference::ray::RaySetup;
+use crate::reference::testing::{flat, floor_and_wall};
+
+const SAMPLING: Sampling = Sampling { samples: 64, seed: 1 };
+
+/// The floor and the wall, the wall striped, the floor of some roughness and reflecting alone.
+fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
+    let mut g = floor_and_wall(32, 18);
+    for (i, color) in g.color.iter_mut().enumerate() {
+        let (x, y) = (i % 32, i / 32);
+        *color = Vec3::new((x % 4) as f32 / 3.0, y as f32 / 17.0, 0.5);
+    }
+    g.roughness.fill(roughness);
+    for (r, n) in g.reflectivity.iter_mut().zip(&g.normal) {
+        *r = n.y;
+    }
+    let mask = g.reflecting();
+    (g, mask)
+}
+
+fn render(roughness: f32, sampling: Sampling) -> ScreenReference {
+    let (g, mask) = stage(roughness);
+    ScreenReference::render(&g, &mask, sampling, &|| ())
+}
+
+#[test]
+fn a_mirror_shows_the_colour_at_the_hit_and_has_no_error() {
+    let (g, mask) = stage(0.0);
+    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let hierarchy = Hierarchy::new(&g);
+    let mut hits = 0;
+    for (i, color) in image.color.iter().enumerate() {
+        let hit = hierarchy.trace(i as u32 % 32, i as u32 / 32).position().filter(|_| mask[i]);
+        assert_eq!(*color, hit.map_or(Vec3::ZERO, |p| bilinear(&g, p.x, p.y).as_vec3()));
+        hits += usize::from(hit.is_some());
+    }
+    assert!(hits > 50, "{hits}");
+    assert_eq!(image.overall_standard_error, 0.0);
+}
+
+#[test]
+fn nearly_a_mirror_is_nearly_the_mirrors_image() {
+    let (mirror, glossy) = (render(0.0, SAMPLING), render(1e-4, SAMPLING));
+    for (a, b) in mirror.color.iter().zip(&glossy.color) {
+        assert!((*a - *b).length() < 0.01, "{a} {b}");
+    }
+}
+
+#[test]
+fn directions_have_the_moments_of_the_lobe() {
+    // Of the density (α + 1) / 2π cos^α: E cos = (α + 1) / (α + 2), E cos² = (α + 1) / (α + 3), and
+    // the mean is along the axis.
+    let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
+    let stream = Stream::new(5, 0);
+    for exponent in [0.0, 1.0, 30.0, 4512.0] {
+        let n = 40_000_u64;
+        let [mut sum, mut cosine, mut square] = [DVec3::ZERO, DVec3::ZERO, DVec3::ZERO];
+        for i in 0..n {
+            let d = lobe_direction(axis, exponent, [stream.uniform(2 * i), stream.uniform(2 * i + 1)]);
+            assert!((d.length() - 1.0).abs() < 1e-12 && d.dot(axis) >= 0.0);
+            sum += d;
+            cosine.x += d.dot(axis);
+            square.x += d.dot(axis).powi(2);
+        }
+        let [mean, second] = [cosine.x, square.x].map(|s| s / n as f64);
+        let expected = [(exponent + 1.0) / (exponent + 2.0), (exponent + 1.0) / (exponent + 3.0)];
+        let deviation = (expected[1] - expected[0].powi(2)).sqrt() / (n as f64).sqrt();
+        assert!((mean - expected[0]).abs() < 5.0 * deviation, "α {exponent}: {mean} {expected:?}");
+        assert!((second - expected[1]).abs() < 10.0 * deviation, "α {exponent}: {second} {expected:?}");
+        let across = (sum / n as f64).reject_from(axis).length();
+        assert!(across < 4.0 / (n as f64).sqrt() * (1.0 - expected[1]).sqrt(), "α {exponent}: {across}");
+    }
+}
+
+#[test]
+fn directions_below_the_surface_carry_nothing_and_count() {
+    // Where the floor meets the wall, rays rise by 16° and a lobe of ϱ = 0.6 dips below the floor.
+    // The same sum again, with the oracle's rays.
+    let (g, mask) = stage(0.6);
+    let sampling = Sampling { samples: 200, seed: 2 };
+    let image = ScreenReference::render(&g, &mask, sampling, &|| ());
+    let (oracle, rays) = (Oracle::new(&g), RaySetup::new(&g));
+    let (x, y) = (16, 12);
+    let (mirror, normal) = (rays.mirror(x, y).expect("floor"), rays.normal(x, y).expect("floor"));
+    let stream = Stream::new(2, g.index(x, y) as u64);
+    let (mut sum, mut below, mut would_hit) = (DVec3::ZERO, 0, 0);
+    for i in 0..200 {
+        let uv = [stream.uniform(2 * i), stream.uniform(2 * i + 1)];
+        let direction = lobe_direction(mirror, phong::exponent(f64::from(0.6_f32)), uv);
+        let hit = oracle.trace_direction(x, y, direction).position();
+        if direction.dot(normal) <= 0.0 {
+            below += 1;
+            would_hit += usize::from(hit.is_some());
+        } else if let Some(p) = hit {
+            sum += bilinear(&g, p.x, p.y);
+        }
+    }
+    assert!(below > 10 && would_hit > 5, "{below} below, of which {would_hit} would hit the floor");
+    let found = image.color[g.index(x, y)].as_dvec3();
+    assert!((found - sum / 200.0).length() < 1e-6, "{found} {}", sum / 200.0);
+}
+
+#[test]
+fn the_mean_and_its_error_are_those_of_a_hand_computation() {
+    // 1, 2, 6: mean 3, variance (4 + 1 + 9) / 2 = 7, standard error √(7 / 3).
+    let e = mean_and_error([1.0, 2.0, 6.0].into_iter().map(DVec3::splat));
+    assert!((e.mean - 3.0).length() < 1e-12);
+    assert!((e.standard_error - (7.0_f64 / 3.0).sqrt()).length() < 1e-12);
+    assert_eq!(mean_and_error([DVec3::ONE].into_iter()).standard_error, DVec3::INFINITY);
+}
+
+#[test]
+fn the_standard_error_is_how_far_independent_images_are_apart() {
+    let [a, b] = [1, 2].map(|seed| render(0.3, Sampling { samples: 64, seed }));
+    let (_, mask) = stage(0.3);
+    // Mean squared difference in units of its variance: 1 with a standard deviation below 0.1 over
+    // some 300 pixels and 2 channels (the third is constant where all rays hit).
+    let mut z = Vec::new();
+    for i in (0..mask.len()).filter(|i| mask[*i]) {
+        for c in 0..2 {
+            let variance = a.standard_error[i][c].powi(2) + b.standard_error[i][c].powi(2);
+            if variance > 1e-6 {
+                z.push(f64::from((a.color[i][c] - b.color[i][c]).powi(2) / variance));
+            }
+        }
+    }
+    let mean = z.iter().sum::<f64>() / z.len() as f64;
+    assert!(z.len() > 200 && (0.75..1.25).contains(&mean), "{mean} over {}", z.len());
+    assert!(a.overall_standard_error > 0.005 && a.overall_standard_error < 0.1);
+    // Four times the samples, half the error.
+    let more = render(0.3, Sampling { samples: 256, seed: 3 });
+    let ratio = a.overall_standard_error / more.overall_standard_error;
+    assert!((1.85..2.15).contains(&ratio), "{ratio}");
+}
+
+#[test]
+fn the_image_does_not_depend_on_the_number_of_threads() {
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    assert_eq!(one.install(|| render(0.3, SAMPLING)), render(0.3, SAMPLING));
+}
+
+#[test]
+fn progress_counts_rows_and_the_mask_restricts() {
+    let (g, mut mask) = stage(0.1);
+    let rows = std::sync::atomic::AtomicU32::new(0);
+    let count = || {
+        rows.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    };
+    let all = ScreenReference::render(&g, &mask, SAMPLING, &count);
+    assert_eq!(rows.into_inner(), 18);
+    mask[g.index(5, 15)] = false;
+    let less = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    for (i, masked) in mask.iter().enumerate() {
+        assert_eq!(less.color[i], if *masked { all.color[i] } else { Vec3::ZERO });
+    }
+}
+
+#[test]
+fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
+    let mut g = flat(3, 2, 1.0);
+    for (i, color) in g.color.iter_mut().enumerate() {
+        *color = Vec3::splat([0.0, 4.0, 8.0, 1.0, 5.0, 9.0][i]);
+    }
+    for (x, y, expected) in [
+        (0.5, 0.5, 0.0),
+        (1.5, 1.5, 5.0),
+        (1.0, 0.5, 2.0),
+        (1.75, 1.0, 5.5),
+        (0.0, 0.0, 0.0),
+        (3.0, 2.0, 9.0),
+        (3.0, 1.0, 8.5),
+    ] {
+        assert_eq!(bilinear(&g, x, y), DVec3::splat(expected), "({x}, {y})");
+    }
+}

@@ -1,0 +1,95 @@
+//! The error study as files and text: records, plots of run time against error, picture strips.
+
+use super::images::{Rgb, write_exr};
+use super::{files, plot, tables};
+use crate::error::{Error, Result};
+use crate::gpu::Pixels;
+use crate::study::error::{Against, Cell, ErrorRecord, display};
+use crate::study::sweep::{self, Point};
+use std::path::Path;
+
+/// The three references with what their plots show.
+pub const REFERENCES: [(Against, &str, &str); 3] = [
+    (Against::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
+    (Against::Screen, "screen", "RMSE against the screen reference"),
+    (Against::World, "world", "RMSE against the world reference"),
+];
+
+/// Writes error.json, error.txt and one plot a reference.
+pub fn write(folder: &Path, records: &[ErrorRecord]) -> Result<()> {
+    files::write(&folder.join("error.json"), files::json(records).as_bytes())?;
+    files::write(&folder.join("error.txt"), text(records).as_bytes())?;
+    for (against, name, axis) in REFERENCES {
+        let points = sweep::points(records, against);
+        if !points.is_empty() {
+            let path = folder.join(format!("error-{name}.svg"));
+            let svg = plot::time_against_error(&points, axis)
+                .map_err(|e| Error::io("draw", &path, std::io::Error::other(e)))?;
+            files::write(&path, svg.as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the images of a cell: reflection colours, and for methods the error as EXR and as FLIP's picture.
+pub fn write_strips(folder: &Path, stem: &str, cell: &Cell) -> Result<()> {
+    let [width, height] = cell.extent;
+    for strip in &cell.strips {
+        let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));
+        Rgb { width, height, bytes: display(&strip.color) }.write_png(&file(".png"))?;
+        if let Some((rmse, flip)) = &strip.error {
+            Rgb { width, height, bytes: flip.clone() }.write_png(&file("-flip.png"))?;
+            let pixels = Pixels { width, height, channels: 1, values: rmse.clone() };
+            write_exr(&file("-rmse.exr"), &pixels, &["rmse"])?;
+        }
+    }
+    Ok(())
+}
+
+/// Points of every reference with the front, and where the error comes from.
+pub fn text(records: &[ErrorRecord]) -> String {
+    let mut text = String::new();
+    for (against, _, axis) in REFERENCES {
+        let points = sweep::points(records, against);
+        if points.is_empty() {
+            continue;
+        }
+        text += &format!("{axis}, mean over the cells; * is on the Pareto front\n");
+        text += &tables::aligned(&point_cells(&points));
+        text += "\n";
+    }
+    text += "RMSE of the reflection colour by roughness, median over the views\n";
+    text + &tables::aligned(&source_cells(records))
+}
+
+fn point_cells(points: &[Point]) -> Vec<Vec<String>> {
+    let header = ["variant", "median ms", "error", "front"].map(str::to_owned).to_vec();
+    let row = |p: &Point| {
+        let front = if p.on_front { "*" } else { "" };
+        vec![p.name.clone(), format!("{:.3}", p.time_ms), format!("{:.4}", p.error), front.to_owned()]
+    };
+    std::iter::once(header).chain(points.iter().map(row)).collect()
+}
+
+/// One row a method and reference, one column a roughness.
+pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
+    let sources = sweep::sources(records);
+    let mut rows: Vec<(String, Against)> = Vec::new();
+    for (method, against, _) in sources.iter().flat_map(|s| &s.rmse) {
+        if !rows.contains(&(method.clone(), *against)) {
+            rows.push((method.clone(), *against));
+        }
+    }
+    let mut header = vec!["what, against".to_owned()];
+    header.extend(sources.iter().map(|s| format!("r {}", tables::roughness(s.roughness))));
+    let row = |(method, against): &(String, Against)| {
+        let against_name = REFERENCES.iter().find(|r| r.0 == *against).map_or("", |r| r.1);
+        let mut row = vec![format!("{method}, {against_name}")];
+        row.extend(sources.iter().map(|s| {
+            let found = s.rmse.iter().find(|(m, a, _)| m == method && a == against);
+            found.map_or_else(|| "-".into(), |(.., rmse)| format!("{rmse:.4}"))
+        }));
+        row
+    };
+    std::iter::once(header).chain(rows.iter().map(row)).collect()
+}

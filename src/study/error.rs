@@ -1,0 +1,366 @@
+//! Run time against error: some variants of methods on one view, size and roughness, timed in turn
+//! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
+
+use super::gbuffer;
+use super::record::{Head, Stats};
+use super::stage::{Globals, Shot, Stage};
+use super::timing::camera;
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{FrameContext, Gpu, Image, Pixels};
+use crate::math::display_byte;
+use crate::methods::ssct::ThesisMethod;
+use crate::methods::{MethodInfo, Setup, Tuning};
+use crate::metrics::flip::FlipMap;
+use crate::metrics::hits::HitAgreement;
+use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
+use crate::metrics::world;
+use crate::passes::Hits;
+use crate::passes::PathCode;
+use crate::passes::color_chain::ChainFilter;
+use crate::passes::gbuffer::GBufferImages;
+use crate::reference::first_hits::FirstHits;
+use crate::reference::hierarchy::Hierarchy;
+use crate::reference::screen::{Sampling, ScreenReference};
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world_hits::{WorldHit, world_hits};
+use crate::scene::{GBufferData, Material, Scene, View};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// A method with its parameters.
+#[derive(Clone)]
+pub struct Variant {
+    /// The method.
+    pub method: &'static MethodInfo,
+    /// Its parameters; the size is the cell's.
+    pub setup: Setup,
+}
+
+/// The parameters of a variant, as records show them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Params {
+    /// How the colour chain is filtered.
+    pub chain_filter: ChainFilter,
+    /// What replaces the preset's numbers.
+    #[serde(flatten)]
+    pub tuning: Tuning,
+}
+
+/// What a figure is held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Against {
+    /// Hits against oracle 1; mirrors only.
+    Oracle,
+    /// The image against the screen reference.
+    Screen,
+    /// Hits (mirrors only) and the image against the triangles.
+    World,
+}
+
+/// One figure of run time against error. What has no meaning is null.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ErrorRecord {
+    /// What it is of.
+    #[serde(flatten)]
+    pub head: Head,
+    /// The variant's parameters.
+    pub params: Params,
+    /// Median of the method's total; null for what is no method.
+    pub time_ms: Option<f64>,
+    /// The reference.
+    pub against: Against,
+    /// Share of reflecting pixels whose hit is right.
+    pub hit_agreement: Option<f64>,
+    /// Share where the method hits alone.
+    #[serde(rename = "false")]
+    pub false_hits: Option<f64>,
+    /// Share where the reference hits alone.
+    pub missed: Option<f64>,
+    /// Share where both hit, too far apart.
+    pub displaced: Option<f64>,
+    /// Median distance where both hit, in pixels.
+    pub hit_error_px_p50: Option<f64>,
+    /// 99th percentile of it.
+    pub hit_error_px_p99: Option<f64>,
+    /// Root mean square error of the linear reflection colour over reflecting pixels.
+    pub rmse: Option<f64>,
+    /// Mean square error over the reference's mean square.
+    pub rel_mse: Option<f64>,
+    /// Mean FLIP of the display image of the reflection colour.
+    pub flip: Option<f64>,
+    /// What the reference itself is expected to err by, as an RMSE.
+    pub standard_error: Option<f64>,
+}
+
+/// Images of a cell for the picture strip, linear: reflection colour before fade.
+pub struct Strip {
+    /// File stem.
+    pub name: String,
+    /// The image, three channels a pixel.
+    pub color: Vec<[f32; 3]>,
+    /// Its error against the screen reference, for methods: RMSE per pixel, and FLIP's picture.
+    pub error: Option<(Vec<f32>, Vec<u8>)>,
+}
+
+/// What a cell gives.
+pub struct Cell {
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// Records of every variant against every reference.
+    pub records: Vec<ErrorRecord>,
+    /// References and methods as images.
+    pub strips: Vec<Strip>,
+}
+
+/// How a cell is measured.
+pub struct ErrorSpec<'a> {
+    /// Device.
+    pub gpu: &'a Gpu,
+    /// Scene.
+    pub scene: &'a Scene,
+    /// View.
+    pub view: &'a View,
+    /// Pixels.
+    pub extent: [u32; 2],
+    /// Global factors.
+    pub globals: Globals,
+    /// What is compared.
+    pub variants: &'a [Variant],
+    /// Frames before the first that counts.
+    pub warmup: usize,
+    /// Frames that count.
+    pub samples: usize,
+    /// Rays a pixel of the references.
+    pub rays: u32,
+}
+
+/// The references of a cell.
+struct Truth {
+    data: GBufferData,
+    /// Reflecting pixels.
+    mask: Vec<bool>,
+    /// Whether every one of them is a mirror; only then do hits compare.
+    mirrors: bool,
+    /// Hits of the mirror rays by the oracle: pixel x, pixel y and reversed depth.
+    oracle: Vec<Option<DVec3>>,
+    /// Where the screen shows the ends of the mirror rays in the world.
+    world_hits: Vec<Option<[f64; 2]>>,
+    screen: Reference,
+    world: Reference,
+}
+
+/// A reference image.
+struct Reference {
+    color: Vec<[f32; 3]>,
+    display: Vec<u8>,
+    standard_error: f64,
+}
+
+/// Measures a cell.
+pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
+    let camera = camera(spec.scene, spec.view, spec.extent);
+    let materials = spec.globals.materials(spec.scene, spec.view);
+    let shot = |setup: &Setup, method: &MethodInfo| {
+        let setup = Setup { extent: spec.extent, ..*setup };
+        Shot::new(spec.gpu, method, &setup, camera, materials.clone())
+    };
+    let shots = spec.variants.iter().map(|v| shot(&v.setup, v.method)).collect::<Result<Vec<_>>>()?;
+    let times = totals(spec, stage, &shots)?;
+    let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
+    let Some(first) = shots.first() else { return Ok(cell) };
+    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials);
+
+    cell.strips.push(Strip { name: "screen-reference".into(), color: truth.screen.color.clone(), error: None });
+    cell.strips.push(Strip { name: "world-reference".into(), color: truth.world.color.clone(), error: None });
+    for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
+        let (_, _, output) = stage.output(timed)?;
+        let color = colors(&stage.context.read(output.reflection.0.all())?);
+        // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
+        let split = shot(&Setup { split: true, ..variant.setup }, variant.method)?;
+        let (_, _, output) = stage.output(&split)?;
+        let hits = output.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| positions(&p));
+        let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
+        cell.records.extend(head.against_all(&truth, &color, hits.as_deref()));
+        cell.strips.push(method_strip(variant.method.name, &color, &truth, spec.extent));
+    }
+    if let Some(variant) = spec.variants.first() {
+        // What is left of the error when every hit is right, and what screen space itself costs.
+        let color = exact_hits_with_cone(spec, &truth, &variant.setup)?;
+        let head = Record::new(spec, EXACT_HITS, &variant.setup, None);
+        cell.records.extend(head.against_all(&truth, &color, None));
+        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, spec.extent));
+        let head = Record::new(spec, SCREEN_REFERENCE, &variant.setup, None);
+        cell.records.push(head.image(Against::World, &truth, &truth.world, &truth.screen.color));
+    }
+    Ok(cell)
+}
+
+/// Name in records of the oracle's hits with the thesis's cone.
+pub const EXACT_HITS: &str = "exact-hits+cone";
+/// Name in records of the screen reference, when it is held against the world.
+pub const SCREEN_REFERENCE: &str = "screen-reference";
+
+/// The fields that a variant's records share.
+struct Record(ErrorRecord);
+
+impl Record {
+    fn new(spec: &ErrorSpec, method: &str, setup: &Setup, time_ms: Option<f64>) -> Self {
+        let setup = Setup { extent: spec.extent, ..*setup };
+        let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
+        Self(ErrorRecord {
+            head,
+            params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },
+            time_ms,
+            against: Against::Screen,
+            hit_agreement: None,
+            false_hits: None,
+            missed: None,
+            displaced: None,
+            hit_error_px_p50: None,
+            hit_error_px_p99: None,
+            rmse: None,
+            rel_mse: None,
+            flip: None,
+            standard_error: None,
+        })
+    }
+
+    fn image(&self, against: Against, truth: &Truth, reference: &Reference, color: &[[f32; 3]]) -> ErrorRecord {
+        let (width, height) = (truth.data.width, truth.data.height);
+        ErrorRecord {
+            against,
+            rmse: Some(masked_rmse(&reference.color, color, &truth.mask)),
+            rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
+            flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
+            standard_error: Some(reference.standard_error),
+            ..self.0.clone()
+        }
+    }
+
+    fn against_all(&self, truth: &Truth, color: &[[f32; 3]], hits: Option<&[Option<[f64; 2]>]>) -> Vec<ErrorRecord> {
+        let hits = hits.filter(|_| truth.mirrors);
+        let mut records = Vec::new();
+        if let Some(hits) = hits {
+            let oracle: Vec<_> = truth.oracle.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
+            let h = HitAgreement::new(&truth.mask, hits, &oracle);
+            records.push(ErrorRecord {
+                against: Against::Oracle,
+                hit_agreement: h.hit_agreement,
+                false_hits: h.false_hits,
+                missed: h.missed,
+                displaced: h.displaced,
+                hit_error_px_p50: h.hit_error_px_p50,
+                hit_error_px_p99: h.hit_error_px_p99,
+                ..self.0.clone()
+            });
+        }
+        records.push(self.image(Against::Screen, truth, &truth.screen, color));
+        let mut world = self.image(Against::World, truth, &truth.world, color);
+        if let Some(hits) = hits {
+            let w = world::agreement(&truth.mask, &truth.world_hits, hits);
+            let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
+            world.hit_agreement = w.fraction();
+            world.false_hits = share(w.false_hits);
+            world.missed = share(w.missed);
+            world.displaced = share(w.displaced);
+        }
+        records.push(world);
+        records
+    }
+}
+
+fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, [width, height]: [u32; 2]) -> Strip {
+    let flip = FlipMap::new(&truth.screen.display, &display(color), width, height).picture();
+    let error = (error_map(&truth.screen.color, color, &truth.mask), flip);
+    Strip { name: name.to_owned(), color: color.to_vec(), error: Some(error) }
+}
+
+/// The thesis's cone at the oracle's hits: the method's error without its ray tracing's.
+fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
+    let [width, height] = spec.extent;
+    let mut context = FrameContext::new(spec.gpu)?;
+    let images = GBufferImages::upload(&mut context, &truth.data)?;
+    let texels: Vec<[f32; 4]> = truth
+        .oracle
+        .iter()
+        .map(|p| match p {
+            Some(p) => [p.x / f64::from(width), p.y / f64::from(height), 1.0 - p.z, 1.0].map(|v| v as f32),
+            None => [-1.0, -1.0, -1.0, 3.0],
+        })
+        .collect();
+    let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
+    let method = ThesisMethod::new(spec.gpu, &Setup { extent: spec.extent, split: true, ..*setup }, true)?;
+    let mut frame = context.begin(Mode::Plain)?;
+    let reflection = method.record_cone(&mut frame, &images.gbuffer(), &truth.data.camera, Hits(&hits))?;
+    frame.finish()?;
+    Ok(colors(&context.read(reflection.0.all())?))
+}
+
+/// Totals of the shots, timed in turn.
+fn totals(spec: &ErrorSpec, stage: &mut Stage, shots: &[Shot]) -> Result<Vec<Stats>> {
+    let mut samples = vec![Vec::new(); shots.len()];
+    for sample in 0..spec.warmup + spec.samples {
+        for (shot, samples) in shots.iter().zip(&mut samples) {
+            let (report, _) = stage.run(shot, Mode::Timed)?;
+            if sample >= spec.warmup {
+                samples.push(report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>());
+            }
+        }
+    }
+    Ok(samples.iter().map(|s| Stats::of(s)).collect())
+}
+
+fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material]) -> Truth {
+    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
+    let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
+    let hierarchy = Hierarchy::new(&data);
+    let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
+    let oracle = (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect();
+    let screen = ScreenReference::render(&data, &mask, Sampling { samples: spec.rays, seed: 1 }, &|| ());
+
+    let triangles = World::new(spec.scene, materials);
+    let first_hits = FirstHits::from_gbuffer(&data);
+    let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape: Escape::Black, seed: 2 };
+    let mut state = reference.start();
+    reference.add(&mut state, spec.rays);
+    let world_image = reference.image(&state);
+    let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
+    let world_hits =
+        if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
+    Truth {
+        mirrors,
+        oracle,
+        world_hits,
+        screen: Reference::new(&screen.color, screen.overall_standard_error),
+        world: Reference::new(&world_image.reflection, state.overall_standard_error()),
+        data,
+        mask,
+    }
+}
+
+impl Reference {
+    fn new(color: &[Vec3], standard_error: f64) -> Self {
+        let color: Vec<[f32; 3]> = color.iter().map(Vec3::to_array).collect();
+        Self { display: display(&color), color, standard_error }
+    }
+}
+
+/// The display image: 3 bytes a pixel.
+pub fn display(color: &[[f32; 3]]) -> Vec<u8> {
+    color.iter().flat_map(|c| c.map(display_byte)).collect()
+}
+
+fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
+    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+/// Where the method's rays hit, in pixels.
+fn positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
+    let (width, height) = (f64::from(hits.width), f64::from(hits.height));
+    let is_hit = |t: &[f32]| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit);
+    hits.texels().map(|t| is_hit(t).then(|| [f64::from(t[0]) * width, f64::from(t[1]) * height])).collect()
+}

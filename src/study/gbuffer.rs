@@ -1,0 +1,64 @@
+//! G-buffers between device and host, and methods run on a G-buffer from the host.
+
+use super::stage::Shot;
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{FrameContext, Gpu, Pixels};
+use crate::methods::{MethodInfo, Setup};
+use crate::passes::gbuffer::GBufferImages;
+use crate::passes::{GBuffer, PathCode};
+use crate::scene::{Camera, GBufferData};
+use glam::Vec3;
+
+/// Reads the G-buffer of a shot that has run.
+pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
+    read_images(context, &shot.gbuffer.gbuffer(), shot.camera)
+}
+
+fn read_images(context: &mut FrameContext, gbuffer: &GBuffer, camera: Camera) -> Result<GBufferData> {
+    let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
+    let depth = context.read(gbuffer.depth.all())?;
+    let material = context.read(gbuffer.material.all())?;
+    Ok(GBufferData {
+        width: depth.width,
+        height: depth.height,
+        camera,
+        depth: depth.values,
+        normal: vectors(context.read(gbuffer.normal.all())?),
+        reflectivity: material.texels().map(|t| t[0]).collect(),
+        roughness: material.texels().map(|t| t[1]).collect(),
+        color: vectors(context.read(gbuffer.color.level(0))?),
+    })
+}
+
+/// What a method makes of a G-buffer.
+pub struct Reflected {
+    /// Linear colour, RGBA.
+    pub composite: Pixels,
+    /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
+    pub reflection: Pixels,
+}
+
+/// Runs a method on a G-buffer from the host; `setup`'s size is the G-buffer's.
+pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> Result<Reflected> {
+    let mut context = FrameContext::new(gpu)?;
+    let images = GBufferImages::upload(&mut context, data)?;
+    let setup = Setup { extent: [data.width, data.height], ..*setup };
+    let method = (method.create)(gpu, &setup)?;
+    let mut frame = context.begin(Mode::Plain)?;
+    frame.begin_effect();
+    let output = method.record(&mut frame, &images.gbuffer(), &data.camera)?;
+    frame.finish()?;
+    Ok(Reflected {
+        composite: context.read(output.composite.all())?,
+        reflection: context.read(output.reflection.0.all())?,
+    })
+}
+
+/// Where a published method takes its rays to have hit, in continuous pixel coordinates; `None` for
+/// a miss. `hits` is the image of [`crate::passes::Hits`].
+pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
+    let size = [f64::from(hits.width), f64::from(hits.height)];
+    let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];
+    hits.texels().map(|t| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit).then(|| position(t))).collect()
+}

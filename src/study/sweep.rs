@@ -1,0 +1,138 @@
+//! What `ssct error` sweeps: methods × presets × parameters, and what a sweep adds up to.
+
+use super::error::{Against, ErrorRecord, Variant};
+use super::record::Stats;
+use crate::methods::{MethodInfo, Preset, Setup, Tuning};
+use crate::metrics::pareto;
+use crate::passes::color_chain::ChainFilter;
+
+/// The roughness values of the study.
+pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
+
+/// Every variant of some methods: both presets, and around them one parameter at a time.
+pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
+    let published = Setup { preset: Preset::Published, ..base };
+    let author = Setup { preset: Preset::Author, ..base };
+    let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
+    let none = Tuning::default();
+    let setups = [
+        published,
+        Setup { chain_filter: ChainFilter::Gaussian, ..published },
+        tuned(published, Tuning { cone_samples: Some(3), ..none }),
+        tuned(published, Tuning { cone_samples: Some(15), ..none }),
+        tuned(published, Tuning { start_level: Some(2), ..none }),
+        author,
+        tuned(author, Tuning { iterations: Some(16), ..none }),
+        tuned(author, Tuning { iterations: Some(32), ..none }),
+        tuned(author, Tuning { iterations: Some(256), ..none }),
+    ];
+    methods.iter().flat_map(|method| setups.iter().map(|setup| Variant { method, setup: *setup })).collect()
+}
+
+/// What a record's variant is called: method, preset, and the parameters that differ from it.
+pub fn name(record: &ErrorRecord) -> String {
+    let mut name = record.head.method.clone();
+    if record.head.preset == Preset::Author {
+        name += " author";
+    }
+    if record.params.chain_filter == ChainFilter::Gaussian {
+        name += " gaussian";
+    }
+    let t = record.params.tuning;
+    for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
+        if let Some(value) = value {
+            name += &format!(" {label} {value}");
+        }
+    }
+    name
+}
+
+/// A variant over all cells.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Its name.
+    pub name: String,
+    /// Median over the cells of its median time.
+    pub time_ms: f64,
+    /// Mean over the cells of its error: the share of wrong hits against the oracle, else the RMSE.
+    pub error: f64,
+    /// Whether no other variant beats it.
+    pub on_front: bool,
+}
+
+/// The error of a record in the plot of its reference.
+fn error(record: &ErrorRecord) -> Option<f64> {
+    match record.against {
+        Against::Oracle => record.hit_agreement.map(|a| 1.0 - a),
+        Against::Screen | Against::World => record.rmse,
+    }
+}
+
+/// One point a variant against a reference, over some records, in order of time. A variant with an
+/// error that is not finite has no place on log axes and is left out.
+pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
+    let mut all: Vec<(String, Vec<f64>, Vec<f64>)> = Vec::new();
+    for r in records.iter().filter(|r| r.against == against) {
+        let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
+        let name = name(r);
+        match all.iter_mut().find(|(n, ..)| *n == name) {
+            Some((_, times, errors)) => {
+                times.push(time);
+                errors.push(error);
+            }
+            None => all.push((name, vec![time], vec![error])),
+        }
+    }
+    let mut points: Vec<Point> = all
+        .into_iter()
+        .map(|(name, times, errors)| Point {
+            name,
+            time_ms: Stats::of(&times).median_ms,
+            error: errors.iter().sum::<f64>() / errors.len() as f64,
+            on_front: false,
+        })
+        .filter(|p| p.error.is_finite() && p.error > 0.0 && p.time_ms > 0.0)
+        .collect();
+    for index in pareto::front(&points.iter().map(|p| (p.time_ms, p.error)).collect::<Vec<_>>()) {
+        points[index].on_front = true;
+    }
+    points.sort_by(|a, b| a.time_ms.total_cmp(&b.time_ms));
+    points
+}
+
+/// Medians over the views of what the error consists of, at one roughness.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sources {
+    /// Roughness.
+    pub roughness: Option<f32>,
+    /// RMSE by (method, reference): the base variant of each method, exact hits with the thesis's
+    /// cone, and the screen reference against the world.
+    pub rmse: Vec<(String, Against, f64)>,
+}
+
+/// Where the error comes from, for each roughness: only the methods' published presets.
+pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
+    let base = |r: &&ErrorRecord| {
+        let t = r.params;
+        r.head.preset == Preset::Published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+    };
+    let mut found: Vec<Sources> = Vec::new();
+    for r in records.iter().filter(base) {
+        if !found.iter().any(|s| s.roughness == r.head.roughness) {
+            found.push(Sources { roughness: r.head.roughness, rmse: Vec::new() });
+        }
+    }
+    for source in &mut found {
+        let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
+        for r in &here {
+            let known = source.rmse.iter().any(|(m, a, _)| *m == r.head.method && *a == r.against);
+            if known || r.rmse.is_none() {
+                continue;
+            }
+            let same = here.iter().filter(|o| o.head.method == r.head.method && o.against == r.against);
+            let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
+            source.rmse.push((r.head.method.clone(), r.against, Stats::of(&values).median_ms));
+        }
+    }
+    found
+}

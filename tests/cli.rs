@@ -1,0 +1,326 @@
+//! The command as a user meets it: exit statuses, sentences, files, and what goes to which stream.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A folder with two OBJ files: a mirror floor before a wall, and one that is broken at line 4.
+struct Folder(TempDir);
+
+const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
+                    o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
+const EYE: [&str; 4] = ["--eye", "0,1.5,0", "--look-at", "0,1,6"];
+
+impl Folder {
+    fn new() -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        std::fs::write(folder.path("room.obj"), ROOM).unwrap();
+        std::fs::write(folder.path("broken.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Runs the command in this folder.
+    fn run(&self, args: &[&str]) -> Output {
+        let output = Command::new(env!("CARGO_BIN_EXE_ssct")).args(args).current_dir(self.0.path()).output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr);
+        assert!(!text.contains("panicked") && !text.contains("RUST_BACKTRACE"), "{args:?}: {text}");
+        output
+    }
+
+    /// Runs it on the small room.
+    fn room(&self, command: &str, args: &[&str]) -> Output {
+        self.run(&[&[command, "--scene", "room.obj"], &EYE[..], args].concat())
+    }
+
+    /// Runs what must succeed, and says nothing on standard error; its standard output.
+    fn succeed(&self, command: &str, args: &[&str]) -> String {
+        let output = self.room(command, args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {errors}");
+        assert_eq!(errors, "", "{args:?}: no terminal, no progress, no warning");
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Everything in a folder, sorted.
+    fn list(&self, name: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path(name)).unwrap();
+        let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// A user's mistake: the arguments, the exit status, and words of the sentence.
+fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
+    let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
+    let room =
+        |args: &[&'static str]| [&["render", "-o", "x.png", "--size", "16x16", "--scene", "room.obj"], args].concat();
+    let aimed = |args: &[&'static str]| [room(&EYE), args.to_vec()].concat();
+    vec![
+        (vec![], 2, "Usage"),
+        (vec!["paint"], 2, "paint"),
+        (vec!["render", "--scene", "room.obj"], 2, "--output"),
+        (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium) nor a .scene.toml or .obj file"),
+        (render(&["--scene", "missing.obj"]), 1, "cannot read"),
+        (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
+        (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
+        (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
+        (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
+        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct"),
+        (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
+        (render(&["--size", "0x10"]), 2, "has no pixels"),
+        (render(&["--size", "10x0"]), 2, "has no pixels"),
+        (render(&["--size", "ten"]), 2, "write it as 960x540"),
+        (render(&["--size", "10x-3"]), 2, "write it as 960x540"),
+        (
+            [&["render", "-o", "x.png", "--size", "999999x4", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "each side must be 1 to",
+        ),
+        (aimed(&["--device", "no such device"]), 2, "no device \"no such device\"; there is: 0 "),
+        (aimed(&["--device", "99"]), 2, "no device \"99\""),
+        (aimed(&["--roughness", "7"]), 2, "--roughness 7: must lie between 0 and 1"),
+        (aimed(&["--roughness", "NaN"]), 2, "--roughness NaN: must lie between 0 and 1"),
+        (aimed(&["--roughness", "0,0.1"]), 2, "give one --roughness"),
+        (aimed(&["--reflectivity", "2"]), 2, "--reflectivity 2: must lie between 0 and 1"),
+        (aimed(&["--normal-deviation", "2"]), 2, "--normal-deviation 2: must lie between 0 and 1"),
+        (aimed(&["--scale", "0"]), 2, "--scale 0: must be a number above 0"),
+        (aimed(&["--fov", "180"]), 2, "--fov 180: must lie between 0 and 180 degrees"),
+        (aimed(&["--near", "5", "--far", "1"]), 2, "near 5 and far 1: near must be above 0 and below far"),
+        (aimed(&["--near", "1", "--far", "1"]), 2, "near must be above 0 and below far"),
+        (aimed(&["--near", "0"]), 2, "near must be above 0"),
+        (room(&["--eye", "0,1,2"]), 2, "--look-at"),
+        (room(&["--look-at", "0,1,2"]), 2, "--eye"),
+        (room(&["--eye", "0,1,2", "--look-at", "0,1,2"]), 2, "the same point"),
+        (room(&["--eye", "0,1", "--look-at", "0,1,2"]), 2, "write it as 1.5,0,-3"),
+        (aimed(&["--view", "front"]), 2, "cannot be used with"),
+        (
+            [&["render", "-o", "x.jpg", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "x.jpg: an image is written as .png or .exr",
+        ),
+        (
+            [&["render", "-o", "room.obj/x.png", "--size", "8x8", "--scene", "room.obj"], &EYE[..]].concat(),
+            1,
+            "room.obj",
+        ),
+        (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
+        (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
+        (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
+        (vec!["time", "--scene", "room.obj", "--method", "ssct,magic"], 2, "no method \"magic\""),
+        (vec!["study", "--samples", "0", "-o", "out"], 2, "--samples 0"),
+    ]
+}
+
+#[test]
+fn a_mistake_gets_a_sentence_and_leaves_no_file() {
+    let folder = Folder::new();
+    let before = folder.list(".");
+    for (args, status, words) in mistakes() {
+        let output = folder.run(&args);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+        assert!(text.contains(words), "{args:?}: {text:?} lacks {words:?}");
+        assert!(output.stdout.is_empty(), "{args:?}: an error goes to standard error");
+        // Ours are one line; clap's begin with "error:" and may explain.
+        let ours = text.starts_with("ssct: ") && text.trim_end().lines().count() == 1;
+        assert!(ours || text.contains("error:") || text.contains("Usage"), "{args:?}: {text}");
+    }
+    assert_eq!(folder.list("."), before, "nothing is left behind");
+}
+
+#[test]
+fn render_writes_the_image_at_its_size() {
+    let folder = Folder::new();
+    let said = folder.succeed("render", &["--size", "53x31", "-o", "new/folder/x.png"]);
+    assert_eq!(said, "", "render says nothing");
+    assert_eq!(folder.list("new/folder"), ["x.png"], "the file, and no temporary one");
+    let image = image::open(folder.path("new/folder/x.png")).unwrap().into_rgb8();
+    assert_eq!(image.dimensions(), (53, 31));
+    assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "something is in view");
+
+    folder.succeed("render", &["--size", "53x31", "-o", "x.exr"]);
+    let exr = exr::prelude::read_first_rgba_layer_from_file(
+        folder.path("x.exr"),
+        |size, _| vec![[0.0_f32; 4]; size.area()],
+        |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels[at.y() * 53 + at.x()] = [r, g, b, a],
+    )
+    .unwrap()
+    .layer_data
+    .channel_data
+    .pixels;
+    for (linear, display) in exr.iter().zip(image.pixels()) {
+        assert_eq!([0, 1, 2].map(|c| ssct::math::display_byte(linear[c])), display.0, "the EXR is the PNG, linear");
+    }
+
+    // A method other than the default makes another image, and so does each of these flags.
+    for flags in [&["--method", "hzct"][..], &["--roughness", "0.5"], &["--reflectivity", "0"], &["--fade", "off"]] {
+        folder.succeed("render", &[&["--size", "53x31", "-o", "y.png"], flags].concat());
+        let other = image::open(folder.path("y.png")).unwrap().into_rgb8();
+        assert!(other != image, "{flags:?} changes the image");
+    }
+}
+
+#[test]
+fn one_pixel_is_an_image() {
+    let folder = Folder::new();
+    for size in ["1x1", "1x7", "7x1"] {
+        folder.succeed("render", &["--size", size, "-o", "x.png"]);
+        let (w, h) = image::open(folder.path("x.png")).unwrap().into_rgb8().dimensions();
+        assert_eq!(format!("{w}x{h}"), size);
+    }
+}
+
+#[test]
+fn json_is_all_that_goes_to_standard_output() {
+    let folder = Folder::new();
+    let said = folder.succeed("render", &["--size", "53x31", "-o", "x.png", "--json", "--validation"]);
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let [record] = &records.as_array().unwrap()[..] else { panic!("one record: {said}") };
+    assert_eq!(record["kind"], "render");
+    assert_eq!(record["definitions"], 1);
+    assert_eq!((&record["width"], &record["height"]), (&53.into(), &31.into()));
+    assert_eq!(record["method"], "ssct");
+    assert_eq!(record["drawn"]["meshes"], 2);
+    assert_eq!(record["drawn"]["triangles"], 4);
+    assert_eq!(record["validation"], 0, "messages of the layers");
+    let passes: Vec<_> = record["recorded"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
+    assert_eq!(passes[..4], ["g-buffer", "lighting", "depth", "hi-z/1"]);
+    assert_eq!(passes[passes.len() - 2..], ["trace+cone", "composite"]);
+    assert!(!folder.succeed("render", &["--size", "9x9", "-o", "x.png", "--json"]).contains("Usage"));
+}
+
+#[test]
+fn dump_writes_every_intermediate_as_png_and_exr() {
+    let folder = Folder::new();
+    folder.succeed("render", &["--size", "13x6", "--dump", "dump"]);
+    let chain = |name: &str, levels: u32| (0..levels).map(|n| format!("{name}-{n}")).collect::<Vec<_>>();
+    let single = ["albedo", "normal", "depth", "material", "reflection", "composite", "hits"].map(str::to_owned);
+    // 13 → 6 → 3 → 1.
+    let stems = [single.to_vec(), chain("color", 4), chain("hi-z", 4), chain("visibility", 4)].concat();
+    let mut expected: Vec<_> = stems.iter().flat_map(|s| [format!("{s}.png"), format!("{s}.exr")]).collect();
+    expected.push("paths.png".into());
+    expected.sort();
+    assert_eq!(folder.list("dump"), expected);
+    let size = |name: &str| image::open(folder.path("dump").join(name)).unwrap().into_rgb8().dimensions();
+    assert_eq!([size("color-0.png"), size("hi-z-1.png"), size("visibility-3.png")], [(13, 6), (6, 3), (1, 1)]);
+}
+
+#[test]
+fn figures_of_the_thesis_are_drawn() {
+    let folder = Folder::new();
+    for figure in ["4.4", "4.5"] {
+        folder.succeed("render", &["--size", "64x48", "--figure", figure, "-o", "figure.png"]);
+        let image = image::open(folder.path("figure.png")).unwrap().into_rgb8();
+        assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "{figure}");
+        if figure == "4.5" {
+            // The floor's rays go away from the camera, the wall's towards it.
+            let is = |by: usize, than: usize| image.pixels().any(|p| p.0[by] > p.0[than].saturating_add(60));
+            assert!(is(1, 0), "Hi-Z rays are green");
+            assert!(is(0, 1), "rays of the linear march are red");
+        }
+    }
+}
+
+#[test]
+fn time_reports_every_pass_of_every_method_and_size() {
+    let folder = Folder::new();
+    let said = folder.succeed(
+        "time",
+        &["--size", "32x16,17x9", "--roughness", "0,0.3", "--samples", "3", "--warmup", "1", "--json", "-o", "times"],
+    );
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let records = records.as_array().unwrap();
+    assert_eq!(records.len() % 4, 0, "methods × two sizes × two roughness values");
+    assert!(records.len() >= 8);
+    for r in records {
+        assert_eq!((&r["kind"], &r["definitions"]), (&"time".into(), &1.into()));
+        let passes = r["passes"].as_array().unwrap();
+        assert!(passes.iter().all(|p| p["samples"] == 3 && p["min_ms"].as_f64().unwrap() >= 0.0), "{r}");
+        let sum: f64 = passes.iter().filter(|p| p["counted"] == true).map(|p| p["min_ms"].as_f64().unwrap()).sum();
+        let total = &r["total"];
+        assert!(sum <= total["min_ms"].as_f64().unwrap() + 1e-9, "no sample is below the sum of the least: {r}");
+        assert!(total["median_ms"].as_f64().unwrap() <= r["frame"]["p95_ms"].as_f64().unwrap(), "{r}");
+        assert_eq!(passes[0]["name"], "g-buffer");
+        assert_eq!(passes[0]["counted"], false, "scene passes are not counted");
+        assert_eq!(passes.last().unwrap()["name"], "composite");
+        let names: Vec<_> = passes.iter().map(|p| &p["name"]).collect();
+        assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());
+    }
+    assert_eq!(folder.list("times"), ["time-samples.csv", "time.json", "time.svg", "time.txt"]);
+    assert_eq!(std::fs::read_to_string(folder.path("times/time.json")).unwrap(), said);
+    let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
+    let passes: usize = records.iter().map(|r| r["passes"].as_array().unwrap().len()).sum();
+    assert_eq!(rows, 3 * passes, "a row for each sample and pass");
+
+    let text = folder.succeed("time", &["--size", "17x9", "--samples", "1", "--method", "hzct"]);
+    assert!(text.contains("hzct") && !text.contains("ssct"), "{text}");
+}
+
+#[test]
+fn a_quick_study_makes_a_page_with_all_that_it_shows() {
+    let folder = Folder::new();
+    let output = folder.run(&["study", "--quick", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(output.stderr.is_empty(), "no terminal, no progress");
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
+    let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
+    assert!(!page.contains("src=\"http") && !page.contains("<script src"), "the page needs nothing from elsewhere");
+    let shown: Vec<_> = page.split("src=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
+    let mut images: Vec<_> = shown.iter().filter_map(|s| s.strip_prefix("images/")).collect();
+    images.sort();
+    images.dedup();
+    assert_eq!(images, folder.list("out/images"), "every image is shown, and every image shown is there");
+    // Per scene: direct light and each method; and two figures.
+    assert_eq!(images.len(), 2 * (1 + ssct::methods::METHODS.len()) + 2);
+    let records: Value = serde_json::from_str(&std::fs::read_to_string(folder.path("out/time.json")).unwrap()).unwrap();
+    assert!(records.as_array().unwrap().iter().all(|r| r["kind"] == "time"));
+    assert_eq!(folder.list("out"), ["images", "index.html", "time-samples.csv", "time.json"]);
+}
+
+#[test]
+fn devices_are_listed_with_the_index_that_device_takes() {
+    let folder = Folder::new();
+    let output = folder.run(&["devices", "--json"]);
+    let devices: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let devices = devices.as_array().unwrap();
+    assert_eq!(devices[0]["index"], 0);
+    assert!(output.stderr.is_empty());
+    let text = String::from_utf8(folder.run(&["devices"]).stdout).unwrap();
+    assert_eq!(text.lines().count(), devices.len());
+    let usable = devices.iter().find(|d| d["unsuitable"].is_null()).expect("a device that can be used");
+    let (index, name) = (usable["index"].to_string(), usable["name"].as_str().unwrap());
+    for wanted in [index.as_str(), &name.to_uppercase()] {
+        folder.succeed("render", &["--size", "4x4", "-o", "x.png", "--device", wanted]);
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = Folder::new();
+    for args in [&["--help"][..], &["--version"], &["render", "--help"], &["time", "--help"], &["study", "--help"]] {
+        let output = folder.run(args);
+        assert_eq!(output.status.code(), Some(0), "{args:?}");
+        assert!(!output.stdout.is_empty() && output.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_built_in_scene_needs_no_files() {
+    let folder = Folder::new();
+    let output = folder.run(&["render", "--size", "48x27", "-o", "x.png", "--json"]);
+    assert_eq!(output.status.code(), Some(0));
+    let records: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(records[0]["scene"], "rooms");
+    let is_file = |name: &str| Path::is_file(&folder.path(name));
+    assert!(is_file("x.png"));
+}

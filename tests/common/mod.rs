@@ -1,0 +1,179 @@
+//! What several test crates share: a device under the validation layers, small scenes built in code,
+//! and shots of them read back. Each crate uses its part of it.
+
+#![allow(dead_code)]
+
+use glam::Vec3;
+use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::methods::{self, Setup};
+use ssct::scene::{Aabb, Camera, Encoding, Lens, Light, Material, Mesh, Scene, Surface, Texture, Vertex, View};
+use ssct::study::image::{RenderedImage, render};
+use ssct::study::{Globals, Shot, Stage};
+use std::path::PathBuf;
+
+/// A device under the validation layers.
+pub fn gpu() -> Gpu {
+    Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap()
+}
+
+/// The folder of the scenes that are too large for the repository, or a line that says why the
+/// test does nothing.
+pub fn shared_scenes() -> Option<PathBuf> {
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes"));
+    if !folder.is_dir() {
+        println!("skipped: ../shared/scenes is absent");
+        return None;
+    }
+    Some(folder)
+}
+
+/// A scene that grows by quads.
+pub struct Builder(pub Scene);
+
+impl Builder {
+    /// Nothing yet, with the default lens.
+    pub fn new(name: &str) -> Self {
+        Self(Scene { name: name.into(), views: vec![View::default()], ..Scene::default() })
+    }
+
+    pub fn material(&mut self, material: Material) -> usize {
+        self.0.materials.push(material);
+        self.0.materials.len() - 1
+    }
+
+    /// A material of one albedo that reflects nothing.
+    pub fn matt(&mut self, albedo: Vec3) -> usize {
+        self.material(Material { albedo, reflectivity: 0.0, ..Material::default() })
+    }
+
+    /// A black mirror: its lit colour is 0, so that the composite is the reflection alone.
+    pub fn mirror(&mut self) -> usize {
+        self.material(Material { albedo: Vec3::ZERO, reflectivity: 1.0, ..Material::default() })
+    }
+
+    /// A matt material with a picture in sRGB, a colour for each texel.
+    pub fn picture(&mut self, width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> usize {
+        let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let rgba = texels.flat_map(|(x, y)| [texel(x, y).as_slice(), &[255]].concat()).collect();
+        self.0.textures.push(Texture { name: "picture".into(), width, height, rgba, encoding: Encoding::Srgb });
+        let albedo_map = Some(self.0.textures.len() - 1);
+        self.material(Material { albedo_map, reflectivity: 0.0, ..Material::default() })
+    }
+
+    /// A rectangle from its lower left corner, along `right` and `up` of its picture, facing
+    /// `normal`'s side.
+    pub fn quad(&mut self, material: usize, corner: Vec3, right: Vec3, up: Vec3, normal: Vec3) {
+        let tangent = right.normalize();
+        let w = normal.cross(tangent).dot(up).signum();
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let vertices: Vec<_> = corners
+            .into_iter()
+            .map(|(u, v)| Vertex {
+                position: (corner + right * u + up * v).to_array(),
+                normal: normal.normalize().to_array(),
+                uv: [u, 1.0 - v],
+                tangent: tangent.extend(w).to_array(),
+            })
+            .collect();
+        // The winding agrees with the normal.
+        let indices = if right.cross(up).dot(normal) > 0.0 { vec![0, 1, 2, 0, 2, 3] } else { vec![0, 2, 1, 0, 3, 2] };
+        let bounds = Aabb::of(&vertices);
+        self.0.meshes.push(Mesh { name: "quad".into(), vertices, indices, material, bounds });
+    }
+
+    /// Parallel light that makes surfaces facing `-direction` as bright as their albedo.
+    pub fn light(&mut self, direction: Vec3) {
+        self.0.lights.push(Light::Directional { direction: direction.normalize(), energy: 1.0 });
+    }
+}
+
+/// Many quads at many depths and angles, mirrors among them, over a mirror floor, with sky between:
+/// the same at every call.
+pub fn clutter() -> Scene {
+    let mut b = Builder::new("clutter");
+    b.light(Vec3::new(0.3, -0.6, 1.0));
+    let mut state = 12345_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    let mirror = b.mirror();
+    let floor = b.picture(64, 64, |x, y| if (x / 4 + y / 4) % 2 == 0 { [230, 200, 160] } else { [60, 70, 110] });
+    b.0.materials[floor].reflectivity = 0.6;
+    b.quad(floor, Vec3::new(-12.0, 0.0, 0.0), Vec3::X * 24.0, Vec3::Z * 40.0, Vec3::Y);
+    for n in 0..40 {
+        let material = if n % 3 == 0 { mirror } else { b.matt(Vec3::new(random(), random(), random())) };
+        let z = 1.5 + 28.0 * random() * random();
+        let centre = Vec3::new((random() - 0.5) * 1.6 * z, random() * 0.5 * z, z);
+        let turn = (random() - 0.5) * 2.0;
+        let right = Vec3::new(turn.cos(), 0.0, turn.sin()) * (0.2 + 1.5 * random());
+        let up = Vec3::new(0.0, 1.0, 0.4 * (random() - 0.5)) * (0.2 + 1.5 * random());
+        b.quad(material, centre, right, up, up.cross(right));
+    }
+    b.0
+}
+
+/// How [`clutter`] is seen.
+pub fn clutter_camera(extent: [u32; 2]) -> Camera {
+    camera(Vec3::new(0.0, 1.4, 0.0), Vec3::new(0.0, 1.0, 6.0), extent)
+}
+
+/// A camera with the default lens.
+pub fn camera(eye: Vec3, look_at: Vec3, extent: [u32; 2]) -> Camera {
+    Camera::new(eye, look_at, Lens::default(), extent[0] as f32 / extent[1] as f32)
+}
+
+/// A shot with every intermediate.
+pub struct Shown {
+    pub image: RenderedImage,
+    pub camera: Camera,
+}
+
+impl Shown {
+    /// Level 0 of an intermediate, or the image that has no levels.
+    pub fn get(&self, name: &str) -> &Pixels {
+        self.levels(name)[0]
+    }
+
+    /// All levels of an intermediate.
+    pub fn levels(&self, name: &str) -> Vec<&Pixels> {
+        let all = self.image.intermediates.as_ref().unwrap();
+        let of = |stem: &str| {
+            stem == name
+                || stem.strip_prefix(name).and_then(|s| s.strip_prefix('-')).is_some_and(|n| n.parse::<u32>().is_ok())
+        };
+        let levels: Vec<_> = all.iter().filter(|(stem, ..)| of(stem)).map(|(_, _, pixels)| pixels).collect();
+        assert!(!levels.is_empty(), "no intermediate {name}");
+        levels
+    }
+}
+
+/// Renders a scene with every intermediate, and fails on any message of the layers.
+pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Shown {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let materials = globals.materials(scene, &View::default());
+    let shot = Shot::new(gpu, methods::find(method).unwrap(), setup, camera, materials).unwrap();
+    let image = render(&mut stage, &shot, true).unwrap();
+    gpu.check_validation().unwrap();
+    Shown { image, camera }
+}
+
+/// A material that shows the sky.
+pub fn window() -> Material {
+    Material { surface: Surface::Sky, ..Material::default() }
+}
+
+/// A bilinear sample at texture coordinates, clamped to the edge; three channels.
+pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
+    let (x, y) = (u * image.width as f32 - 0.5, v * image.height as f32 - 0.5);
+    let (fx, fy) = (x - x.floor(), y - y.floor());
+    let at = |dx: i32, dy: i32| {
+        let clamp = |v: f32, d: i32, side: u32| (v.floor() as i32).saturating_add(d).clamp(0, side as i32 - 1) as u32;
+        image.at(clamp(x, dx, image.width), clamp(y, dy, image.height))
+    };
+    // A share has one channel; it is the same in all three.
+    [0, 1, 2].map(|c| c.min(image.channels - 1)).map(|c| {
+        let row = |dy| at(0, dy)[c] * (1.0 - fx) + at(1, dy)[c] * fx;
+        row(0) * (1.0 - fy) + row(1) * fy
+    })
+}

@@ -1,0 +1,119 @@
+//! Small images of the built-in scenes, kept in `tests/golden/`, and compared by FLIP. To renew them
+//! after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test golden`, and look at them.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod common;
+
+use common::gpu;
+use ssct::methods::{METHODS, Setup};
+use ssct::metrics::flip::FlipMap;
+use ssct::report::images::{Rgb, display};
+use ssct::scene::library;
+use ssct::study::image::render;
+use ssct::study::timing::camera;
+use ssct::study::{Globals, Shot, Stage};
+use std::path::{Path, PathBuf};
+
+const EXTENT: [u32; 2] = [192, 108];
+
+/// Mean FLIP that an image may differ by. Devices may disagree about pixels on edges, the last of 8
+/// bits of a filter's weights, and rays that pass a cell within rounding: a pixel in a hundred or
+/// so, if it were wholly wrong, makes 0.01. Another preset, filter or fade makes 0.07 and more, which
+/// `a_changed_pass_is_seen` holds this against.
+const BOUND: f64 = 0.01;
+
+/// The views with what they are rendered with: mirrors in one scene, gloss in the other.
+const VIEWS: [(&str, &str, f32); 3] = [("rooms", "cylinder", 0.0), ("rooms", "corridor", 0.3), ("atrium", "hall", 0.1)];
+
+fn golden(stem: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{stem}.png"))
+}
+
+/// Where images of a failed comparison go.
+fn failed(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(name)
+}
+
+fn is_updating() -> bool {
+    std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
+}
+
+/// Compares with the golden image, or replaces it; what is wrong, in a sentence.
+fn compare(stem: &str, image: &Rgb) -> Option<String> {
+    let path = golden(stem);
+    if is_updating() {
+        image.write_png(&path).unwrap();
+        return None;
+    }
+    let Ok(known) = image::open(&path) else {
+        return Some(format!("{stem}: {} is missing; SSCT_UPDATE_GOLDEN=1 makes it", path.display()));
+    };
+    let known = known.into_rgb8();
+    assert_eq!([known.width(), known.height()], [image.width, image.height], "{stem}");
+    let map = FlipMap::new(known.as_raw(), &image.bytes, image.width, image.height);
+    println!("{stem}: FLIP {:.5}", map.mean());
+    if map.mean() < BOUND {
+        return None;
+    }
+    let (rendered, difference) = (failed(&format!("{stem}.png")), failed(&format!("{stem}-flip.png")));
+    image.write_png(&rendered).unwrap();
+    Rgb { bytes: map.picture(), ..image.clone() }.write_png(&difference).unwrap();
+    Some(format!(
+        "{stem}: mean FLIP {:.4} is not below {BOUND}; rendered: {}, FLIP map: {}",
+        map.mean(),
+        rendered.display(),
+        difference.display()
+    ))
+}
+
+#[test]
+fn images_of_the_built_in_scenes_are_as_they_were() {
+    let gpu = gpu();
+    let mut wrong = Vec::new();
+    for name in library::names() {
+        let scene = library::scene(name).unwrap();
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        for (_, view, roughness) in VIEWS.iter().filter(|(scene, ..)| scene == name) {
+            let view = scene.view(view).unwrap();
+            let globals = Globals { roughness: Some(*roughness), ..Globals::default() };
+            for method in METHODS {
+                let camera = camera(&scene, view, EXTENT);
+                let materials = globals.materials(&scene, view);
+                let shot = Shot::new(&gpu, method, &Setup::new(EXTENT), camera, materials).unwrap();
+                let image = display(&render(&mut stage, &shot, false).unwrap().composite);
+                wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
+    assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
+}
+
+#[test]
+fn a_changed_pass_is_seen() {
+    if is_updating() {
+        return;
+    }
+    // The bound must tell what it is for: another preset, another filter, no fade.
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);
+    let mut image = |setup: &Setup| {
+        let shot = Shot::new(&gpu, &METHODS[0], setup, camera(&scene, view, EXTENT), materials.clone()).unwrap();
+        display(&render(&mut stage, &shot, false).unwrap().composite)
+    };
+    let usual = Setup::new(EXTENT);
+    let known = image(&usual);
+    for (what, setup) in [
+        ("preset", Setup { preset: ssct::methods::Preset::Author, ..usual }),
+        ("filter", Setup { chain_filter: ssct::passes::color_chain::ChainFilter::Gaussian, ..usual }),
+        ("fade", Setup { fade: false, ..usual }),
+    ] {
+        let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
+        println!("{what}: FLIP {mean:.5}");
+        assert!(mean > 5.0 * BOUND, "{what}: FLIP {mean}");
+    }
+}
