@@ -10,8 +10,9 @@ below after DEFINITIONS.
 
 The glossy integral is compared as Mitsuba's own tests compare images (src/render/tests/
 test_renders.py): a z-test for each pixel and channel at a significance of 0.01 after Sidak's
-correction, of which 99.75 % must pass. Two tests of the whole image stand beside it, since a small
-bias everywhere would pass that one: the mean of z, and the mean difference.
+correction, of which 99.75 % must pass. Two tests of the whole image stand beside it, since what is
+small but everywhere the same would pass that one: the mean difference, and the difference along the
+change that another roughness would make, both in units of their own standard deviation, at most 4.
 
 Mitsuba's vectorised CPU variant compiles with the system's LLVM library, which Mesa's lavapipe needs
 too (Debian: mesa-vulkan-drivers brings libllvm15); without it the import says that it is missing.
@@ -210,11 +211,12 @@ def sensor_rays(truth):
     return np.array(ray.o).T.astype(np.float64), np.array(ray.d).T.astype(np.float64)
 
 
-def sample_reflection(truth, samples, seed):
-    """Mean and variance of a sample of each receiver's reflection, by Mitsuba's rays and numbers."""
+def sample_reflection(truth, samples, seed, scale=1.0):
+    """Mean and variance of a sample of each receiver's reflection, by Mitsuba's rays and numbers,
+    with all roughness times `scale`."""
     position, normal = truth.array("receiver_position"), truth.array("receiver_normal")
     geometric, incoming = truth.array("receiver_geometric"), truth.array("receiver_incoming")
-    roughness = truth.array("receiver_roughness")
+    roughness = truth.array("receiver_roughness") * scale
     start = truth.info["ray_start_m"]
     mirror = unit(incoming - 2 * dot(incoming, normal) * normal)
     with np.errstate(divide="ignore"):
@@ -257,6 +259,13 @@ def check_reflection(truth, samples, seed):
     z = ((mean - ours) / deviation)[glossy]
     p = np.array([math.erfc(abs(v) / math.sqrt(2)) for v in z.ravel()]).reshape(z.shape)
     alpha = 1 - (1 - SIGNIFICANCE) ** (1 / len(z))
+    # How the image changes with the logarithm of roughness: the same random numbers at 1.2 and 1 / 1.2
+    # of it, other numbers than those of the comparison.
+    few = max(samples // 2, 2)
+    rougher, smoother = (sample_reflection(truth, few, seed + 1, scale)[0] for scale in (1.2, 1 / 1.2))
+    slope = ((rougher - smoother) / (2 * math.log(1.2)))[glossy] / deviation[glossy]
+    # The three channels of a pixel share their rays: as if fully correlated, which bounds the variance.
+    slope_variance = np.sum(np.sum(np.abs(slope), axis=1) ** 2)
     # One number a pixel for the image as a whole: its three channels share their rays.
     difference = (mean - ours)[glossy].mean(axis=1)
     true_deviation = np.sqrt(our_error**2 + variance / samples)[glossy].mean(axis=1)
@@ -271,6 +280,8 @@ def check_reflection(truth, samples, seed):
         "mean_difference": float(difference.mean()),
         # The channels move together, so their mean deviation bounds the pixel's from above.
         "mean_difference_in_deviations": float(difference.sum() / np.sqrt(np.sum(true_deviation**2))),
+        "roughness_apart": float(np.sum(slope * z) / np.sum(slope**2)),
+        "roughness_apart_in_deviations": float(np.sum(slope * z) / np.sqrt(slope_variance)),
         "mean_color": float(ours[glossy].mean()),
         "rmse": float(np.sqrt(np.mean((mean - ours)[glossy] ** 2))),
     }
@@ -318,6 +329,7 @@ def main():
     if reflection["pixels"]:
         bars["99.75 % of the z-tests"] = reflection["pass_share"] >= SHARE_TO_PASS
         bars["no bias of the image"] = abs(reflection["mean_difference_in_deviations"]) <= 4
+        bars["no other roughness"] = abs(reflection["roughness_apart_in_deviations"]) <= 4
     report["bars"] = {name: bool(passed) for name, passed in bars.items()}
     text = json.dumps(report, indent=1)
     print(text)
