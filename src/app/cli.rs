@@ -37,6 +37,8 @@ pub enum Command {
     View(ViewOptions),
     /// Write the ground truth for another renderer to check.
     Truth(super::truth::TruthOptions),
+    /// Compare the times of two runs, or two images.
+    Compare(super::compare::CompareOptions),
 }
 
 /// Options of `ssct devices`.

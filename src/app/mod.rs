@@ -1,6 +1,7 @@
 //! The command: arguments, headless runs, exit status. The only place that prints.
 
 mod cli;
+mod compare;
 mod devices;
 mod error;
 #[cfg(feature = "window")]
@@ -51,6 +52,7 @@ pub fn run() -> ExitCode {
         Command::Study(options) => study::run(options),
         Command::View(options) => window::run(options),
         Command::Truth(options) => truth::run(options),
+        Command::Compare(options) => compare::run(options),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,5 +1,6 @@
-//! How far two images are apart, or two sets of hits, and what is best of both time and error.
+//! How far two images are apart, or two sets of hits or times, and what is best of both time and error.
 
+pub mod bootstrap;
 pub mod flip;
 pub mod hits;
 pub mod image;

@@ -1,7 +1,9 @@
 //! Files written whole or not at all: a temporary name beside the target, then a rename.
 
 use crate::error::{Error, Result};
+use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
+use crate::study::compare::TimeSample;
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
@@ -63,4 +65,47 @@ pub fn samples_csv(records: &[TimeRecord]) -> String {
         }
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
+}
+
+/// Reads what [`samples_csv`] makes.
+///
+/// # Errors
+/// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
+/// or has a time that is no finite number ≥ 0, or if there are no rows.
+pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
+    let text = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let mut rows = Vec::new();
+    let mut reader = csv::Reader::from_reader(&text[..]);
+    let headers = reader.headers().map_err(|e| Error::malformed(path, Some(1), e.to_string()))?.clone();
+    for record in reader.records() {
+        let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
+        let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
+        let wrong = |message: String| Error::malformed(path, line(record.position()), message);
+        let row: TimeSample =
+            record.deserialize(Some(&headers)).map_err(|e| wrong(format!("no sample of a time: {e}")))?;
+        if !(row.ms.is_finite() && row.ms >= 0.0) {
+            return Err(wrong(format!("{} ms is no time", row.ms)));
+        }
+        rows.push(row);
+    }
+    if rows.is_empty() {
+        return Err(Error::malformed(path, None, "holds no samples"));
+    }
+    Ok(rows)
+}
+
+/// The device of a time.json, from its first record; `None` if there is no such file.
+///
+/// # Errors
+/// [`Error::Io`] if it is there and can't be read, [`Error::Malformed`] if it holds no record with a device.
+pub fn read_device(path: &Path) -> Result<Option<DeviceInfo>> {
+    let text = match std::fs::read(path) {
+        Ok(text) => text,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+        Err(e) => return Err(Error::io("read", path, e)),
+    };
+    let wrong = |e: serde_json::Error| Error::malformed(path, None, format!("holds no record with a device: {e}"));
+    let mut records: serde_json::Value = serde_json::from_slice(&text).map_err(wrong)?;
+    let device = records.pointer_mut("/0/device").map(serde_json::Value::take).unwrap_or_default();
+    serde_json::from_value(device).map(Some).map_err(wrong)
 }

@@ -3,9 +3,11 @@
 use super::files::write;
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
-use crate::math::{display_byte, linear_to_srgb};
+use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
 use crate::passes::PathCode;
 use crate::scene::Lens;
+use crate::scene::texture::{Encoding, MAX_EXTENT, Texture};
+use crate::study::compare::LinearImage;
 use crate::study::{Dump, Intermediates};
 use std::io::Cursor;
 use std::path::Path;
@@ -90,6 +92,59 @@ pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
         .to_buffered(&mut bytes)
         .map_err(|e| Error::io("encode", path, std::io::Error::other(e.to_string())))?;
     write(path, bytes.get_ref())
+}
+
+/// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
+/// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
+///
+/// # Errors
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more
+/// than [`MAX_EXTENT`] pixels on a side, which is found out before memory is taken for them.
+pub fn read_image(path: &Path) -> Result<LinearImage> {
+    if is(path, "exr") {
+        return read_exr(path);
+    }
+    let Texture { width, height, rgba, .. } = Texture::decode(path, Encoding::Srgb)?;
+    let linear = |byte: u8| srgb_to_linear(f32::from(byte) / 255.0);
+    let rgb = rgba.chunks_exact(4).map(|t| [linear(t[0]), linear(t[1]), linear(t[2])]).collect();
+    Ok(LinearImage { width, height, rgb })
+}
+
+/// The first layer that has R, G and B.
+fn read_exr(path: &Path) -> Result<LinearImage> {
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
+    let limit = MAX_EXTENT as usize;
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
+        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
+    }
+    // The decoder of single channels takes every channel for one of full resolution.
+    let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
+    if let Some(c) = channels.find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
+        return Err(wrong(format!("channel {} is subsampled, which is not read", c.name)));
+    }
+    let layer = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("R")
+        .required("G")
+        .required("B")
+        .collect_pixels(
+            |size, _| (size.0, vec![[0.0; 3]; size.0 * size.1]),
+            |(width, rgb), at, (r, g, b): (f32, f32, f32)| rgb[at.1 * *width + at.0] = [r, g, b],
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(&bytes))
+        .map_err(unreadable)?
+        .layer_data;
+    // Both sides are at most MAX_EXTENT, so they fit.
+    let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
+    Ok(LinearImage { width, height, rgb: layer.channel_data.pixels.1 })
 }
 
 /// Writes intermediates, each as PNG and EXR.

@@ -1,5 +1,6 @@
 //! Records and images become files. A file is written whole or not at all.
 
+pub mod compare;
 pub mod error_report;
 pub mod figures;
 pub mod files;

@@ -1,5 +1,6 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod compare;
 pub mod error;
 pub mod gbuffer;
 pub mod image;

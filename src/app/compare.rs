@@ -1,0 +1,115 @@
+//! `ssct compare`: two runs of the time study, or two images.
+
+use crate::error::{Error, Result};
+use crate::metrics::bootstrap::Verdict;
+use crate::report::{compare as report, files, images};
+use crate::study::compare::{self, Run, TOTAL};
+use clap::Args;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Change that counts, unless the flag says otherwise.
+const THRESHOLD: f64 = 0.05;
+
+/// Options of `ssct compare`.
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    /// What is compared with: a folder of `ssct time` or `ssct study`, its time-samples.csv, or an image (.png, .exr).
+    a: PathBuf,
+    /// The other one, of the same sort.
+    b: PathBuf,
+    /// Change of a time that counts, as a share [default: 0.05].
+    #[arg(long, value_name = "T")]
+    threshold: Option<f64>,
+    /// Fail if a method's total is SLOWER.
+    #[arg(long)]
+    fail_on_slower: bool,
+    /// Write compare.json and compare.txt into a folder; of images also error.exr, error.png and flip.png.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What a path holds.
+#[derive(Clone, Copy, PartialEq)]
+enum Sort {
+    Times,
+    Image,
+}
+
+/// Compares, writes and prints.
+pub fn run(options: &CompareOptions) -> anyhow::Result<()> {
+    let (a, b) = (sort(&options.a)?, sort(&options.b)?);
+    if a != b {
+        let message = "compare takes two folders of times or two images, not one of each";
+        return Err(Error::Usage(message.into()).into());
+    }
+    match a {
+        Sort::Times => times(options),
+        Sort::Image => pictures(options),
+    }
+}
+
+fn sort(path: &Path) -> Result<Sort> {
+    let is = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    if path.is_dir() || is("csv") {
+        return Ok(Sort::Times);
+    }
+    if is("png") || is("exr") {
+        return Ok(Sort::Image);
+    }
+    std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?;
+    Err(Error::Usage(format!("{}: neither a folder of times, a .csv, a .png nor an .exr file", path.display())))
+}
+
+fn times(options: &CompareOptions) -> anyhow::Result<()> {
+    let threshold = options.threshold.unwrap_or(THRESHOLD);
+    if !(0.0..1.0).contains(&threshold) {
+        return Err(Error::Usage(format!("--threshold {threshold}: must be at least 0 and below 1")).into());
+    }
+    let records = compare::times(&load(&options.a)?, &load(&options.b)?, threshold);
+    if records.iter().all(|r| r.only_in.is_some()) {
+        anyhow::bail!("{} and {} have no pass in common", options.a.display(), options.b.display());
+    }
+    if let Some(folder) = &options.output {
+        report::write_times(folder, &records)?;
+    }
+    print(options, || files::json(&records), || report::times(&records))?;
+    let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
+    if options.fail_on_slower && slower > 0 {
+        anyhow::bail!("{slower} total(s) are slower");
+    }
+    Ok(())
+}
+
+/// A run from its folder or its samples, with the device of the time.json beside them.
+fn load(path: &Path) -> Result<Run> {
+    let csv = if path.is_dir() { path.join("time-samples.csv") } else { path.to_path_buf() };
+    let device = files::read_device(&csv.with_file_name("time.json"))?;
+    Ok(Run { name: path.display().to_string(), device, samples: files::read_samples(&csv)? })
+}
+
+fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
+    if options.threshold.is_some() || options.fail_on_slower {
+        return Err(Error::Usage("--threshold and --fail-on-slower are for times, not for images".into()).into());
+    }
+    let [a, b] = [&options.a, &options.b].map(|p| (p.display().to_string(), images::read_image(p)));
+    let (a, b) = ((&*a.0, &a.1?), (&*b.0, &b.1?));
+    let Some(found) = compare::images(a, b) else {
+        let size =
+            |(name, image): (&str, &compare::LinearImage)| format!("{name} has {}x{}", image.width, image.height);
+        anyhow::bail!("images of one size are compared: {} pixels, {}", size(a), size(b));
+    };
+    if let Some(folder) = &options.output {
+        report::write_images(folder, &found)?;
+    }
+    print(options, || files::json(std::slice::from_ref(&found)), || report::images(&found))
+}
+
+fn print(options: &CompareOptions, json: impl Fn() -> String, text: impl Fn() -> String) -> anyhow::Result<()> {
+    let said = if options.json { json() } else { text() };
+    std::io::stdout().lock().write_all(said.as_bytes())?;
+    Ok(())
+}

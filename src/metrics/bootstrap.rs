@@ -1,0 +1,193 @@
+//! Whether times changed: the ratio of two medians with a percentile bootstrap interval (Efron and
+//! Tibshirani 1993, "An Introduction to the Bootstrap", chapter 13), and the verdict read off it.
+//! Seeded: the same samples give the same interval everywhere.
+
+use super::percentile;
+use crate::reference::random::Stream;
+use serde::Serialize;
+
+/// Resamples of an interval. Fifty lie beyond each of its ends, which are so known to a seventh of
+/// the tail.
+pub const RESAMPLES: u32 = 2000;
+
+/// Share of the resamples that an interval holds, the same left out at both ends.
+pub const CONFIDENCE: f64 = 0.95;
+
+/// Fewer samples on a side decide nothing: even the range from the least to the greatest of four
+/// holds the median only seven times in eight (1 − 2 · 2⁻⁴).
+pub const MIN_SAMPLES: usize = 5;
+
+/// B's median over A's, and where resampling puts it: `low` ≤ `high`, all ≥ 0. Infinite where A's
+/// median is 0 and B's is not; 1 where both are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratio {
+    /// Of the samples themselves.
+    pub ratio: f64,
+    /// Lower end of the interval.
+    pub low: f64,
+    /// Upper end of the interval.
+    pub high: f64,
+}
+
+/// What an interval says about B beside A.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Verdict {
+    /// The whole interval lies below 1 − threshold.
+    Faster,
+    /// The whole interval lies above 1 + threshold.
+    Slower,
+    /// The whole interval lies within 1 ± threshold.
+    Same,
+    /// None of these.
+    Undecided,
+}
+
+impl Verdict {
+    /// All, in the order of a summary.
+    pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
+
+    /// Of an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %).
+    pub fn of(ratio: &Ratio, threshold: f64) -> Self {
+        let (least, most) = (1.0 - threshold, 1.0 + threshold);
+        match (ratio.low, ratio.high) {
+            (_, high) if high < least => Self::Faster,
+            (low, _) if low > most => Self::Slower,
+            (low, high) if low >= least && high <= most => Self::Same,
+            _ => Self::Undecided,
+        }
+    }
+
+    /// As it is printed.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Faster => "FASTER",
+            Self::Slower => "SLOWER",
+            Self::Same => "SAME",
+            Self::Undecided => "UNDECIDED",
+        }
+    }
+}
+
+/// The ratio of B's median to A's, with the interval of [`RESAMPLES`] resamples, both sides drawn
+/// independently and with replacement. Samples are finite and ≥ 0. `None` if a side has none.
+pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
+    let ratio = quotient(median(&mut a.to_vec())?, median(&mut b.to_vec())?);
+    let mut drawn = [Vec::with_capacity(a.len()), Vec::with_capacity(b.len())];
+    let mut ratios = Vec::with_capacity(RESAMPLES as usize);
+    for resample in 0..RESAMPLES {
+        let stream = Stream::new(seed, resample.into());
+        let mut position = 0;
+        for (drawn, samples) in drawn.iter_mut().zip([a, b]) {
+            drawn.clear();
+            for _ in samples {
+                let n = (stream.uniform(position) * samples.len() as f64) as usize;
+                drawn.push(samples[n.min(samples.len() - 1)]);
+                position += 1;
+            }
+        }
+        let [a, b] = &mut drawn;
+        ratios.push(quotient(median(a)?, median(b)?));
+    }
+    ratios.sort_by(f64::total_cmp);
+    let tail = (1.0 - CONFIDENCE) / 2.0;
+    Some(Ratio { ratio, low: percentile(&ratios, tail)?, high: percentile(&ratios, 1.0 - tail)? })
+}
+
+/// Of an even number, the mean of the middle two. Sorts them.
+fn median(samples: &mut [f64]) -> Option<f64> {
+    samples.sort_by(f64::total_cmp);
+    let n = samples.len();
+    Some((samples.get(n.checked_sub(1)? / 2)? + samples.get(n / 2)?) / 2.0)
+}
+
+/// b / a, and 1 where both are 0: a clock may be too coarse for either.
+fn quotient(a: f64, b: f64) -> f64 {
+    if a == b { 1.0 } else { b / a }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples around a centre, evenly within ± half a width.
+    fn noise(center: f64, width: f64, n: u64, seed: u64) -> Vec<f64> {
+        (0..n).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
+    }
+
+    fn verdict(a: &[f64], b: &[f64]) -> Verdict {
+        Verdict::of(&ratio_of_medians(a, b, 1).expect("samples"), 0.05)
+    }
+
+    #[test]
+    fn constant_samples_have_an_interval_without_width() {
+        let ratio = |b: f64| ratio_of_medians(&[3.0; 7], &[b; 9], 1).expect("samples");
+        assert_eq!(ratio(3.0), Ratio { ratio: 1.0, low: 1.0, high: 1.0 });
+        assert_eq!(ratio(6.0), Ratio { ratio: 2.0, low: 2.0, high: 2.0 });
+        assert_eq!(ratio(1.5), Ratio { ratio: 0.5, low: 0.5, high: 0.5 });
+        let verdicts = [3.0, 6.0, 1.5].map(|b| Verdict::of(&ratio(b), 0.05));
+        assert_eq!(verdicts, [Verdict::Same, Verdict::Slower, Verdict::Faster]);
+    }
+
+    #[test]
+    fn noise_decides_by_how_wide_it_is() {
+        let base = noise(10.0, 0.4, 20, 1);
+        assert_eq!(verdict(&base, &noise(10.0, 0.4, 20, 2)), Verdict::Same);
+        assert_eq!(verdict(&base, &noise(12.0, 0.4, 20, 2)), Verdict::Slower);
+        assert_eq!(verdict(&base, &noise(8.0, 0.4, 20, 2)), Verdict::Faster);
+        let wide = |seed| noise(10.0, 12.0, 10, seed);
+        assert_eq!(verdict(&wide(1), &wide(2)), Verdict::Undecided);
+        // A difference of the threshold's own size can't be told from none.
+        assert_eq!(verdict(&base, &noise(10.5, 0.4, 20, 2)), Verdict::Undecided);
+    }
+
+    #[test]
+    fn the_interval_of_three_samples_is_that_of_their_order_statistics() {
+        // A is constant, so the ratio is the median of a resample of {1, 2, 3}: 1 with probability
+        // 3 · 2/27 + 1/27 = 7/27, the same for 3. Both lie in the tails' 2.5 %.
+        let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
+        assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
+        // Of seven, one end is drawn four times or more with probability
+        // Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025, and one of two in 0.108: the second is the end.
+        let seven: Vec<f64> = (1..=7).map(f64::from).collect();
+        let r = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
+        assert_eq!(r, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
+    }
+
+    #[test]
+    fn the_interval_holds_the_truth_about_as_often_as_it_says() {
+        let covers = |trial: u64| {
+            let (a, b) = (noise(10.0, 2.0, 15, 2 * trial), noise(10.0, 2.0, 15, 2 * trial + 1));
+            let r = ratio_of_medians(&a, &b, trial).expect("samples");
+            r.low <= 1.0 && 1.0 <= r.high
+        };
+        let covered = (0..200).filter(|t| covers(*t)).count();
+        // 95 % of 200 have a standard deviation of 3; the percentile interval of a median is a bit wide.
+        assert!((180..=200).contains(&covered), "{covered}");
+        assert!(covered < 200, "an interval that never misses is too wide");
+    }
+
+    #[test]
+    fn zeros_and_nothing_have_an_answer() {
+        assert_eq!(ratio_of_medians(&[0.0; 5], &[0.0; 5], 1), Some(Ratio { ratio: 1.0, low: 1.0, high: 1.0 }));
+        let r = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
+        assert_eq!((r.low, Verdict::of(&r, 0.05)), (f64::INFINITY, Verdict::Slower));
+        assert_eq!((ratio_of_medians(&[], &[1.0], 1), ratio_of_medians(&[1.0], &[], 1)), (None, None));
+    }
+
+    #[test]
+    fn a_seed_repeats_and_another_differs() {
+        let (a, b) = (noise(5.0, 3.0, 12, 3), noise(5.0, 3.0, 12, 4));
+        assert_eq!(ratio_of_medians(&a, &b, 7), ratio_of_medians(&a, &b, 7));
+        assert_ne!(ratio_of_medians(&a, &b, 7), ratio_of_medians(&a, &b, 8));
+    }
+
+    #[test]
+    fn verdicts_turn_at_the_threshold() {
+        let of = |low, high| Verdict::of(&Ratio { ratio: 1.0, low, high }, 0.25);
+        assert_eq!(of(0.75, 1.25), Verdict::Same);
+        assert_eq!([of(0.7, 0.75), of(0.7, 0.74)], [Verdict::Undecided, Verdict::Faster]);
+        assert_eq!([of(1.25, 1.3), of(1.26, 1.3)], [Verdict::Undecided, Verdict::Slower]);
+        assert_eq!(of(0.5, 1.5), Verdict::Undecided);
+    }
+}

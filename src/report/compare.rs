@@ -1,0 +1,107 @@
+//! Comparisons as text and files.
+
+use super::images::{Rgb, write_exr};
+use super::{files, tables};
+use crate::error::Result;
+use crate::gpu::Pixels;
+use crate::math::display_byte;
+use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
+use crate::study::compare::{ImageComparison, Side, TOTAL, TimeComparison};
+use std::path::Path;
+
+/// Writes compare.json and compare.txt.
+pub fn write_times(folder: &Path, records: &[TimeComparison]) -> Result<()> {
+    files::write(&folder.join("compare.json"), files::json(records).as_bytes())?;
+    files::write(&folder.join("compare.txt"), times(records).as_bytes())
+}
+
+/// Writes compare.json, compare.txt, the RMSE of each pixel as error.exr and error.png (white is 1
+/// or more, sRGB-encoded; magenta is no number), and FLIP's map as flip.png.
+pub fn write_images(folder: &Path, found: &ImageComparison) -> Result<()> {
+    files::write(&folder.join("compare.json"), files::json(std::slice::from_ref(found)).as_bytes())?;
+    files::write(&folder.join("compare.txt"), images(found).as_bytes())?;
+    let (width, height) = (found.width, found.height);
+    let map = Pixels { width, height, channels: 1, values: found.rmse_map.clone() };
+    write_exr(&folder.join("error.exr"), &map, &["rmse"])?;
+    let shade = |c: &[f32]| if c[0].is_nan() { [255, 0, 255] } else { [display_byte(c[0]); 3] };
+    Rgb::from_pixels(&map, shade).write_png(&folder.join("error.png"))?;
+    Rgb { width, height, bytes: found.flip_picture.clone() }.write_png(&folder.join("flip.png"))
+}
+
+/// What was compared and how, a row for each pass and total that both runs have, what one lacks, and
+/// how many totals got which verdict.
+pub fn times(records: &[TimeComparison]) -> String {
+    let Some(first) = records.first() else { return String::new() };
+    let device = |d: &Option<crate::gpu::DeviceInfo>| {
+        d.as_ref().map_or_else(|| "device not known".into(), |d| format!("{}, {}, {}", d.name, d.kind, d.driver))
+    };
+    let mut text = format!("A  {} ({})\n", first.a, device(&first.device_a));
+    text += &format!("B  {} ({})\n", first.b, device(&first.device_b));
+    if let Some(warning) = &first.warning {
+        text += &format!("warning: {warning}\n");
+    }
+    let how = &first.judgement;
+    text += &format!(
+        "Medians, B over A, with the {} % interval of {} bootstrap resamples, seed {}; SAME is within ±{} %.\n\
+         The interval knows the spread within each run, not what changed on the machine between them.\n\n",
+        how.confidence * 100.0,
+        how.resamples,
+        how.seed,
+        percent(how.threshold)
+    );
+    text += &tables::aligned(&cells(records));
+    let both = || records.iter().filter(|r| r.only_in.is_none());
+    if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
+        text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
+    }
+    for (side, name) in [(Side::A, "A"), (Side::B, "B")] {
+        let only: Vec<_> = records.iter().filter(|r| r.only_in == Some(side)).collect();
+        if !only.is_empty() {
+            text += &format!("\nOnly in {name}:\n");
+            text.extend(only.iter().map(|r| format!("  {}\n", labels(r).join("  "))));
+        }
+    }
+    let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
+    let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", totals(*v), v.name())).collect();
+    text + &format!("\nTotals: {}\n", counts.join(", "))
+}
+
+/// A share as a percentage without the noise of binary fractions.
+fn percent(share: f64) -> f64 {
+    (share * 1e6).round() / 1e4
+}
+
+fn labels(r: &TimeComparison) -> [String; 6] {
+    let s = &r.subject;
+    let size = format!("{}x{}", s.width, s.height);
+    let roughness = tables::roughness(s.roughness);
+    [format!("{} {}", s.scene, s.view), size, roughness, s.method.clone(), s.preset.clone(), r.pass.clone()]
+}
+
+fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
+    let header = ["scene view", "size", "roughness", "method", "preset", "pass"];
+    let figures = ["A ms", "B ms", "B/A", "low", "high", "n", "verdict"];
+    let mut rows = vec![[&header[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
+    for r in records.iter().filter(|r| r.only_in.is_none()) {
+        let mut row = labels(r).to_vec();
+        row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
+        row.push(format!("{}/{}", r.samples_a, r.samples_b));
+        row.push(r.verdict.map_or("-", Verdict::name).to_owned());
+        rows.push(row);
+    }
+    rows
+}
+
+/// The figures of two images.
+pub fn images(found: &ImageComparison) -> String {
+    let number = |v: f64| format!("{v:.6}");
+    let rows = [
+        ("RMSE, linear".to_owned(), number(found.rmse)),
+        ("relative MSE, linear".to_owned(), found.rel_mse.map_or_else(|| "- (A is black)".into(), number)),
+        ("FLIP mean, display".to_owned(), number(found.flip)),
+    ];
+    let size = format!("{}x{}", found.width, found.height);
+    format!("A  {} (the reference), {size}\nB  {}\n\n", found.a, found.b)
+        + &tables::aligned(&rows.map(|(what, value)| vec![what, value]))
+}

@@ -1,0 +1,433 @@
+//! Two runs of the time study, or two images, beside each other (DEFINITIONS, "Time" and "Image
+//! error"). Times are compared pass by pass from their raw samples.
+
+use super::error::display;
+use super::record::{DEFINITIONS, Head, Stats};
+use crate::gpu::DeviceInfo;
+use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES, Verdict, ratio_of_medians};
+use crate::metrics::flip::FlipMap;
+use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
+use serde::{Deserialize, Serialize};
+
+/// The name under which the sum of a frame's counted passes is compared.
+pub const TOTAL: &str = "total";
+
+/// Seed of every interval's resamples.
+pub const SEED: u64 = 1;
+
+/// A row of raw samples: the time of one pass in one frame.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct TimeSample {
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Method name.
+    pub method: String,
+    /// Preset's name.
+    pub preset: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Global roughness; none where the materials keep theirs.
+    pub roughness: Option<f32>,
+    /// Number of the frame among those of its method, size and roughness.
+    pub sample: u64,
+    /// Label.
+    pub pass: String,
+    /// Whether the pass counts towards the total.
+    pub counted: bool,
+    /// Milliseconds, finite and ≥ 0.
+    pub ms: f64,
+}
+
+/// What a frame was of.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Subject {
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Method name.
+    pub method: String,
+    /// Preset's name.
+    pub preset: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Global roughness; null where the materials keep theirs.
+    pub roughness: Option<f32>,
+}
+
+impl TimeSample {
+    fn is_of(&self, s: &Subject) -> bool {
+        (&self.scene, &self.view, &self.method, &self.preset) == (&s.scene, &s.view, &s.method, &s.preset)
+            && (self.width, self.height, self.roughness) == (s.width, s.height, s.roughness)
+    }
+
+    fn subject(&self) -> Subject {
+        Subject {
+            scene: self.scene.clone(),
+            view: self.view.clone(),
+            method: self.method.clone(),
+            preset: self.preset.clone(),
+            width: self.width,
+            height: self.height,
+            roughness: self.roughness,
+        }
+    }
+}
+
+/// A run of the time study, as its files tell it.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// What the user calls it.
+    pub name: String,
+    /// The device, if the run's records are there to say it.
+    pub device: Option<DeviceInfo>,
+    /// Raw samples, those of a frame one after the other.
+    pub samples: Vec<TimeSample>,
+}
+
+/// How an interval was found, and what it was held against.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Change that counts, 0 ≤ t < 1.
+    pub threshold: f64,
+    /// Share of the resamples in the interval.
+    pub confidence: f64,
+    /// Resamples.
+    pub resamples: u32,
+    /// Their seed.
+    pub seed: u64,
+}
+
+/// One of the two runs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Side {
+    /// The first, what is compared with.
+    A,
+    /// The second.
+    B,
+}
+
+/// A pass, or the total, of two runs. What one run lacks is null, and then so is the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimeComparison {
+    /// "compare".
+    pub kind: &'static str,
+    /// [`DEFINITIONS`].
+    pub definitions: u32,
+    /// Of this program.
+    pub version: &'static str,
+    /// Of its source.
+    pub commit: &'static str,
+    /// The runs' names.
+    pub a: String,
+    /// As [`Self::a`].
+    pub b: String,
+    /// What was timed.
+    #[serde(flatten)]
+    pub subject: Subject,
+    /// Label, or [`TOTAL`].
+    pub pass: String,
+    /// Whether the pass counts towards the total.
+    pub counted: bool,
+    /// The run that has it, if only one has.
+    pub only_in: Option<Side>,
+    /// Samples.
+    pub samples_a: usize,
+    /// Samples.
+    pub samples_b: usize,
+    /// Median in milliseconds.
+    pub median_a_ms: Option<f64>,
+    /// Median in milliseconds.
+    pub median_b_ms: Option<f64>,
+    /// B's median over A's; null in JSON if infinite, for an A of 0.
+    pub ratio: Option<f64>,
+    /// Lower end of its interval.
+    pub low: Option<f64>,
+    /// Upper end of its interval.
+    pub high: Option<f64>,
+    /// What the interval says; undecided with fewer than [`MIN_SAMPLES`] on a side.
+    pub verdict: Option<Verdict>,
+    /// How.
+    #[serde(flatten)]
+    pub judgement: Judgement,
+    /// Device of A; null if not known.
+    pub device_a: Option<DeviceInfo>,
+    /// Device of B; null if not known.
+    pub device_b: Option<DeviceInfo>,
+    /// Why the runs are no fair pair, if they may be none.
+    pub warning: Option<String>,
+}
+
+/// The samples of one pass.
+struct Samples {
+    pass: String,
+    counted: bool,
+    ms: Vec<f64>,
+}
+
+/// Everything of one subject: its passes in order, the total last.
+type Group = (Subject, Vec<Samples>);
+
+/// Compares every pass and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
+pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
+    let warning = warning(a, b);
+    let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
+    let [groups_a, groups_b] = [a, b].map(|run| groups(&run.samples));
+    let compared = |subject: &Subject, of_a: Option<&Samples>, of_b: Option<&Samples>| {
+        let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
+        let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
+        let ratio = ratio_of_medians(ms_a, ms_b, SEED);
+        let enough = ms_a.len().min(ms_b.len()) >= MIN_SAMPLES;
+        TimeComparison {
+            kind: "compare",
+            definitions: DEFINITIONS,
+            version: Head::VERSION,
+            commit: Head::COMMIT,
+            a: a.name.clone(),
+            b: b.name.clone(),
+            subject: subject.clone(),
+            pass: of_a.or(of_b).map(|s| s.pass.clone()).unwrap_or_default(),
+            counted: of_a.or(of_b).is_some_and(|s| s.counted),
+            only_in: match (of_a, of_b) {
+                (Some(_), None) => Some(Side::A),
+                (None, Some(_)) => Some(Side::B),
+                _ => None,
+            },
+            samples_a: ms_a.len(),
+            samples_b: ms_b.len(),
+            median_a_ms: median(ms_a),
+            median_b_ms: median(ms_b),
+            ratio: ratio.map(|r| r.ratio),
+            low: ratio.map(|r| r.low),
+            high: ratio.map(|r| r.high),
+            verdict: ratio.map(|r| if enough { Verdict::of(&r, threshold) } else { Verdict::Undecided }),
+            judgement,
+            device_a: a.device.clone(),
+            device_b: b.device.clone(),
+            warning: warning.clone(),
+        }
+    };
+    let mut records = Vec::new();
+    for (subject, passes) in &groups_a {
+        records.extend(passes.iter().map(|s| compared(subject, Some(s), find(&groups_b, subject, &s.pass))));
+    }
+    for (subject, passes) in &groups_b {
+        let missing = passes.iter().filter(|s| find(&groups_a, subject, &s.pass).is_none());
+        records.extend(missing.map(|s| compared(subject, None, Some(s))));
+    }
+    records
+}
+
+/// Why two runs may be no fair pair.
+fn warning(a: &Run, b: &Run) -> Option<String> {
+    let only = "times compare only on one device";
+    match (&a.device, &b.device) {
+        (Some(a), Some(b)) if a == b => None,
+        (Some(a), Some(b)) => {
+            Some(format!("A ran on {} ({}), B on {} ({}): {only}", a.name, a.driver, b.name, b.driver))
+        }
+        (None, None) => Some(format!("no time.json says on which devices A and B ran: {only}")),
+        (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
+        (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
+    }
+}
+
+fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Samples> {
+    let (_, passes) = groups.iter().find(|(s, _)| s == subject)?;
+    passes.iter().find(|s| s.pass == pass)
+}
+
+/// Samples by subject and pass, both in order of appearance. Rows of one subject and sample number
+/// that follow each other are one frame; its counted passes add up to a sample of the total.
+fn groups(rows: &[TimeSample]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for frame in rows.chunk_by(|a, b| a.sample == b.sample && b.is_of(&a.subject())) {
+        let Some(first) = frame.first() else { continue };
+        let at = groups.iter().rposition(|(s, _)| first.is_of(s)).unwrap_or_else(|| {
+            groups.push((first.subject(), Vec::new()));
+            groups.len() - 1
+        });
+        let passes = &mut groups[at].1;
+        let mut add = |pass: &str, counted, ms| match passes.iter_mut().find(|s| s.pass == pass) {
+            Some(s) => s.ms.push(ms),
+            None => passes.push(Samples { pass: pass.to_owned(), counted, ms: vec![ms] }),
+        };
+        for row in frame {
+            add(&row.pass, row.counted, row.ms);
+        }
+        if frame.iter().any(|r| r.counted) {
+            add(TOTAL, true, frame.iter().filter(|r| r.counted).map(|r| r.ms).sum());
+        }
+    }
+    for (_, passes) in &mut groups {
+        passes.sort_by_key(|s| s.pass == TOTAL);
+    }
+    groups
+}
+
+/// A linear image, rows from the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearImage {
+    /// Width in pixels, ≥ 1.
+    pub width: u32,
+    /// Height in pixels, ≥ 1.
+    pub height: u32,
+    /// `width · height` colours: red, green, blue.
+    pub rgb: Vec<[f32; 3]>,
+}
+
+/// How far two images are apart. A figure is null in JSON where an image holds what is no number.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImageComparison {
+    /// "compare-images".
+    pub kind: &'static str,
+    /// [`DEFINITIONS`].
+    pub definitions: u32,
+    /// Of this program.
+    pub version: &'static str,
+    /// Of its source.
+    pub commit: &'static str,
+    /// The reference.
+    pub a: String,
+    /// The other image.
+    pub b: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Root mean square error of the linear values.
+    pub rmse: f64,
+    /// Mean square error over the reference's mean square; null if the reference is black.
+    pub rel_mse: Option<f64>,
+    /// Mean FLIP of the display images, 0…1.
+    pub flip: f64,
+    /// RMSE of each pixel.
+    #[serde(skip)]
+    pub rmse_map: Vec<f32>,
+    /// FLIP of each pixel as a picture: 3 bytes a pixel.
+    #[serde(skip)]
+    pub flip_picture: Vec<u8>,
+}
+
+/// Compares an image with a reference; `None` if their sizes differ.
+pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Option<ImageComparison> {
+    let ((a_name, a), (b_name, b)) = (reference, test);
+    let (width, height) = (a.width, a.height);
+    if (width, height) != (b.width, b.height) {
+        return None;
+    }
+    let all = vec![true; a.rgb.len()];
+    let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
+    Some(ImageComparison {
+        kind: "compare-images",
+        definitions: DEFINITIONS,
+        version: Head::VERSION,
+        commit: Head::COMMIT,
+        a: a_name.to_owned(),
+        b: b_name.to_owned(),
+        width,
+        height,
+        rmse: masked_rmse(&a.rgb, &b.rgb, &all),
+        rel_mse: masked_relative_mse(&a.rgb, &b.rgb, &all),
+        flip: flip.mean(),
+        rmse_map: error_map(&a.rgb, &b.rgb, &all),
+        flip_picture: flip.picture(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
+        TimeSample {
+            scene: "rooms".into(),
+            view: "hall".into(),
+            method: method.into(),
+            preset: "published".into(),
+            width: 8,
+            height: 4,
+            roughness: None,
+            sample,
+            pass: pass.into(),
+            counted,
+            ms,
+        }
+    }
+
+    /// Six frames of a method: an uncounted pass and two counted ones.
+    fn run(method: &str, scale: f64) -> Run {
+        let frame = |n| {
+            [("lit", false, 5.0), ("trace", true, 2.0 * scale), ("composite", true, 1.0)]
+                .map(|(pass, counted, ms)| row(method, n, pass, counted, ms))
+        };
+        Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
+    }
+
+    #[test]
+    fn totals_are_sums_of_counted_passes_frame_by_frame() {
+        let records = times(&run("ssct", 1.0), &run("ssct", 2.0), 0.05);
+        let found: Vec<_> = records.iter().map(|r| (r.pass.as_str(), r.ratio, r.verdict)).collect();
+        let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
+        assert_eq!(
+            found,
+            [
+                ("lit", Some(1.0), same),
+                ("trace", Some(2.0), slower),
+                ("composite", Some(1.0), same),
+                (TOTAL, Some(5.0 / 3.0), slower)
+            ]
+        );
+        assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
+    }
+
+    #[test]
+    fn what_one_run_lacks_is_listed_without_a_verdict() {
+        let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
+        assert_eq!(records.len(), 8);
+        assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.method == "ssct"));
+        assert!(records[4..].iter().all(|r| r.only_in == Some(Side::B) && r.subject.method == "hzct"));
+        assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
+    }
+
+    #[test]
+    fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
+        let mut twice = run("ssct", 1.0);
+        twice.samples.extend(twice.samples.clone());
+        let records = times(&twice, &run("ssct", 1.0), 0.05);
+        assert_eq!(records.iter().map(|r| (r.samples_a, r.median_a_ms)).next_back(), Some((12, Some(3.0))));
+        let mut few = run("ssct", 9.0);
+        few.samples.truncate(4 * 3);
+        let records = times(&run("ssct", 1.0), &few, 0.05);
+        assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
+    }
+
+    #[test]
+    fn devices_that_differ_or_are_not_known_warn() {
+        let device = |name: &str| {
+            let text = |s: &str| s.to_owned();
+            Some(DeviceInfo { name: text(name), driver: text("1"), api: text("1.3"), kind: text("CPU") })
+        };
+        let of = |name: &str| Run { device: device(name), ..run("ssct", 1.0) };
+        assert_eq!(warning(&of("x"), &of("x")), None);
+        assert!(warning(&of("x"), &of("y")).is_some_and(|w| w.contains("A ran on x (1), B on y (1)")));
+        assert!(warning(&of("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
+    }
+
+    #[test]
+    fn images_are_held_against_the_first() {
+        let flat = |v: f32| LinearImage { width: 8, height: 8, rgb: vec![[v; 3]; 64] };
+        let found = images(("a", &flat(0.5)), ("b", &flat(0.25))).expect("one size");
+        assert_eq!((found.rmse, found.rel_mse), (0.25, Some(0.25)));
+        assert!(found.flip > 0.1 && found.rmse_map == vec![0.25; 64]);
+        assert_eq!(images(("a", &flat(0.5)), ("b", &flat(0.5))).map(|c| (c.rmse, c.flip)), Some((0.0, 0.0)));
+        let wide = LinearImage { width: 16, height: 4, rgb: vec![[0.0; 3]; 64] };
+        assert_eq!(images(("a", &flat(0.5)), ("b", &wide)), None);
+    }
+}
