@@ -4,6 +4,7 @@ use super::images::{Rgb, write_exr};
 use super::{files, plot, tables};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
+use crate::metrics::flip::FlipMap;
 use crate::study::error::{Against, Cell, ErrorRecord, display};
 use crate::study::sweep::{self, Point};
 use std::path::Path;
@@ -31,19 +32,27 @@ pub fn write(folder: &Path, records: &[ErrorRecord]) -> Result<()> {
     Ok(())
 }
 
-/// Writes the images of a cell: reflection colours, and for methods the error as EXR and as FLIP's picture.
+/// Writes the images of a cell: reflection colours, and for methods each error map as EXR and as a
+/// picture in FLIP's colours, where white is 1.
 pub fn write_strips(folder: &Path, stem: &str, cell: &Cell) -> Result<()> {
     let [width, height] = cell.extent;
     for strip in &cell.strips {
         let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));
         Rgb { width, height, bytes: display(&strip.color) }.write_png(&file(".png"))?;
-        if let Some((rmse, flip)) = &strip.error {
-            Rgb { width, height, bytes: flip.clone() }.write_png(&file("-flip.png"))?;
-            let pixels = Pixels { width, height, channels: 1, values: rmse.clone() };
-            write_exr(&file("-rmse.exr"), &pixels, &["rmse"])?;
+        if let Some(error) = &strip.error {
+            let maps = [("rmse", &error.rmse), ("flip", &error.flip.errors)];
+            for (name, values) in maps {
+                let pixels = Pixels { width, height, channels: 1, values: values.clone() };
+                write_exr(&file(&format!("-{name}.exr")), &pixels, &[name])?;
+                Rgb { width, height, bytes: heat(values, width, height) }.write_png(&file(&format!("-{name}.png")))?;
+            }
         }
     }
     Ok(())
+}
+
+fn heat(errors: &[f32], width: u32, height: u32) -> Vec<u8> {
+    FlipMap { width, height, errors: errors.iter().map(|e| e.clamp(0.0, 1.0)).collect() }.picture()
 }
 
 /// Points of every reference with the front, and where the error comes from.

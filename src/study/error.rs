@@ -16,7 +16,6 @@ use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
 use crate::passes::Hits;
-use crate::passes::PathCode;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::first_hits::FirstHits;
@@ -102,8 +101,16 @@ pub struct Strip {
     pub name: String,
     /// The image, three channels a pixel.
     pub color: Vec<[f32; 3]>,
-    /// Its error against the screen reference, for methods: RMSE per pixel, and FLIP's picture.
-    pub error: Option<(Vec<f32>, Vec<u8>)>,
+    /// Its errors against the screen reference, for methods.
+    pub error: Option<ErrorMaps>,
+}
+
+/// Errors of each pixel, rows from the top.
+pub struct ErrorMaps {
+    /// Root mean square over the three channels of the linear colour.
+    pub rmse: Vec<f32>,
+    /// FLIP of the display image.
+    pub flip: FlipMap,
 }
 
 /// What a cell gives.
@@ -182,7 +189,7 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
         let split = shot(&Setup { split: true, ..variant.setup }, variant.method)?;
         let (_, _, output) = stage.output(&split)?;
-        let hits = output.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| positions(&p));
+        let hits = output.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| gbuffer::hit_positions(&p));
         let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
         cell.records.extend(head.against_all(&truth, &color, hits.as_deref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, spec.extent));
@@ -274,8 +281,10 @@ impl Record {
 }
 
 fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, [width, height]: [u32; 2]) -> Strip {
-    let flip = FlipMap::new(&truth.screen.display, &display(color), width, height).picture();
-    let error = (error_map(&truth.screen.color, color, &truth.mask), flip);
+    let error = ErrorMaps {
+        rmse: error_map(&truth.screen.color, color, &truth.mask),
+        flip: FlipMap::new(&truth.screen.display, &display(color), width, height),
+    };
     Strip { name: name.to_owned(), color: color.to_vec(), error: Some(error) }
 }
 
@@ -356,11 +365,4 @@ pub fn display(color: &[[f32; 3]]) -> Vec<u8> {
 
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
     pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
-}
-
-/// Where the method's rays hit, in pixels.
-fn positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
-    let (width, height) = (f64::from(hits.width), f64::from(hits.height));
-    let is_hit = |t: &[f32]| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit);
-    hits.texels().map(|t| is_hit(t).then(|| [f64::from(t[0]) * width, f64::from(t[1]) * height])).collect()
 }
