@@ -1,11 +1,11 @@
 //! Hit agreement: how far a method's rays end where the oracle's do (DEFINITIONS, "Oracle").
 
 use super::percentile;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How a method's hits compare with the oracle's over the reflecting pixels. Fractions are of those
 /// pixels and add up to 1; all are null if none reflects.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HitAgreement {
     /// Reflecting pixels.
     #[serde(skip)]

@@ -72,19 +72,9 @@ pub struct ErrorRecord {
     pub time_ms: Option<f64>,
     /// The reference.
     pub against: Against,
-    /// Share of reflecting pixels whose hit is right.
-    pub hit_agreement: Option<f64>,
-    /// Share where the method hits alone.
-    #[serde(rename = "false")]
-    pub false_hits: Option<f64>,
-    /// Share where the reference hits alone.
-    pub missed: Option<f64>,
-    /// Share where both hit, too far apart.
-    pub displaced: Option<f64>,
-    /// Median distance where both hit, in pixels.
-    pub hit_error_px_p50: Option<f64>,
-    /// 99th percentile of it.
-    pub hit_error_px_p99: Option<f64>,
+    /// Hits against the oracle's, or (without distances) against the world's.
+    #[serde(flatten)]
+    pub hits: HitAgreement,
     /// Root mean square error of the linear reflection colour over reflecting pixels.
     pub rmse: Option<f64>,
     /// Mean square error over the reference's mean square.
@@ -223,12 +213,7 @@ impl Record {
             params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },
             time_ms,
             against: Against::Screen,
-            hit_agreement: None,
-            false_hits: None,
-            missed: None,
-            displaced: None,
-            hit_error_px_p50: None,
-            hit_error_px_p99: None,
+            hits: HitAgreement::default(),
             rmse: None,
             rel_mse: None,
             flip: None,
@@ -253,27 +238,21 @@ impl Record {
         let mut records = Vec::new();
         if let Some(hits) = hits {
             let oracle: Vec<_> = truth.oracle.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
-            let h = HitAgreement::new(&truth.mask, hits, &oracle);
-            records.push(ErrorRecord {
-                against: Against::Oracle,
-                hit_agreement: h.hit_agreement,
-                false_hits: h.false_hits,
-                missed: h.missed,
-                displaced: h.displaced,
-                hit_error_px_p50: h.hit_error_px_p50,
-                hit_error_px_p99: h.hit_error_px_p99,
-                ..self.0.clone()
-            });
+            let hits = HitAgreement::new(&truth.mask, hits, &oracle);
+            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.0.clone() });
         }
         records.push(self.image(Against::Screen, truth, &truth.screen, color));
         let mut world = self.image(Against::World, truth, &truth.world, color);
         if let Some(hits) = hits {
             let w = world::agreement(&truth.mask, &truth.world_hits, hits);
             let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
-            world.hit_agreement = w.fraction();
-            world.false_hits = share(w.false_hits);
-            world.missed = share(w.missed);
-            world.displaced = share(w.displaced);
+            world.hits = HitAgreement {
+                hit_agreement: w.fraction(),
+                false_hits: share(w.false_hits),
+                missed: share(w.missed),
+                displaced: share(w.displaced),
+                ..HitAgreement::default()
+            };
         }
         records.push(world);
         records

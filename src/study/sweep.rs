@@ -63,7 +63,7 @@ pub struct Point {
 /// The error of a record in the plot of its reference.
 fn error(record: &ErrorRecord) -> Option<f64> {
     match record.against {
-        Against::Oracle => record.hit_agreement.map(|a| 1.0 - a),
+        Against::Oracle => record.hits.hit_agreement.map(|a| 1.0 - a),
         Against::Screen | Against::World => record.rmse,
     }
 }
