@@ -98,9 +98,9 @@ fn pictures(options: &CompareOptions) -> anyhow::Result<()> {
     let [a, b] = [&options.a, &options.b].map(|p| (p.display().to_string(), images::read_image(p)));
     let (a, b) = ((&*a.0, &a.1?), (&*b.0, &b.1?));
     let Some(found) = compare::images(a, b) else {
-        let size =
-            |(name, image): (&str, &compare::LinearImage)| format!("{name} has {}x{}", image.width, image.height);
-        anyhow::bail!("images of one size are compared: {} pixels, {}", size(a), size(b));
+        let size = |image: &compare::LinearImage| format!("{}x{}", image.width, image.height);
+        let sizes = (size(a.1), size(b.1));
+        anyhow::bail!("images of one size are compared; {} has {} pixels, {} has {}", a.0, sizes.0, b.0, sizes.1);
     };
     if let Some(folder) = &options.output {
         report::write_images(folder, &found)?;
