@@ -58,7 +58,11 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
         Err(e) => {
-            eprintln!("ssct: {e:#}");
+            // Our own errors name their cause in their sentence; others have it behind them.
+            match e.downcast_ref::<Error>() {
+                Some(own) => eprintln!("ssct: {own}"),
+                None => eprintln!("ssct: {e:#}"),
+            }
             ExitCode::from(e.downcast_ref::<Error>().map_or(1, Error::exit_status))
         }
     }
