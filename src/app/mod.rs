@@ -3,6 +3,7 @@
 mod cli;
 mod devices;
 mod error;
+mod error_cells;
 #[cfg(feature = "window")]
 mod fly_camera;
 mod gbuffer;

@@ -15,32 +15,66 @@ pub const REFERENCES: [(Against, &str, &str); 3] = [
     (Against::World, "world", "RMSE against the world reference"),
 ];
 
+/// The plot of a reference, and what it shows as a table.
+#[derive(Debug, Clone)]
+pub struct ErrorPlot {
+    /// The reference's name.
+    pub name: &'static str,
+    /// The error that it shows.
+    pub axis: &'static str,
+    /// Run time against error, SVG.
+    pub svg: String,
+    /// The same points as rows.
+    pub cells: Vec<Vec<String>>,
+}
+
+/// One plot for each reference that the records have.
+pub fn plots(records: &[ErrorRecord]) -> std::result::Result<Vec<ErrorPlot>, String> {
+    let mut plots = Vec::new();
+    for (against, name, axis) in REFERENCES {
+        let points = sweep::points(records, against);
+        if !points.is_empty() {
+            let svg = plot::time_against_error(&points, axis)?;
+            plots.push(ErrorPlot { name, axis, svg, cells: point_cells(&points) });
+        }
+    }
+    Ok(plots)
+}
+
 /// Writes error.json, error.txt and one plot a reference.
 pub fn write(folder: &Path, records: &[ErrorRecord]) -> Result<()> {
     files::write(&folder.join("error.json"), files::json(records).as_bytes())?;
     files::write(&folder.join("error.txt"), text(records).as_bytes())?;
-    for (against, name, axis) in REFERENCES {
-        let points = sweep::points(records, against);
-        if !points.is_empty() {
-            let path = folder.join(format!("error-{name}.svg"));
-            let svg = plot::time_against_error(&points, axis)
-                .map_err(|e| Error::io("draw", &path, std::io::Error::other(e)))?;
-            files::write(&path, svg.as_bytes())?;
-        }
+    for plot in plots(records).map_err(|e| Error::io("draw the plots of", folder, std::io::Error::other(e)))? {
+        files::write(&folder.join(format!("error-{}.svg", plot.name)), plot.svg.as_bytes())?;
     }
     Ok(())
+}
+
+/// What the files of a cell begin with.
+pub fn stem(scene: &str, view: &str, [width, height]: [u32; 2], roughness: Option<f32>) -> String {
+    format!("{scene}-{view}-{width}x{height}-r{}", tables::roughness(roughness))
+}
+
+/// Name of a cell's picture.
+pub fn picture_file(stem: &str, name: &str) -> String {
+    format!("{stem}-{name}.png")
+}
+
+/// Name of the FLIP map of a cell's picture.
+pub fn flip_file(stem: &str, name: &str) -> String {
+    format!("{stem}-{name}-flip.png")
 }
 
 /// Writes the images of a cell: reflection colours, and for methods the error as EXR and as FLIP's picture.
 pub fn write_strips(folder: &Path, stem: &str, cell: &Cell) -> Result<()> {
     let [width, height] = cell.extent;
     for strip in &cell.strips {
-        let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));
-        Rgb { width, height, bytes: display(&strip.color) }.write_png(&file(".png"))?;
+        Rgb { width, height, bytes: display(&strip.color) }.write_png(&folder.join(picture_file(stem, &strip.name)))?;
         if let Some((rmse, flip)) = &strip.error {
-            Rgb { width, height, bytes: flip.clone() }.write_png(&file("-flip.png"))?;
+            Rgb { width, height, bytes: flip.clone() }.write_png(&folder.join(flip_file(stem, &strip.name)))?;
             let pixels = Pixels { width, height, channels: 1, values: rmse.clone() };
-            write_exr(&file("-rmse.exr"), &pixels, &["rmse"])?;
+            write_exr(&folder.join(format!("{stem}-{}-rmse.exr", strip.name)), &pixels, &["rmse"])?;
         }
     }
     Ok(())
