@@ -274,17 +274,30 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
     let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
-    assert!(!page.contains("src=\"http") && !page.contains("<script src"), "the page needs nothing from elsewhere");
-    let shown: Vec<_> = page.split("src=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
-    let mut images: Vec<_> = shown.iter().filter_map(|s| s.strip_prefix("images/")).collect();
-    images.sort();
-    images.dedup();
-    assert_eq!(images, folder.list("out/images"), "every image is shown, and every image shown is there");
+    let linked: Vec<_> = page.split("href=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
+    let linked_in = |prefix: &str| {
+        let mut files: Vec<_> = linked.iter().filter_map(|s| s.strip_prefix(prefix)).filter(|s| !s.is_empty()).collect();
+        files.sort();
+        files.dedup();
+        files
+    };
+    let images = folder.list("out/images");
+    assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
     // Per scene: direct light and each method; and two figures.
-    assert_eq!(images.len(), 2 * (1 + ssct::methods::METHODS.len()) + 2);
-    let records: Value = serde_json::from_str(&std::fs::read_to_string(folder.path("out/time.json")).unwrap()).unwrap();
-    assert!(records.as_array().unwrap().iter().all(|r| r["kind"] == "time"));
-    assert_eq!(folder.list("out"), ["images", "index.html", "time-samples.csv", "time.json"]);
+    let methods = ssct::methods::METHODS.len();
+    assert_eq!(images.len(), 2 * (1 + methods) + 2);
+    let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png")).collect::<Vec<_>>();
+    assert_eq!(linked_in("error/images/"), pngs);
+    // Per cell: two references, and each method and the exact hits with their FLIP maps.
+    assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
+    for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {
+        assert!(linked.contains(&file), "{file}");
+        let text = std::fs::read_to_string(folder.path("out").join(file)).unwrap();
+        let records: Value = serde_json::from_str(&text).unwrap();
+        let records = records.as_array().unwrap();
+        assert!(!records.is_empty() && records.iter().all(|r| r["kind"] == kind), "{file}");
+    }
+    assert_eq!(folder.list("out"), ["error", "images", "index.html", "time-samples.csv", "time.json"]);
 }
 
 #[test]

@@ -4,6 +4,7 @@ mod cli;
 mod compare;
 mod devices;
 mod error;
+mod error_cells;
 #[cfg(feature = "window")]
 mod fly_camera;
 mod gbuffer;

@@ -1,14 +1,16 @@
 //! `ssct study`: pictures, times and the page that shows them.
 
 use super::cli::StudyOptions;
+use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{METHODS, Setup};
 use crate::report::figures::{self, Figure};
-use crate::report::html::{Page, Picture, Strip};
-use crate::report::{files, images, plot, tables};
+use crate::report::html::{Errors, Gallery, Page, Picture, Times};
+use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{TimeSpec, camera, time};
 use crate::study::{Globals, Shot, Stage, TimeRecord, image};
@@ -18,6 +20,10 @@ use std::path::Path;
 
 /// Size of pictures and of the views' times: the thesis's own benchmark size.
 const SIZE: [u32; 2] = [960, 540];
+/// Name of the pictures without reflections.
+const LIT: &str = "direct light";
+/// Where the error study lies.
+const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
 
@@ -27,61 +33,103 @@ struct Plan {
     size: [u32; 2],
     samples: usize,
     table_sizes: Vec<[u32; 2]>,
+    /// Rays a pixel of the references.
+    rays: u32,
+    command: String,
+}
+
+impl Plan {
+    fn new(options: &StudyOptions) -> Result<Self> {
+        if options.quick {
+            let table_sizes = vec![[640, 480]];
+            return Ok(Self {
+                views: 1,
+                size: [480, 270],
+                samples: 3,
+                table_sizes,
+                rays: 16,
+                command: "ssct study --quick".into(),
+            });
+        }
+        let samples = options.samples;
+        if samples == 0 {
+            return Err(Error::Usage("--samples 0: at least one is needed".into()));
+        }
+        let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
+        table_sizes.dedup();
+        let command = format!("ssct study --samples {samples}");
+        Ok(Self { views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
+    }
 }
 
 /// Runs the study and writes its folder.
 pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let folder = &options.output;
-    let plan = if options.quick {
-        Plan { views: 1, size: [480, 270], samples: 3, table_sizes: vec![[640, 480]] }
-    } else {
-        let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
-        table_sizes.dedup();
-        Plan { views: usize::MAX, size: SIZE, samples: options.samples, table_sizes }
-    };
-    if plan.samples == 0 {
-        return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
-    }
+    let plan = Plan::new(options)?;
     let gpu = resolve::gpu(&options.device)?;
     let scenes: Vec<Scene> = library::names().iter().filter_map(|n| library::scene(n)).collect();
 
     let bar = progress::bar("study", 0);
-    let mut strips = Vec::new();
+    let mut views = Vec::new();
     let mut view_records = Vec::new();
     for scene in &scenes {
-        let views: Vec<&View> = scene.views.iter().take(plan.views).collect();
-        bar.inc_length((views.len() * METHODS.len()) as u64);
-        strips.extend(pictures(&gpu, scene, &views, folder, &plan, &bar)?);
-        for view in views {
+        let shown: Vec<&View> = scene.views.iter().take(plan.views).collect();
+        bar.inc_length((shown.len() * METHODS.len()) as u64);
+        views.extend(pictures(&gpu, scene, &shown, folder, &plan, &bar)?);
+        for view in shown {
             view_records.extend(timed(&gpu, scene, view, &[plan.size], &[GLOSSY], plan.samples, &bar)?);
         }
     }
     let figures = thesis_figures(&gpu, &scenes, folder, &plan)?;
     let table_records = table_5_8(&gpu, &scenes, &plan, &bar)?;
+    let error_records = errors(&gpu, &scenes, folder, &plan, &bar)?;
     bar.finish_and_clear();
 
-    let table = compare(&table_records);
     let all: Vec<TimeRecord> = view_records.iter().chain(&table_records).cloned().collect();
     files::write(&folder.join("time.json"), files::json(&all).as_bytes())?;
     files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes())?;
+    error_report::write(&folder.join(ERROR_FOLDER), &error_records)?;
     let page = Page {
         device: gpu.info(),
-        command: if options.quick { "ssct study --quick".into() } else { "ssct study".into() },
-        strips,
+        command: plan.command.clone(),
+        times: Times {
+            table: compare(&table_records),
+            table_records: &table_records,
+            view_records: &view_records,
+            plot: plot::stage_bars(&view_records).map_err(anyhow::Error::msg)?,
+        },
+        errors: Errors {
+            settings: error_settings(&plan),
+            records: &error_records,
+            plots: error_report::plots(&error_records).map_err(anyhow::Error::msg)?,
+            pictures: error_galleries(&error_records),
+        },
+        views,
         figures,
-        table,
-        table_records: &table_records,
-        view_records: &view_records,
-        plot: plot::stage_bars(&view_records).map_err(anyhow::Error::msg)?,
+        records: records(),
     };
+    let html = page.render(folder)?;
     let index = folder.join("index.html");
-    files::write(&index, page.render().as_bytes())?;
+    files::write(&index, html.as_bytes())?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
-    write!(out, "{}", tables::table_5_8(&page.table))?;
-    writeln!(out, "{}", index.display())?;
+    write!(out, "{}", tables::table_5_8(&page.times.table))?;
+    writeln!(out, "{} ({:.1} MB)", index.display(), html.len() as f64 / 1e6)?;
     gpu.check_validation()?;
     Ok(())
+}
+
+/// What lies beside the page.
+fn records() -> Vec<(String, String)> {
+    let of = |file: &str, what: &str| (file.to_owned(), what.to_owned());
+    vec![
+        of("time.json", "every time, one record a method, view, size and roughness"),
+        of("time-samples.csv", "every sample of every pass"),
+        of("images/", "the pictures, lossless"),
+        (format!("{ERROR_FOLDER}/error.json"), "every error, one record a method, cell and reference".into()),
+        (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),
+        (format!("{ERROR_FOLDER}/images/"), "reflections and FLIP maps as PNG, error maps as EXR".into()),
+    ]
 }
 
 /// Each view: lit only, and every method.
@@ -92,9 +140,9 @@ fn pictures(
     folder: &Path,
     plan: &Plan,
     bar: &ProgressBar,
-) -> Result<Vec<Strip>> {
+) -> Result<Vec<Gallery>> {
     let mut stage = Stage::new(gpu, scene)?;
-    let mut strips = Vec::new();
+    let mut galleries = Vec::new();
     for view in views {
         let mut pictures = Vec::new();
         for (n, method) in METHODS.iter().enumerate() {
@@ -105,16 +153,22 @@ fn pictures(
                 let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
                 let file = format!("images/{}-{}-lit.png", scene.name, view.name);
                 images::write_image(&folder.join(&file), &lit)?;
-                pictures.push(Picture { file, caption: "direct light only".into() });
+                pictures.push(Picture { file, name: LIT.into(), caption: "direct light only".into() });
             }
             let file = format!("images/{}-{}-{}.png", scene.name, view.name, method.name);
             images::write_image(&folder.join(&file), &rendered.composite)?;
-            pictures.push(Picture { file, caption: format!("{}, roughness 0.1", method.name) });
+            let caption = format!("{}, roughness 0.1", method.name);
+            pictures.push(Picture { file, name: method.name.into(), caption });
             bar.inc(1);
         }
-        strips.push(Strip { title: format!("{}, {}", scene.name, view.name), pictures });
+        galleries.push(Gallery {
+            title: format!("{}, {}", scene.name, view.name),
+            pictures,
+            compared: [LIT.into(), METHODS[0].name.into()],
+            rows_of_three: false,
+        });
     }
-    Ok(strips)
+    Ok(galleries)
 }
 
 fn timed(
@@ -148,6 +202,20 @@ fn table_5_8(gpu: &Gpu, scenes: &[Scene], plan: &Plan, bar: &ProgressBar) -> Res
     timed(gpu, atrium, atrium.view("hall")?, &plan.table_sizes, &globals, plan.samples, bar)
 }
 
+/// The quick error study of the rooms.
+fn errors(
+    gpu: &Gpu,
+    scenes: &[Scene],
+    folder: &Path,
+    plan: &Plan,
+    bar: &ProgressBar,
+) -> anyhow::Result<Vec<ErrorRecord>> {
+    let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(Vec::new()) };
+    let cells = ErrorPlan::quick(rooms.clone(), plan.samples, plan.rays);
+    bar.inc_length(cells.cells() as u64);
+    cells.run(gpu, Some(&folder.join(ERROR_FOLDER)), &mut || bar.inc(1))
+}
+
 /// Figures 4.4 and 4.5 on the first scene.
 fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Result<Vec<Picture>> {
     let Some(scene) = scenes.first() else { return Ok(Vec::new()) };
@@ -177,8 +245,51 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
         if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;
-            pictures.push(Picture { file, caption: caption.to_owned() });
+            pictures.push(Picture { file, name: stem.to_owned(), caption: caption.to_owned() });
         }
     }
     Ok(pictures)
+}
+
+fn error_settings(plan: &Plan) -> String {
+    let [width, height] = QUICK_SIZE;
+    format!(
+        "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
+         one (0.1); references of {} rays a pixel, medians of {} frames. Errors are of the reflection colour before fade \
+         and reflectivity. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
+        plan.rays, plan.samples
+    )
+}
+
+/// Each cell: method, screen reference and FLIP map in a row, then the world reference.
+fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
+    let mut galleries: Vec<Gallery> = Vec::new();
+    for r in records {
+        let h = &r.head;
+        let title = format!("{}, {}, roughness {}", h.scene, h.view, tables::roughness(h.roughness));
+        if galleries.iter().any(|g| g.title == title) {
+            continue;
+        }
+        let stem = error_report::stem(&h.scene, &h.view, [h.width, h.height], h.roughness);
+        let picture = |file: String, name: &str, caption: String| Picture {
+            file: format!("{ERROR_FOLDER}/images/{file}"),
+            name: name.to_owned(),
+            caption,
+        };
+        let reflection =
+            |name: &str, caption: &str| picture(error_report::picture_file(&stem, name), name, caption.into());
+        let mut pictures = Vec::new();
+        for name in METHODS.iter().map(|m| m.name).chain([EXACT_HITS]) {
+            let flip = error_report::flip_file(&stem, name);
+            pictures.extend([
+                reflection(name, name),
+                reflection(SCREEN_REFERENCE, "screen reference"),
+                picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}: dark is right")),
+            ]);
+        }
+        pictures.push(reflection(WORLD_REFERENCE, "world reference: what the screen cannot show included"));
+        let compared = [METHODS[0].name.into(), SCREEN_REFERENCE.into()];
+        galleries.push(Gallery { title, pictures, compared, rows_of_three: true });
+    }
+    galleries
 }

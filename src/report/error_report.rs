@@ -16,20 +16,55 @@ pub const REFERENCES: [(Against, &str, &str); 3] = [
     (Against::World, "world", "RMSE against the world reference"),
 ];
 
+/// The plot of a reference, and what it shows as a table.
+#[derive(Debug, Clone)]
+pub struct ErrorPlot {
+    /// The reference's name.
+    pub name: &'static str,
+    /// The error that it shows.
+    pub axis: &'static str,
+    /// Run time against error, SVG.
+    pub svg: String,
+    /// The same points as rows.
+    pub cells: Vec<Vec<String>>,
+}
+
+/// One plot for each reference that the records have.
+pub fn plots(records: &[ErrorRecord]) -> std::result::Result<Vec<ErrorPlot>, String> {
+    let mut plots = Vec::new();
+    for (against, name, axis) in REFERENCES {
+        let points = sweep::points(records, against);
+        if !points.is_empty() {
+            let svg = plot::time_against_error(&points, axis)?;
+            plots.push(ErrorPlot { name, axis, svg, cells: point_cells(&points) });
+        }
+    }
+    Ok(plots)
+}
+
 /// Writes error.json, error.txt and one plot a reference.
 pub fn write(folder: &Path, records: &[ErrorRecord]) -> Result<()> {
     files::write(&folder.join("error.json"), files::json(records).as_bytes())?;
     files::write(&folder.join("error.txt"), text(records).as_bytes())?;
-    for (against, name, axis) in REFERENCES {
-        let points = sweep::points(records, against);
-        if !points.is_empty() {
-            let path = folder.join(format!("error-{name}.svg"));
-            let svg = plot::time_against_error(&points, axis)
-                .map_err(|e| Error::io("draw", &path, std::io::Error::other(e)))?;
-            files::write(&path, svg.as_bytes())?;
-        }
+    for plot in plots(records).map_err(|e| Error::io("draw the plots of", folder, std::io::Error::other(e)))? {
+        files::write(&folder.join(format!("error-{}.svg", plot.name)), plot.svg.as_bytes())?;
     }
     Ok(())
+}
+
+/// What the files of a cell begin with.
+pub fn stem(scene: &str, view: &str, [width, height]: [u32; 2], roughness: Option<f32>) -> String {
+    format!("{scene}-{view}-{width}x{height}-r{}", tables::roughness(roughness))
+}
+
+/// Name of a cell's picture; its error maps have "-rmse" or "-flip" before the extension.
+pub fn picture_file(stem: &str, name: &str) -> String {
+    format!("{stem}-{name}.png")
+}
+
+/// Name of the FLIP map of a cell's picture.
+pub fn flip_file(stem: &str, name: &str) -> String {
+    format!("{stem}-{name}-flip.png")
 }
 
 /// Writes the images of a cell: reflection colours, and for methods each error map as EXR and as a
@@ -38,7 +73,7 @@ pub fn write_strips(folder: &Path, stem: &str, cell: &Cell) -> Result<()> {
     let [width, height] = cell.extent;
     for strip in &cell.strips {
         let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));
-        Rgb { width, height, bytes: display(&strip.color) }.write_png(&file(".png"))?;
+        Rgb { width, height, bytes: display(&strip.color) }.write_png(&folder.join(picture_file(stem, &strip.name)))?;
         if let Some(error) = &strip.error {
             let maps = [("rmse", &error.rmse), ("flip", &error.flip.errors)];
             for (name, values) in maps {

@@ -171,8 +171,8 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     let Some(first) = shots.first() else { return Ok(cell) };
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials);
 
-    cell.strips.push(Strip { name: "screen-reference".into(), color: truth.screen.color.clone(), error: None });
-    cell.strips.push(Strip { name: "world-reference".into(), color: truth.world.color.clone(), error: None });
+    cell.strips.push(Strip { name: SCREEN_REFERENCE.into(), color: truth.screen.color.clone(), error: None });
+    cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
         let color = colors(&stage.context.read(output.reflection.0.all())?);
@@ -200,6 +200,8 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
 pub const EXACT_HITS: &str = "exact-hits+cone";
 /// Name in records of the screen reference, when it is held against the world.
 pub const SCREEN_REFERENCE: &str = "screen-reference";
+/// Name of the world reference's picture.
+pub const WORLD_REFERENCE: &str = "world-reference";
 
 /// The fields that a variant's records share.
 struct Record(ErrorRecord);

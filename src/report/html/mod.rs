@@ -1,0 +1,154 @@
+//! The page of a study: tables, plots and pictures in one file that needs nothing from elsewhere.
+//! Pictures are embedded small; the lossless ones and the raw records lie beside it, and it links
+//! to them.
+
+mod embed;
+mod gallery;
+mod sections;
+
+pub use gallery::{Gallery, Picture};
+
+use super::error_report::ErrorPlot;
+use crate::error::Result;
+use crate::gpu::DeviceInfo;
+use crate::study::TimeRecord;
+use crate::study::error::ErrorRecord;
+use crate::study::record::{DEFINITIONS, Head};
+use crate::study::table::Compared;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use std::path::Path;
+
+/// Everything that the page shows.
+pub struct Page<'a> {
+    /// Device that everything ran on.
+    pub device: &'a DeviceInfo,
+    /// The command that made it.
+    pub command: String,
+    /// Times.
+    pub times: Times<'a>,
+    /// Errors.
+    pub errors: Errors<'a>,
+    /// Pictures by view.
+    pub views: Vec<Gallery>,
+    /// Figures of the thesis.
+    pub figures: Vec<Picture>,
+    /// Records beside the page: file or folder, relative to it, and what it has.
+    pub records: Vec<(String, String)>,
+}
+
+/// What was timed.
+pub struct Times<'a> {
+    /// Rows of table 5.8.
+    pub table: Vec<Compared>,
+    /// The measurements behind the table.
+    pub table_records: &'a [TimeRecord],
+    /// The measurements of the views.
+    pub view_records: &'a [TimeRecord],
+    /// Plot of the views' times, SVG.
+    pub plot: String,
+}
+
+/// What was held against the references.
+pub struct Errors<'a> {
+    /// One sentence: what was measured, and how.
+    pub settings: String,
+    /// The measurements.
+    pub records: &'a [ErrorRecord],
+    /// Run time against error.
+    pub plots: Vec<ErrorPlot>,
+    /// Methods, references and error maps by view and roughness.
+    pub pictures: Vec<Gallery>,
+}
+
+/// Parts of the page: id and title.
+const PARTS: [(&str, &str); 7] = [
+    ("table", "Table 5.8"),
+    ("stages", "Where the time goes"),
+    ("error", "Run time against error"),
+    ("views", "Pictures"),
+    ("figures", "Figures of the thesis"),
+    ("passes", "Every pass"),
+    ("records", "Raw records"),
+];
+
+impl Page<'_> {
+    /// The whole page; its pictures are read from the folder that it will lie in.
+    pub fn render(&self, folder: &Path) -> Result<String> {
+        let [table, stages, error, views, figures, passes, records] = PARTS.map(heading);
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                (head())
+                body {
+                    (self.header())
+                    (table) (sections::table_5_8(&self.times))
+                    (stages)
+                    (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
+                        the tables under “Every pass” have the same times"))
+                    (error) (sections::errors(&self.errors))
+                    (galleries(&self.errors.pictures, folder)?)
+                    (views)
+                    p {
+                        "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
+                        (embed::JPEG_QUALITY) "; each links to its lossless PNG."
+                    }
+                    (galleries(&self.views, folder)?)
+                    (figures) (gallery::strip("Thesis", &self.figures, "strip", folder)?)
+                    (passes)
+                    p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
+                    (sections::passes(self.times.view_records))
+                    (records)
+                    ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
+                    (gallery::compare_template())
+                    script { (PreEscaped(include_str!("compare.js"))) }
+                }
+            }
+        };
+        Ok(page.into_string())
+    }
+
+    fn header(&self) -> Markup {
+        let d = self.device;
+        html! {
+            header {
+                h1 { "Glossy reflections in screen space" }
+                dl {
+                    dt { "Device" }
+                    dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
+                    dt { "Program" }
+                    dd { "ssct " (Head::VERSION) ", commit " code { (Head::COMMIT) } ", definitions " (DEFINITIONS) }
+                    dt { "Command" }
+                    dd { code { (self.command) } }
+                }
+                @if d.kind == "CPU" {
+                    p { "This device is a CPU: its times are the host's. Compare only ratios, and only within this page." }
+                }
+                nav aria-label="Parts of the page" {
+                    ul { @for (id, title) in PARTS { li { a href={ "#" (id) } { (title) } } } }
+                }
+            }
+        }
+    }
+}
+
+fn head() -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            title { "ssct study" }
+            // Without it a browser asks the server for one.
+            link rel="icon" href="data:,";
+            style { (PreEscaped(include_str!("page.css"))) }
+        }
+    }
+}
+
+fn heading((id, title): (&str, &str)) -> Markup {
+    html! { h2 id=(id) { (title) } }
+}
+
+fn galleries(all: &[Gallery], folder: &Path) -> Result<Markup> {
+    let galleries = all.iter().map(|g| gallery::gallery(g, folder)).collect::<Result<Vec<_>>>()?;
+    Ok(html! { @for gallery in galleries { (gallery) } })
+}

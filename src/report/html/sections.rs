@@ -1,0 +1,120 @@
+//! The page's tables and plots.
+
+use super::{Errors, Times};
+use crate::report::{error_report, tables};
+use crate::study::TimeRecord;
+use maud::{Markup, PreEscaped, html};
+
+/// The thesis's table beside ours.
+pub fn table_5_8(times: &Times) -> Markup {
+    html! {
+        p {
+            "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside this device's, for the effect "
+            "without the scene passes. What carries over between machines is the ratio. The normal deviation is the "
+            "roughness, as in the thesis."
+        }
+        (grid(&tables::table_5_8_cells(&times.table)))
+        @if let Some((least, greatest)) = sum_over_frame(times.table_records) {
+            p {
+                "Check of the timer: the sum of all passes' medians over the frame's own median is "
+                (format!("{least:.3} to {greatest:.3}")) "."
+            }
+        }
+    }
+}
+
+/// Least and greatest ratio of the passes' sum to the frame.
+fn sum_over_frame(records: &[TimeRecord]) -> Option<(f64, f64)> {
+    let ratios: Vec<f64> = records.iter().map(TimeRecord::sum_over_frame).collect();
+    let least = ratios.iter().copied().reduce(f64::min)?;
+    Some((least, ratios.iter().copied().fold(least, f64::max)))
+}
+
+/// Run time against error, and what the error consists of.
+pub fn errors(errors: &Errors) -> Markup {
+    html! {
+        p { (errors.settings) }
+        @for plot in &errors.plots {
+            h3 { "Against the " (plot.name) }
+            (inline_svg(&plot.svg, &format!("Run time against {}; the table below has the same points", plot.axis)))
+            (grid(&plot.cells))
+        }
+        h3 { "Where the error comes from" }
+        p {
+            "RMSE of the reflection colour, median over the views. Against the screen reference, the row "
+            code { (crate::study::error::EXACT_HITS) }
+            " has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it comes "
+            "from its wrong hits. The row " code { (crate::study::error::SCREEN_REFERENCE) }
+            " against the world is what screen space itself costs: the best that the G-buffer allows, held against the "
+            "triangles."
+        }
+        (grid(&error_report::source_cells(errors.records)))
+    }
+}
+
+/// A plot inside the page, with words for who cannot see it.
+pub fn inline_svg(svg: &str, label: &str) -> Markup {
+    // HTML knows the namespace by the element.
+    let svg = svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
+    let body = svg.strip_prefix("<svg").unwrap_or(&svg);
+    html! {
+        div.plot {
+            (PreEscaped("<svg role=\"img\" aria-label=\""))
+            (label)
+            (PreEscaped("\""))
+            (PreEscaped(body))
+        }
+    }
+}
+
+/// Rows of cells, the first of them the header, the first of each its name.
+pub fn grid(cells: &[Vec<String>]) -> Markup {
+    let Some((header, rows)) = cells.split_first() else { return html! { p { "Not measured." } } };
+    html! {
+        div.scroll {
+            table {
+                thead { tr { @for c in header { th scope="col" { (c) } } } }
+                tbody {
+                    @for row in rows {
+                        tr {
+                            @for (n, c) in row.iter().enumerate() {
+                                @if n == 0 { th scope="row" { (c) } } @else { td { (c) } }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Every pass of each record, one table a record.
+pub fn passes(records: &[TimeRecord]) -> Markup {
+    html! {
+        @for r in records {
+            details {
+                summary { (title(r)) ": " (format!("{:.3}", r.total.median_ms)) " ms" }
+                (grid(&pass_cells(r)))
+            }
+        }
+    }
+}
+
+fn title(r: &TimeRecord) -> String {
+    let h = &r.head;
+    let roughness = tables::roughness(h.roughness);
+    format!("{}, {}, {} × {}, roughness {roughness}, {}", h.scene, h.view, h.width, h.height, h.method)
+}
+
+/// Median, minimum, p95 and fragment invocations of every pass.
+fn pass_cells(record: &TimeRecord) -> Vec<Vec<String>> {
+    let mut cells = vec![["pass", "median ms", "min ms", "p95 ms", "samples", "fragments"].map(str::to_owned).to_vec()];
+    for p in &record.passes {
+        let s = p.stats;
+        let mut row = vec![p.name.clone()];
+        row.extend([s.median_ms, s.min_ms, s.p95_ms].map(|ms| format!("{ms:.3}")));
+        row.extend([s.samples.to_string(), p.work.map_or_else(|| "-".into(), |w| w.fragment_invocations.to_string())]);
+        cells.push(row);
+    }
+    cells
+}
