@@ -276,7 +276,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
     let linked: Vec<_> = page.split("href=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
     let linked_in = |prefix: &str| {
-        let mut files: Vec<_> = linked.iter().filter_map(|s| s.strip_prefix(prefix)).filter(|s| !s.is_empty()).collect();
+        let mut files: Vec<_> =
+            linked.iter().filter_map(|s| s.strip_prefix(prefix)).filter(|s| !s.is_empty()).collect();
         files.sort();
         files.dedup();
         files

@@ -52,6 +52,17 @@ pub struct DevicesOptions {
 /// Options that mean the same everywhere.
 #[derive(Debug, Args)]
 pub struct CommonOptions {
+    #[command(flatten)]
+    pub place: SceneOptions,
+    #[command(flatten)]
+    pub method_options: MethodOptions,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// What is looked at, from where, and with which materials.
+#[derive(Debug, Args)]
+pub struct SceneOptions {
     /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
@@ -85,10 +96,6 @@ pub struct CommonOptions {
     /// Replace every material's normal deviation (0 is the geometric normal, 1 the normal map).
     #[arg(long, value_name = "D")]
     pub normal_deviation: Option<f32>,
-    #[command(flatten)]
-    pub method_options: MethodOptions,
-    #[command(flatten)]
-    pub device: DeviceOptions,
 }
 
 /// How methods run.
@@ -240,7 +247,9 @@ pub struct GBufferExportOptions {
     #[arg(value_name = "FILE.exr")]
     pub file: PathBuf,
     #[command(flatten)]
-    pub common: CommonOptions,
+    pub place: SceneOptions,
+    #[command(flatten)]
+    pub device: DeviceOptions,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],

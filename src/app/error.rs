@@ -38,14 +38,14 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         [] => METHODS.iter().collect(),
         names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
     };
-    let scenes = match (&common.scene[..], options.quick) {
+    let scenes = match (&common.place.scene[..], options.quick) {
         ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
-        _ => vec![resolve::scene(common, "rooms")?],
+        _ => vec![resolve::scene(&common.place, "rooms")?],
     };
-    let globals = match &common.roughness[..] {
+    let globals = match &common.place.roughness[..] {
         [] if options.quick => roughness_values(common, &QUICK_ROUGHNESS)?,
         [] => roughness_values(common, &sweep::ROUGHNESS)?,
-        _ => resolve::globals(common)?,
+        _ => resolve::globals(&common.place)?,
     };
     let sizes = match &options.size[..] {
         [] if options.quick => vec![QUICK_SIZE],
@@ -59,8 +59,8 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         sweep::variants(&methods, base)
     };
     let views = |scene: &Scene| -> Result<Vec<View>> {
-        if common.view.is_some() || common.eye.is_some() {
-            return Ok(vec![resolve::view(scene, common, None)?]);
+        if common.place.view.is_some() || common.place.eye.is_some() {
+            return Ok(vec![resolve::view(scene, &common.place, None)?]);
         }
         let count = if options.quick { QUICK_VIEWS } else { usize::MAX };
         Ok(scene.views.iter().take(count).cloned().collect())
@@ -74,6 +74,6 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
 }
 
 fn roughness_values(common: &super::cli::CommonOptions, values: &[f32]) -> Result<Vec<Globals>> {
-    let one = resolve::one_globals(common, "no roughness was given")?;
+    let one = resolve::one_globals(&common.place, "no roughness was given")?;
     Ok(values.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect())
 }

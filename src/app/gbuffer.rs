@@ -3,7 +3,7 @@
 use super::cli::{GBufferCommand, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
 use crate::gpu::frame::Mode;
-use crate::methods::{self, METHODS};
+use crate::methods::{self, METHODS, Setup};
 use crate::report::{files, images};
 use crate::scene::gbuffer_file;
 use crate::study::timing::camera;
@@ -18,14 +18,14 @@ pub fn run(command: &GBufferCommand) -> anyhow::Result<()> {
 }
 
 fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
-    let common = &options.common;
-    let globals = resolve::one_globals(common, "a G-buffer has one roughness a pixel")?;
-    let scene = resolve::scene(common, "rooms")?;
-    let view = resolve::view(&scene, common, None)?;
-    let gpu = resolve::gpu(&common.device)?;
+    let place = &options.place;
+    let globals = resolve::one_globals(place, "a G-buffer has one roughness a pixel")?;
+    let scene = resolve::scene(place, "rooms")?;
+    let view = resolve::view(&scene, place, None)?;
+    let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);
-    let setup = resolve::setup(&common.method_options, options.size);
+    let setup = Setup::new(options.size);
     let shot = Shot::new(&gpu, &METHODS[0], &setup, camera, globals.materials(&scene, &view))?;
     stage.run(&shot, Mode::Plain)?;
     let data = gbuffer::read(&mut stage.context, &shot)?;

@@ -26,9 +26,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         return Err(Error::Usage(format!("--standard-error {}: must be above 0", options.standard_error)).into());
     }
     images::check_extension(output)?;
-    let globals = resolve::one_globals(common, "render makes one image")?;
-    let scene = resolve::scene(common, "rooms")?;
-    let view = resolve::view(&scene, common, None)?;
+    let globals = resolve::one_globals(&common.place, "render makes one image")?;
+    let scene = resolve::scene(&common.place, "rooms")?;
+    let view = resolve::view(&scene, &common.place, None)?;
     let materials = globals.materials(&scene, &view);
     let camera = camera(&scene, &view, options.size);
 

@@ -15,12 +15,12 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     let common = &options.common;
     let method = methods::find(&options.method)?;
-    let globals = resolve::one_globals(common, "render makes one image")?;
+    let globals = resolve::one_globals(&common.place, "render makes one image")?;
     if let Some(path) = &options.output {
         images::check_extension(path)?;
     }
-    let scene = resolve::scene(common, "rooms")?;
-    let view = resolve::view(&scene, common, None)?;
+    let scene = resolve::scene(&common.place, "rooms")?;
+    let view = resolve::view(&scene, &common.place, None)?;
     let gpu = resolve::gpu(&common.device)?;
 
     // The hits exist only where ray trace and cone trace are two passes; the image is the same.

@@ -1,6 +1,6 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{CommonOptions, DeviceOptions, MethodOptions, Switch};
+use super::cli::{DeviceOptions, MethodOptions, SceneOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{Setup, Tuning};
@@ -18,7 +18,7 @@ pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
 }
 
 /// Loads the scene that the flags name: built in, a scene file, or OBJ files.
-pub fn scene(options: &CommonOptions, default: &str) -> Result<Scene> {
+pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let fallback = [PathBuf::from(default)];
     let (sources, scale) = (if options.scene.is_empty() { &fallback } else { &options.scene[..] }, options.scale);
     if !(scale.is_finite() && scale > 0.0) {
@@ -53,7 +53,7 @@ pub fn scene(options: &CommonOptions, default: &str) -> Result<Scene> {
 }
 
 /// The view that the flags name, else the default, else the scene's first; with the flags' lens.
-pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Result<View> {
+pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Result<View> {
     let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
         (_, Some(eye), Some(look_at)) => {
             if eye.distance(look_at) < 1e-6 {
@@ -68,7 +68,7 @@ pub fn view(scene: &Scene, options: &CommonOptions, default: Option<&str>) -> Re
 }
 
 /// A view with the lens that the flags ask for.
-pub fn with_lens(scene: &Scene, mut view: View, options: &CommonOptions) -> Result<View> {
+pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Result<View> {
     let mut lens = view.lens.unwrap_or(scene.lens);
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
@@ -89,7 +89,7 @@ pub fn with_lens(scene: &Scene, mut view: View, options: &CommonOptions) -> Resu
 }
 
 /// The global factors: one for each `--roughness`, or one that keeps the materials' own.
-pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
+pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
     let in_unit = |flag: &str, v: f32| {
         if (0.0..=1.0).contains(&v) {
             Ok(v)
@@ -107,7 +107,7 @@ pub fn globals(options: &CommonOptions) -> Result<Vec<Globals>> {
 }
 
 /// The global factors where only one roughness makes sense; `why` says so.
-pub fn one_globals(options: &CommonOptions, why: &str) -> Result<Globals> {
+pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
         [one] => Ok(one),
         _ => Err(Error::Usage(format!("{why}: give one --roughness"))),

@@ -16,14 +16,14 @@ use std::io::Write;
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let table = options.table == Some(Table::T5_8);
-    let scene = resolve::scene(common, if table { "atrium" } else { "rooms" })?;
-    let view = resolve::view(&scene, common, table.then_some("hall"))?;
+    let scene = resolve::scene(&common.place, if table { "atrium" } else { "rooms" })?;
+    let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
         [] => METHODS.iter().collect(),
         names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
     };
-    let globals = if table { table_globals(options)? } else { resolve::globals(common)? };
+    let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, table)?;
     let gpu = resolve::gpu(&common.device)?;
     let records = measure(options, &gpu, &scene, &view, methods, sizes, globals)?;
@@ -94,14 +94,15 @@ fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
 
 /// The table's roughness values, each also the normal deviation.
 fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
-    if options.common.normal_deviation.is_some() {
+    if options.common.place.normal_deviation.is_some() {
         return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
     let known = [0.0, 0.1];
-    let wanted = if options.common.roughness.is_empty() { known.to_vec() } else { options.common.roughness.clone() };
+    let wanted =
+        if options.common.place.roughness.is_empty() { known.to_vec() } else { options.common.place.roughness.clone() };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
     }
-    let reflectivity = options.common.reflectivity;
+    let reflectivity = options.common.place.reflectivity;
     Ok(wanted.iter().map(|r| Globals { roughness: Some(*r), reflectivity, normal_deviation: Some(*r) }).collect())
 }

@@ -1,6 +1,6 @@
 //! `ssct truth`: the world reference, for others to check.
 
-use super::cli::{CommonOptions, size};
+use super::cli::{SceneOptions, size};
 use super::resolve;
 use crate::error::Error;
 use crate::report::mitsuba::{Export, export};
@@ -25,7 +25,7 @@ enum TruthCommand {
 #[derive(Debug, Args)]
 struct ExportOptions {
     #[command(flatten)]
-    common: CommonOptions,
+    place: SceneOptions,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "160x90")]
     size: [u32; 2],
@@ -43,15 +43,12 @@ struct ExportOptions {
 /// Runs a subcommand.
 pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
     let TruthCommand::Export(options) = &options.command;
-    let globals = match resolve::globals(&options.common)?[..] {
-        [one] => one,
-        _ => return Err(Error::Usage("truth export makes one image: give one --roughness".into()).into()),
-    };
+    let globals = resolve::one_globals(&options.place, "truth export makes one image")?;
     if options.samples < 2 {
         return Err(Error::Usage("--samples: a standard error needs at least two".into()).into());
     }
-    let scene = resolve::scene(&options.common, "rooms")?;
-    let view = resolve::view(&scene, &options.common, None)?;
+    let scene = resolve::scene(&options.place, "rooms")?;
+    let view = resolve::view(&scene, &options.place, None)?;
     let materials = globals.materials(&scene, &view);
     let exported = export(
         &options.output,

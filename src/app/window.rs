@@ -56,14 +56,14 @@ pub struct ViewOptions {
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let method = methods::find(&options.method)?;
-    let globals = resolve::one_globals(common, "view shows one image")?;
+    let globals = resolve::one_globals(&common.place, "view shows one image")?;
     if let Some(path) = &options.screenshot {
         images::check_extension(path)?;
     }
-    let scene = resolve::scene(common, "rooms")?;
-    let view = resolve::view(&scene, common, None)?;
+    let scene = resolve::scene(&common.place, "rooms")?;
+    let view = resolve::view(&scene, &common.place, None)?;
     let views =
-        scene.views.iter().map(|v| resolve::with_lens(&scene, v.clone(), common)).collect::<Result<Vec<_>>>()?;
+        scene.views.iter().map(|v| resolve::with_lens(&scene, v.clone(), &common.place)).collect::<Result<Vec<_>>>()?;
 
     let events = EventLoop::new().map_err(|e| no_window("the display cannot be opened", &e))?;
     events.set_control_flow(ControlFlow::Wait);
