@@ -287,7 +287,10 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     // Per scene: direct light and each method; and two figures.
     let methods = ssct::methods::METHODS.len();
     assert_eq!(images.len(), 2 * (1 + methods) + 2);
-    let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png")).collect::<Vec<_>>();
+    let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
+    // The RMSE maps stand beside, for whoever looks closer.
+    let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
+    assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
     // Per cell: two references, and each method and the exact hits with their FLIP maps.
     assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
