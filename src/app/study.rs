@@ -287,7 +287,7 @@ fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
                 picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}: dark is right")),
             ]);
         }
-        pictures.push(reflection(WORLD_REFERENCE, "world reference: what the screen cannot show included"));
+        pictures.push(reflection(WORLD_REFERENCE, "world reference"));
         let compared = [METHODS[0].name.into(), SCREEN_REFERENCE.into()];
         galleries.push(Gallery { title, pictures, compared, rows_of_three: true });
     }

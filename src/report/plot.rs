@@ -16,6 +16,11 @@ const STAGE_COLORS: [RGBColor; 8] = [
     RGBColor(0xba, 0xb0, 0xac),
 ];
 
+/// Width of a plot in pixels: small enough that its text can still be read on a phone.
+const WIDTH: u32 = 640;
+/// Pixels of a plot's text.
+const TEXT: u32 = 14;
+
 /// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
 pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
     let mut stages: Vec<String> = Vec::new();
@@ -25,58 +30,72 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
         }
     }
     let most = records.iter().map(|r| r.stages().iter().map(|s| s.1).sum::<f64>()).fold(1e-6, f64::max);
-    let height = 90 + 26 * records.len() as u32;
+    let legend = legend_height(&stages);
+    // A row is a line of text and its bar.
+    let row_height = 40;
+    let height = legend + row_height * records.len().max(1) as u32 + 60;
     let mut svg = String::new();
     {
-        let root = SVGBackend::with_string(&mut svg, (1000, height)).into_drawing_area();
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, height)).into_drawing_area();
         let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
         root.fill(&WHITE).map_err(failed)?;
         let rows = records.len().max(1) as f64;
         let mut chart = ChartBuilder::on(&root)
             .margin(10)
-            .margin_top(34)
-            .x_label_area_size(36)
-            .y_label_area_size(300)
-            .build_cartesian_2d(0.0..most * 1.05, rows..0.0)
+            .margin_top(legend)
+            .margin_right(24)
+            .x_label_area_size(50)
+            .build_cartesian_2d(0.0..most * 1.02, rows..0.0)
             .map_err(failed)?;
-        let label = |y: &f64| {
-            let r = records.get(*y as usize);
-            match r {
-                Some(r) if y.fract() == 0.5 => {
-                    let h = &r.head;
-                    let rough = super::tables::roughness(h.roughness);
-                    format!("{} {} {}x{} r {rough} {}", h.scene, h.view, h.width, h.height, h.method)
-                }
-                _ => String::new(),
-            }
-        };
         chart
             .configure_mesh()
             .disable_mesh()
             .x_desc("milliseconds (medians; the scene passes are not counted)")
+            .x_label_style(("sans-serif", TEXT))
             .y_labels(0)
             .draw()
             .map_err(failed)?;
         for (row, record) in records.iter().enumerate() {
             let (y, mut x) = (row as f64, 0.0);
+            let at = chart.backend_coord(&(0.0, y));
+            root.draw(&Text::new(label(record), (at.0 + 2, at.1 + 4), ("sans-serif", TEXT))).map_err(failed)?;
             for (name, ms) in record.stages() {
-                let index = stages.iter().position(|s| *s == name).unwrap_or(0);
-                let color = STAGE_COLORS[index % STAGE_COLORS.len()].filled();
-                chart.draw_series([Rectangle::new([(x, y + 0.15), (x + ms, y + 0.85)], color)]).map_err(failed)?;
+                let bar = Rectangle::new([(x, y + 0.5), (x + ms, y + 0.95)], stage_color(&stages, &name).filled());
+                chart.draw_series([bar]).map_err(failed)?;
                 x += ms;
             }
-            let at = (12, 27 + (row as i32 * 2 + 1) * (height as i32 - 80) / (2 * records.len() as i32));
-            root.draw(&Text::new(label(&(y + 0.5)), at, ("sans-serif", 13))).map_err(failed)?;
         }
         for (i, name) in stages.iter().enumerate() {
-            let x = 300 + 110 * i as i32;
-            let color = STAGE_COLORS[i % STAGE_COLORS.len()].filled();
-            root.draw(&Rectangle::new([(x, 12), (x + 14, 26)], color)).map_err(failed)?;
-            root.draw(&Text::new(name.as_str(), (x + 19, 12), ("sans-serif", 13))).map_err(failed)?;
+            let (x, y) = legend_place(i);
+            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], stage_color(&stages, name).filled()))
+                .map_err(failed)?;
+            root.draw(&Text::new(name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }
     Ok(svg)
+}
+
+fn label(record: &TimeRecord) -> String {
+    let h = &record.head;
+    let roughness = super::tables::roughness(h.roughness);
+    format!("{}: {} {}, {} × {}, roughness {roughness}", h.method, h.scene, h.view, h.width, h.height)
+}
+
+fn stage_color(stages: &[String], name: &str) -> RGBColor {
+    let index = stages.iter().position(|s| s == name).unwrap_or(0);
+    STAGE_COLORS[index % STAGE_COLORS.len()]
+}
+
+/// Names of a line of the legend.
+const LEGEND_COLUMNS: usize = 5;
+
+fn legend_place(index: usize) -> (i32, i32) {
+    (12 + 124 * (index % LEGEND_COLUMNS) as i32, 10 + 20 * (index / LEGEND_COLUMNS) as i32)
+}
+
+fn legend_height(stages: &[String]) -> u32 {
+    20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
 /// Run time against error on log axes: every point named, the Pareto front connected.
@@ -86,8 +105,12 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
         (least / 1.3, most * 1.3)
     };
     let (x, y) = (bounds(&|p| p.time_ms), bounds(&|p| p.error));
-    let (width, plot_width) = (1100_i32, 760_i32);
-    let height = (points.len() as i32 * 17 + 90).max(460);
+    // Names stand in a column of their own, as wide as the longest needs.
+    let longest = points.iter().map(|p| p.name.chars().count()).max().unwrap_or(0);
+    let name_width = 40 + 8 * longest as i32;
+    let plot_width = (WIDTH as i32 - name_width).max(480);
+    let width = plot_width + name_width;
+    let height = (points.len() as i32 * 17 + 90).max(400);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (width as u32, height as u32)).into_drawing_area();
@@ -96,8 +119,8 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
         let (left, _names) = root.split_horizontally(plot_width);
         let mut chart = ChartBuilder::on(&left)
             .margin(14)
-            .x_label_area_size(40)
-            .y_label_area_size(64)
+            .x_label_area_size(44)
+            .y_label_area_size(70)
             .build_cartesian_2d(x.0.log10()..x.1.log10(), y.0.log10()..y.1.log10())
             .map_err(failed)?;
         chart
@@ -107,6 +130,7 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             .y_labels(0)
             .x_desc("milliseconds, median")
             .y_desc(error_axis)
+            .axis_desc_style(("sans-serif", TEXT))
             .draw()
             .map_err(failed)?;
         let grid = STAGE_COLORS[7].mix(0.35);
@@ -114,13 +138,13 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             let (low, high) =
                 (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            root.draw(&Text::new(format!("{tick}"), (low.0 - 8, low.1 + 5), ("sans-serif", 12))).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 8, low.1 + 5), ("sans-serif", TEXT))).map_err(failed)?;
         }
         for tick in log_ticks(y) {
             let (low, high) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", 12))).map_err(failed)?;
+            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", TEXT))).map_err(failed)?;
         }
         let place = |p: &Point| (p.time_ms.log10(), p.error.log10());
         let front = points.iter().filter(|p| p.on_front).map(place);
@@ -128,7 +152,7 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
         let color = |p: &Point| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
         chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
 
-        // Names stand in a column of their own, in the order of the errors, each led to its point.
+        // In the order of the errors, each name led to its point.
         let mut order: Vec<&Point> = points.iter().collect();
         order.sort_by(|a, b| b.error.total_cmp(&a.error));
         for (row, p) in order.into_iter().enumerate() {
@@ -136,7 +160,7 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             let name = (plot_width + 24, 30 + row as i32 * 17);
             let line = [at, (name.0 - 4, name.1 + 6)];
             root.draw(&PathElement::new(line, STAGE_COLORS[7].mix(0.6))).map_err(failed)?;
-            let style = ("sans-serif", 13).into_font().color(&color(p));
+            let style = ("sans-serif", TEXT).into_font().color(&color(p));
             root.draw(&Text::new(p.name.clone(), name, style)).map_err(failed)?;
         }
         root.present().map_err(failed)?;

@@ -30,5 +30,5 @@ for (const gallery of document.querySelectorAll("[data-compare]")) {
   range.addEventListener("input", move);
   choose(0);
   choose(1);
-  gallery.prepend(compare);
+  gallery.querySelector("h3").after(compare);
 }

@@ -43,14 +43,17 @@ pub fn gallery(gallery: &Gallery, folder: &Path) -> Result<Markup> {
 
 /// Pictures beside each other.
 pub fn strip(title: &str, pictures: &[Picture], class: &str, folder: &Path) -> Result<Markup> {
-    let figures = pictures.iter().map(|p| figure(title, p, folder)).collect::<Result<Vec<_>>>()?;
+    // Where pictures stand below each other, one of them is enough.
+    let again = |n: usize| pictures[..n].iter().any(|p| p.name == pictures[n].name);
+    let figures =
+        pictures.iter().enumerate().map(|(n, p)| figure(title, p, again(n), folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! { div class=(class) { @for figure in figures { (figure) } } })
 }
 
-fn figure(title: &str, picture: &Picture, folder: &Path) -> Result<Markup> {
+fn figure(title: &str, picture: &Picture, again: bool, folder: &Path) -> Result<Markup> {
     let embedded = embed(&folder.join(&picture.file))?;
     Ok(html! {
-        figure data-name=(picture.name) {
+        figure.again[again] data-name=(picture.name) {
             a href=(picture.file) {
                 img src=(embedded.uri) alt={ (title) ": " (picture.caption) }
                     width=(embedded.width) height=(embedded.height) decoding="async";

@@ -45,8 +45,8 @@ pub fn errors(errors: &Errors) -> Markup {
             code { (crate::study::error::EXACT_HITS) }
             " has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it comes "
             "from its wrong hits. The row " code { (crate::study::error::SCREEN_REFERENCE) }
-            " against the world is what screen space itself costs: the best that the G-buffer allows, held against the "
-            "triangles."
+            " against the world is what screen space itself costs: it traces the G-buffer exactly, and still "
+            "differs by that much from the triangles."
         }
         (grid(&error_report::source_cells(errors.records)))
     }

@@ -1,0 +1,314 @@
+//! The study's page: made from small records and pictures in a temporary folder, read as text, and
+//! shown by a headless Chromium where there is one.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use ssct::gpu::DeviceInfo;
+use ssct::methods::Preset;
+use ssct::metrics::HitAgreement;
+use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::gbuffer::Drawn;
+use ssct::report::html::{Errors, Gallery, Page, Picture, Times};
+use ssct::report::images::Rgb;
+use ssct::report::{error_report, plot};
+use ssct::study::error::{Against, ErrorRecord, Params};
+use ssct::study::record::{Head, PassRecord};
+use ssct::study::table::compare;
+use ssct::study::{Stats, TimeRecord};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+/// Phone and desktop, in CSS pixels.
+const WIDTHS: [u32; 2] = [390, 1280];
+
+fn device() -> DeviceInfo {
+    let [name, driver, api, kind] = ["A <GPU> & more", "driver 1", "1.3.0", "CPU"].map(str::to_owned);
+    DeviceInfo { name, driver, api, kind }
+}
+
+fn head(kind: &str, method: &str, roughness: f32) -> Head {
+    Head {
+        kind: kind.into(),
+        definitions: 1,
+        version: "0".into(),
+        commit: "c".into(),
+        scene: "rooms".into(),
+        view: "two-cylinders".into(),
+        method: method.into(),
+        preset: Preset::Published,
+        width: 640,
+        height: 480,
+        roughness: Some(roughness),
+        normal_deviation: Some(roughness),
+        device: device(),
+    }
+}
+
+fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
+    let passes = ["depth", "hi-z/1", "hi-z/2", "visibility/1", "color/1", "trace+cone", "composite"];
+    let pass =
+        |name: &&str| PassRecord { name: (*name).to_owned(), counted: true, stats: Stats::of(&[ms / 7.0]), work: None };
+    TimeRecord {
+        head: head("time", method, roughness),
+        split: false,
+        passes: passes.iter().map(pass).collect(),
+        total: Stats::of(&[ms]),
+        frame: Stats::of(&[ms]),
+        drawn: Drawn::default(),
+        recorded: passes.map(str::to_owned).to_vec(),
+        skipped: Vec::new(),
+        samples: vec![vec![ms / 7.0; 7]],
+    }
+}
+
+fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
+    ErrorRecord {
+        head: head("error", method, 0.0),
+        params: Params { chain_filter: ChainFilter::Hardware, tuning: Default::default() },
+        time_ms: Some(ms),
+        against,
+        hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
+        rmse: (against != Against::Oracle).then_some(error),
+        rel_mse: None,
+        flip: None,
+        standard_error: None,
+    }
+}
+
+/// A picture of one colour with some noise, so that its JPEG is smaller than its PNG.
+fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
+    let noise = |n: u32| (n.wrapping_mul(2_654_435_761) >> 28) as u8;
+    let bytes = (0..64 * 36 * 3).map(|n| color[n as usize % 3].saturating_add(noise(n))).collect();
+    let file = format!("images/{}.png", name.replace(' ', "-"));
+    Rgb { width: 64, height: 36, bytes }.write_png(&folder.join(&file)).unwrap();
+    Picture { file, name: name.into(), caption: format!("{name}, \"quoted\" <caption>") }
+}
+
+/// The page in a folder, with all that it links to.
+struct Made {
+    folder: TempDir,
+    html: String,
+}
+
+impl Made {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        let times: Vec<_> = [0.0, 0.1]
+            .into_iter()
+            .flat_map(|r| [time_record("ssct", r, 10.0), time_record("hzct", r, 8.0), time_record("sslr", r, 12.0)])
+            .collect();
+        let errors: Vec<_> = [Against::Oracle, Against::Screen, Against::World]
+            .into_iter()
+            .flat_map(|a| [error_record("ssct", a, 10.0, 0.03), error_record("hzct", a, 8.0, 0.05)])
+            .collect();
+        let device = device();
+        let of = |name: &str, color| picture(path, name, color);
+        let (lit, ssct, reference) = (of("lit", [200, 0, 0]), of("ssct", [0, 200, 0]), of("reference", [0, 0, 200]));
+        let gallery = |title: &str, pictures: Vec<Picture>, compared: [&str; 2], rows_of_three| Gallery {
+            title: title.into(),
+            pictures,
+            compared: compared.map(str::to_owned),
+            rows_of_three,
+        };
+        let rows = vec![ssct.clone(), reference.clone(), lit.clone(), lit.clone(), reference, ssct.clone()];
+        std::fs::write(path.join("time.json"), "[]").unwrap();
+        let page = Page {
+            device: &device,
+            command: "ssct study".into(),
+            times: Times {
+                table: compare(&times),
+                table_records: &times,
+                view_records: &times,
+                plot: plot::stage_bars(&times).unwrap(),
+            },
+            errors: Errors {
+                settings: "Small.".into(),
+                records: &errors,
+                plots: error_report::plots(&errors).unwrap(),
+                pictures: vec![gallery("cell", rows, ["ssct", "reference"], true)],
+            },
+            views: vec![gallery("view", vec![lit.clone(), ssct], ["lit", "ssct"], false)],
+            figures: vec![lit],
+            records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
+        };
+        let html = page.render(path).unwrap();
+        assert_eq!(html, page.render(path).unwrap(), "the same data make the same page");
+        std::fs::write(path.join("index.html"), &html).unwrap();
+        Self { folder, html }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+}
+
+/// Values of an attribute, in order.
+fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
+    let prefix = format!(" {name}=\"");
+    html.split(prefix.as_str()).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere() {
+    let page = Made::new();
+    for word in ["http:", "https:", "url(", "@import", "<iframe", "<object"] {
+        assert!(!page.html.contains(word), "{word}");
+    }
+    let sources = attributes(&page.html, "src");
+    // Two of the view, six of the cell, one figure.
+    assert_eq!(sources.len(), 9);
+    assert!(sources.iter().all(|s| s.starts_with("data:image/jpeg;base64,/9j/")), "JPEG begins with ff d8 ff");
+    assert!(!page.html.contains("<script src") && page.html.contains("<script>"));
+}
+
+#[test]
+fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
+    let page = Made::new();
+    let ids = attributes(&page.html, "id");
+    let mut unique = ids.clone();
+    unique.sort();
+    unique.dedup();
+    assert_eq!(unique.len(), ids.len(), "{ids:?}");
+    let images = page.html.split("<img").skip(1).map(|tag| tag.split('>').next().unwrap());
+    assert!(images.map(|tag| assert!(tag.contains(" alt=\""), "{tag}")).count() > 9);
+    let links = attributes(&page.html, "href");
+    assert!(links.contains(&"time.json") && links.contains(&"images/"));
+    for link in links.iter().filter(|l| !l.starts_with("data:")) {
+        match link.strip_prefix('#') {
+            Some(id) => assert!(ids.contains(&id), "{link}"),
+            None => assert!(page.path(link).exists(), "{link}"),
+        }
+    }
+    assert!(page.html.contains("A &lt;GPU&gt; &amp; more") && !page.html.contains("<GPU>"), "text is escaped");
+    for tag in ["section", "div", "table", "tr", "figure", "a", "details", "svg", "template", "select"] {
+        let open = page.html.matches(&format!("<{tag} ")).count() + page.html.matches(&format!("<{tag}>")).count();
+        assert_eq!(open, page.html.matches(&format!("</{tag}>")).count(), "{tag}");
+    }
+}
+
+#[test]
+fn a_missing_picture_is_named() {
+    let page = Made::new();
+    let device = device();
+    let missing = Picture { file: "images/none.png".into(), name: "none".into(), caption: String::new() };
+    let empty = Page {
+        device: &device,
+        command: String::new(),
+        times: Times { table: Vec::new(), table_records: &[], view_records: &[], plot: "<svg></svg>".into() },
+        errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
+        views: Vec::new(),
+        figures: Vec::new(),
+        records: Vec::new(),
+    };
+    assert!(empty.render(page.folder.path()).unwrap().contains("Not measured."));
+    let wrong = Page { figures: vec![missing], ..empty };
+    assert!(wrong.render(page.folder.path()).unwrap_err().to_string().contains("none.png"));
+}
+
+/// Chromium with what keeps it off the network, or a line that says why the test does nothing.
+fn chromium(profile: &Path) -> Option<Command> {
+    let on_path = std::env::var_os("PATH")
+        .is_some_and(|paths| std::env::split_paths(&paths).any(|folder| folder.join("chromium").is_file()));
+    if !on_path {
+        println!("skipped: chromium is not on PATH");
+        return None;
+    }
+    let mut command = Command::new("chromium");
+    command.args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]);
+    command.args([
+        "--no-first-run",
+        "--hide-scrollbars",
+        "--allow-file-access-from-files",
+        "--virtual-time-budget=4000",
+    ]);
+    command.arg(format!("--user-data-dir={}", profile.display()));
+    Some(command)
+}
+
+/// Shows the page in frames of some widths, with and without its script, and writes down what is there.
+const PROBE: &str = r#"<!DOCTYPE html><body><pre id="found"></pre><script>
+const lines = [];
+const visible = (e) => e.getClientRects().length > 0;
+function probe(frame, what) {
+  const d = frame.contentDocument, root = d.documentElement;
+  lines.push(`${what} overflow ${root.scrollWidth - root.clientWidth}`);
+  lines.push(`${what} pictures ${[...d.images].filter(i => i.naturalWidth == 64 && i.clientWidth >= 100).length > 8}`);
+  lines.push(`${what} dividers ${[...d.querySelectorAll("section .compare")].filter(visible).length}`);
+  const columns = (n) => getComputedStyle(d.querySelectorAll(".strip")[n]).gridTemplateColumns.split(" ").length;
+  lines.push(`${what} columns ${columns(0)}`);
+  const range = d.querySelector("section input");
+  if (!range) return;
+  const right = range.parentElement.querySelector(".right"), select = d.querySelectorAll("section select")[1];
+  range.value = 25;
+  range.dispatchEvent(new Event("input"));
+  lines.push(`${what} clip ${getComputedStyle(right).clipPath}`);
+  lines.push(`${what} choices ${[...select.options].map(o => o.value)}`);
+  const before = right.src;
+  select.value = "lit";
+  select.dispatchEvent(new Event("change"));
+  lines.push(`${what} chosen ${right.src != before} ${range.getAttribute("aria-valuetext")}`);
+}
+function show(width, sandbox) {
+  const frame = document.createElement("iframe");
+  frame.style = `width: ${width}px; height: 900px; border: 0`;
+  if (sandbox) frame.sandbox = "allow-same-origin";
+  frame.src = "index.html";
+  return new Promise(done => { frame.onload = () => done(frame); document.body.append(frame); });
+}
+(async () => {
+  for (const width of [390, 1280]) probe(await show(width, false), `${width}`);
+  probe(await show(390, true), "no-script");
+  document.getElementById("found").textContent = lines.join("\n");
+})();
+</script>"#;
+
+#[test]
+fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
+    let page = Made::new();
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
+    std::fs::write(page.path("probe.html"), PROBE).unwrap();
+    let url = format!("file://{}", page.path("probe.html").display());
+    let output = command.args(["--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
+    let expected = |what: &str, columns: u32| {
+        format!(
+            "{what} overflow 0\n{what} pictures true\n{what} dividers 2\n{what} columns {columns}\n\
+             {what} clip inset(0px 0px 0px 25%)\n{what} choices ssct,reference,lit\n\
+             {what} chosen true 25 % ssct, then lit\n"
+        )
+    };
+    let without = "no-script overflow 0\nno-script pictures false\nno-script dividers 0\nno-script columns 1";
+    let expected = expected("390", 1) + &expected("1280", 3) + without;
+    assert_eq!(found, expected, "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_screenshot_shows_words_plots_and_pictures() {
+    let page = Made::new();
+    for width in WIDTHS {
+        let profile = tempfile::tempdir().unwrap();
+        let Some(mut command) = chromium(profile.path()) else { return };
+        let file = page.path(&format!("{width}.png"));
+        let url = format!("file://{}", page.path("index.html").display());
+        command.arg(format!("--screenshot={}", file.display())).arg(format!("--window-size={width},6000"));
+        assert!(command.arg(url).output().unwrap().status.success());
+        let image = image::open(&file).unwrap().into_rgb8();
+        assert_eq!(image.width(), width);
+        let near = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) < 24);
+        let count = |color| image.pixels().filter(|p| near(p.0, color)).count();
+        // Words are dark, a bar of the first plot has its colour, and the three pictures theirs.
+        for (what, color, least) in [
+            ("words", [0, 0, 0], 2000),
+            ("bars", [0x4c, 0x78, 0xa8], 200),
+            ("lit", [207, 7, 7], 10_000),
+            ("ssct", [7, 207, 7], 10_000),
+            ("reference", [7, 7, 207], 10_000),
+        ] {
+            assert!(count(color) >= least, "{what} at {width}: {} pixels", count(color));
+        }
+    }
+}
