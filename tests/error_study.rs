@@ -78,9 +78,13 @@ fn the_passes_add_up_to_the_frame() {
         let passes = record["passes"].as_array().unwrap();
         let sum: f64 = passes.iter().map(median).sum();
         let ratio = sum / median(&record["frame"]);
-        assert!((0.9..1.1).contains(&ratio), "the passes' medians are {ratio:.3} of the frame's");
+        // On a CPU that others use too, the queue's thread waits between stamps, and medians of parts
+        // are not the median of the whole; a pass left out or counted twice is further off than that.
+        // The kept records below hold the narrow bound, from a quiet machine.
+        assert!((0.5..1.5).contains(&ratio), "the passes' medians are {ratio:.3} of the frame's");
         let total: f64 = passes.iter().filter(|p| p["counted"] == true).map(median).sum();
-        assert!((0.9..1.1).contains(&(total / median(&record["total"]))), "the counted ones are the total");
+        let ratio = total / median(&record["total"]);
+        assert!((0.5..1.5).contains(&ratio), "the counted ones are {ratio:.3} of the total");
         let scene: Vec<_> = passes.iter().filter(|p| p["counted"] == false).map(|p| p["name"].clone()).collect();
         assert_eq!(scene, ["g-buffer", "lighting"], "scene passes are reported, not counted");
         assert_eq!(
@@ -88,6 +92,22 @@ fn the_passes_add_up_to_the_frame() {
             9,
             "a level, a time"
         );
+    }
+}
+
+#[test]
+fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
+    let runs = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/runs/2026-11-21-lavapipe");
+    for table in ["table-5.8-atrium", "table-5.8-sponza"] {
+        let text = std::fs::read_to_string(runs.join(table).join("time.json")).unwrap();
+        let records: Vec<Value> = serde_json::from_str(&text).unwrap();
+        assert_eq!(records.len(), 20, "five sizes, two roughness values, two methods");
+        for record in records {
+            let median = |v: &Value| v["median_ms"].as_f64().unwrap();
+            let sum: f64 = record["passes"].as_array().unwrap().iter().map(median).sum();
+            let ratio = sum / median(&record["frame"]);
+            assert!((0.9..1.1).contains(&ratio), "{table}: {ratio:.3} at {}x{}", record["width"], record["height"]);
+        }
     }
 }
 
