@@ -24,7 +24,8 @@ fn methods(criterion: &mut Criterion) {
     group.sample_size(10);
     for method in METHODS {
         let camera = camera(&scene, view, SIZE);
-        let shot = Shot::new(&gpu, method, &Setup::new(SIZE), camera, globals.materials(&scene, view)).expect("a shot");
+        let shot =
+            Shot::new(&mut stage, method, &Setup::new(SIZE), camera, globals.materials(&scene, view)).expect("a shot");
         group.bench_function(BenchmarkId::new(method.name, "480x270"), |bencher| {
             bencher.iter_custom(|iterations| {
                 let mut ms = 0.0;

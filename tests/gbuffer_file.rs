@@ -19,7 +19,7 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
         let globals = Globals { roughness: Some(0.1), ..Globals::default() };
         for method in METHODS {
             let setup = Setup::new(extent);
-            let shot = Shot::new(&gpu, method, &setup, camera, globals.materials(&scene, view)).unwrap();
+            let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, view)).unwrap();
             let direct = image::render(&mut stage, &shot, false).unwrap();
             let data = gbuffer::read(&mut stage.context, &shot).unwrap();
             let path = folder.path().join("g.exr");

@@ -80,7 +80,7 @@ fn images_of_the_built_in_scenes_are_as_they_were() {
             for method in METHODS {
                 let camera = camera(&scene, view, EXTENT);
                 let materials = globals.materials(&scene, view);
-                let shot = Shot::new(&gpu, method, &Setup::new(EXTENT), camera, materials).unwrap();
+                let shot = Shot::new(&mut stage, method, &Setup::new(EXTENT), camera, materials).unwrap();
                 let image = display(&render(&mut stage, &shot, false).unwrap().composite);
                 wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
             }
@@ -102,7 +102,7 @@ fn a_changed_pass_is_seen() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);
     let mut image = |setup: &Setup| {
-        let shot = Shot::new(&gpu, &METHODS[0], setup, camera(&scene, view, EXTENT), materials.clone()).unwrap();
+        let shot = Shot::new(&mut stage, &METHODS[0], setup, camera(&scene, view, EXTENT), materials.clone()).unwrap();
         display(&render(&mut stage, &shot, false).unwrap().composite)
     };
     let usual = Setup::new(EXTENT);

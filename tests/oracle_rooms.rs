@@ -41,11 +41,11 @@ fn render(gpu: &Gpu, scene: &Scene, view: &str, size: [u32; 2], method: &str, ro
     let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(0.0) };
     let (camera, materials) = (camera(scene, view, size), globals.materials(scene, view));
     let mut stage = Stage::new(gpu, scene).unwrap();
-    let shot = Shot::new(gpu, methods::find(method).unwrap(), &setup, camera, materials).unwrap();
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), &setup, camera, materials).unwrap();
     let (_, _, output) = stage.output(&shot).unwrap();
     Rendered {
-        hits: hit_positions(&stage.context.read(output.hits.unwrap().0.all()).unwrap()),
-        reflection: stage.context.read(output.reflection.0.all()).unwrap(),
+        hits: hit_positions(&stage.context.read(output.traced.hits.unwrap().0.all()).unwrap()),
+        reflection: stage.context.read(output.traced.reflection.0.all()).unwrap(),
         gbuffer: gbuffer::read(&mut stage.context, &shot).unwrap(),
     }
 }

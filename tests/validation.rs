@@ -29,7 +29,7 @@ fn every_method_in_every_mode_is_valid() {
                     for chain_filter in [ChainFilter::Hardware, ChainFilter::Gaussian] {
                         let setup = Setup { preset, split, chain_filter, ..Setup::new(extent) };
                         let camera = clutter_camera(extent);
-                        let shot = Shot::new(&gpu, method, &setup, camera, materials.clone()).unwrap();
+                        let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
                         let what = format!("{}, {setup:?}", method.name);
                         // Twice each: the second frame's barriers start from the first's states.
                         for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {

@@ -34,7 +34,7 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
     }
     let camera = camera(&scene, view, SIZE);
     let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-    let shot = Shot::new(&gpu, &METHODS[0], &Setup::new(SIZE), camera, materials.clone()).expect("a shot");
+    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(SIZE), camera, materials.clone()).expect("a shot");
     image::render(&mut stage, &shot, false).expect("a frame");
     let images = shot.gbuffer.gbuffer();
     let [depth, normal, material, color] =

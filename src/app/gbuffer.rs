@@ -26,7 +26,7 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);
     let setup = Setup::new(options.size);
-    let shot = Shot::new(&gpu, &METHODS[0], &setup, camera, globals.materials(&scene, &view))?;
+    let shot = Shot::new(&mut stage, &METHODS[0], &setup, camera, globals.materials(&scene, &view))?;
     stage.run(&shot, Mode::Plain)?;
     let data = gbuffer::read(&mut stage.context, &shot)?;
     files::write(&options.file, &gbuffer_file::encode(&data, &options.file)?)?;

@@ -29,7 +29,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     setup.split |= inside;
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);
-    let shot = Shot::new(&gpu, method, &setup, camera, globals.materials(&scene, &view))?;
+    let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, &view))?;
     let rendered = image::render(&mut stage, &shot, inside)?;
 
     let intermediates = rendered.intermediates.as_ref();

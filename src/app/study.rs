@@ -147,7 +147,7 @@ fn pictures(
         let mut pictures = Vec::new();
         for (n, method) in METHODS.iter().enumerate() {
             let camera = camera(scene, view, plan.size);
-            let shot = Shot::new(gpu, method, &Setup::new(plan.size), camera, GLOSSY.materials(scene, view))?;
+            let shot = Shot::new(&mut stage, method, &Setup::new(plan.size), camera, GLOSSY.materials(scene, view))?;
             let rendered = image::render(&mut stage, &shot, false)?;
             if n == 0 {
                 let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
@@ -241,7 +241,7 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
         let view = scene.view(view)?;
         let camera = camera(scene, view, extent);
         let setup = Setup { split: true, ..Setup::new(extent) };
-        let shot = Shot::new(gpu, &METHODS[0], &setup, camera, GLOSSY.materials(scene, view))?;
+        let shot = Shot::new(&mut stage, &METHODS[0], &setup, camera, GLOSSY.materials(scene, view))?;
         if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;

@@ -19,7 +19,6 @@ const ROUGHNESS_STEP: f32 = 0.1;
 
 /// A scene on a device and everything that a user changes while looking at it.
 pub struct Viewer {
-    gpu: Gpu,
     scene: Scene,
     /// The scene's views, with the lens of the command line.
     views: Vec<View>,
@@ -34,6 +33,8 @@ pub struct Viewer {
     stage: Stage,
     /// Of the present method and size; made when it is needed.
     shot: Option<Shot>,
+    /// Whether the shot has yet to hear of other materials.
+    materials_changed: bool,
     /// Effect times of the last frames of this method, size and view, in milliseconds.
     recent_ms: VecDeque<f64>,
 }
@@ -54,7 +55,6 @@ impl Viewer {
         let diagonal_m = bounds.min.distance(bounds.max);
         let speed_m_per_s = if diagonal_m.is_finite() { (diagonal_m / CROSSING_S).max(0.01) } else { 1.0 };
         Ok(Self {
-            gpu: gpu.clone(),
             stage: Stage::new(gpu, &scene)?,
             camera: FlyCamera::new(&view, speed_m_per_s),
             moved: false,
@@ -65,6 +65,7 @@ impl Viewer {
             globals,
             setup,
             shot: None,
+            materials_changed: false,
             recent_ms: VecDeque::new(),
         })
     }
@@ -81,13 +82,17 @@ impl Viewer {
         }
         let lens = self.view.lens.unwrap_or(self.scene.lens);
         let camera = self.camera.camera(lens, extent[0] as f32 / extent[1] as f32);
+        let materials = || self.globals.materials(&self.scene, &self.view);
         let shot = match &mut self.shot {
-            Some(shot) => shot,
-            none => {
-                let materials = self.globals.materials(&self.scene, &self.view);
-                none.insert(Shot::new(&self.gpu, self.method, &self.setup, camera, materials)?)
+            Some(shot) => {
+                if self.materials_changed {
+                    shot.set_materials(&mut self.stage, materials())?;
+                }
+                shot
             }
+            none => none.insert(Shot::new(&mut self.stage, self.method, &self.setup, camera, materials())?),
         };
+        self.materials_changed = false;
         shot.camera = camera;
         let (report, _, output) = self.stage.output_in(Mode::Timed, shot)?;
         if self.recent_ms.len() == RECENT_FRAMES {
@@ -111,7 +116,7 @@ impl Viewer {
         self.camera.jump(view);
         self.moved = false;
         self.recent_ms.clear();
-        self.update_materials();
+        self.materials_changed = true;
         true
     }
 
@@ -127,7 +132,7 @@ impl Viewer {
     pub fn change_roughness(&mut self, steps: f32) {
         let now = (self.globals.roughness.unwrap_or(0.0) / ROUGHNESS_STEP).round();
         self.globals.roughness = Some(((now + steps) * ROUGHNESS_STEP).clamp(0.0, 1.0));
-        self.update_materials();
+        self.materials_changed = true;
     }
 
     /// What is seen, and how long it takes.
@@ -137,12 +142,6 @@ impl Viewer {
         let roughness = self.globals.roughness.map(|r| format!(", roughness {r:.1}")).unwrap_or_default();
         let ms = Stats::of(&samples).median_ms;
         format!("{}, view {}{moved} — {}{roughness} — {ms:.2} ms", self.scene.name, self.view.name, self.method.name)
-    }
-
-    fn update_materials(&mut self) {
-        if let Some(shot) = &mut self.shot {
-            shot.set_materials(self.globals.materials(&self.scene, &self.view));
-        }
     }
 
     fn discard_shot(&mut self) {

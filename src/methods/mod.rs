@@ -1,15 +1,19 @@
 //! The methods, one file each, and the table of all of them. A method chooses passes and wires
-//! their outputs to their inputs; its `record` reads like the data flow.
+//! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
+//! them, down to the composite, is [`effect`].
 
+pub mod effect;
 pub mod hzct;
 pub mod ssct;
 pub mod thesis;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Frame, Gpu, Image};
+use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
-use crate::passes::{ColorChain, GBuffer, HiZ, Hits, Reflection, Visibility};
-use crate::scene::Camera;
+use crate::passes::scene_data::SceneData;
+use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::scene::{Camera, Material};
+pub use effect::{Effect, Output};
 pub use thesis::{Preset, Tuning};
 
 /// What a method is made for.
@@ -43,27 +47,76 @@ impl Setup {
     }
 }
 
-/// What a method made in a frame; intermediates that it does not have are `None`.
+/// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
 #[derive(Clone, Copy)]
-pub struct Output<'a> {
+pub struct Input<'a, 's> {
+    /// What the scene passes left.
+    pub gbuffer: GBuffer<'a>,
+    /// Where it was seen from.
+    pub camera: &'s Camera,
+    /// The scene itself; `None` where only a G-buffer is known.
+    pub scene: Option<SceneInput<'s>>,
+}
+
+/// The scene on the device, for methods that draw it again or need more of it than the screen shows.
+#[derive(Clone, Copy)]
+pub struct SceneInput<'a> {
+    /// Meshes, textures, lights.
+    pub data: &'a SceneData,
+    /// The materials of the view with the global factors.
+    pub materials: &'a [Material],
+}
+
+/// An image that a method made along the way, for whoever looks inside.
+#[derive(Clone, Copy)]
+pub struct Intermediate<'a> {
+    /// File stem; a level's number follows it where there is more than one.
+    pub name: &'static str,
+    /// What its numbers are.
+    pub content: Content,
+    /// The image.
+    pub image: &'a Image,
+}
+
+/// What a method made in a frame.
+#[derive(Clone)]
+pub struct Traced<'a> {
     /// Reflection colour and fade.
     pub reflection: Reflection<'a>,
-    /// The finished image, linear.
-    pub composite: &'a Image,
+    /// The finished image, linear, if the method made it along the way.
+    pub composite: Option<&'a Image>,
     /// Where each ray ended.
     pub hits: Option<Hits<'a>>,
-    /// Depth chain.
-    pub hi_z: Option<HiZ<'a>>,
-    /// Visibility chain.
-    pub visibility: Option<Visibility<'a>>,
-    /// Colour chain.
-    pub color: Option<ColorChain<'a>>,
+    /// What else there is to see.
+    pub intermediates: Vec<Intermediate<'a>>,
+}
+
+impl<'a> Traced<'a> {
+    /// A reflection without intermediates.
+    pub fn new(reflection: Reflection<'a>) -> Self {
+        Self { reflection, composite: None, hits: None, intermediates: Vec::new() }
+    }
 }
 
 /// A method of one size on one device.
 pub trait Method {
-    /// Records every pass from the G-buffer to the composite.
-    fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer<'a>, camera: &Camera) -> Result<Output<'a>>;
+    /// Makes what outlives frames (captured maps) from the scene. Called before the first frame and
+    /// again when materials change; not part of any frame's time.
+    fn prepare(&mut self, _context: &mut FrameContext, _scene: &SceneInput) -> Result<()> {
+        Ok(())
+    }
+
+    /// Records every pass from the G-buffer to the reflection.
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>>;
+}
+
+/// What a method needs to see.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sees {
+    /// The G-buffer alone: a screen-space method.
+    Screen,
+    /// The scene too.
+    Scene,
 }
 
 /// A row of the table.
@@ -74,8 +127,17 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Where it is published.
     pub source: &'static str,
+    /// What it needs to see.
+    pub sees: Sees,
     /// Makes it.
     pub create: fn(&Gpu, &Setup) -> Result<Box<dyn Method>>,
+}
+
+impl MethodInfo {
+    /// Whether the method works on a G-buffer of any origin.
+    pub fn is_screen_space(&self) -> bool {
+        self.sees == Sees::Screen
+    }
 }
 
 /// Every method.

@@ -2,15 +2,14 @@
 //! `hzct` is the same without the march; both are [`ThesisMethod`].
 
 use super::thesis::{self, Variant};
-use super::{Method, MethodInfo, Output, Setup};
+use super::{Input, Intermediate, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
 use crate::passes::color_chain::ColorChainPass;
-use crate::passes::composite::CompositePass;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{GBuffer, Hits, LIT_COLOR, Reflection};
+use crate::passes::{Content, GBuffer, Hits, LIT_COLOR, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -18,6 +17,7 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "ssct",
     summary: "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
     source: "Hermanns 2015, ch. 4",
+    sees: Sees::Screen,
     create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, true)?)),
 };
 
@@ -27,7 +27,6 @@ pub struct ThesisMethod {
     visibility: VisibilityPass,
     color: ColorChainPass,
     trace: ThesisTracePass,
-    composite: CompositePass,
     variant: Variant,
 }
 
@@ -39,7 +38,6 @@ impl ThesisMethod {
             visibility: VisibilityPass::new(gpu, setup.extent)?,
             color: ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter)?,
             trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
-            composite: CompositePass::new(gpu, setup.extent)?,
             variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback, fade: setup.fade },
         })
     }
@@ -65,15 +63,18 @@ impl ThesisMethod {
 }
 
 impl Method for ThesisMethod {
-    fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer<'a>, camera: &Camera) -> Result<Output<'a>> {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let gbuffer = &input.gbuffer;
         let hi_z = self.hi_z.record(frame, gbuffer)?;
-        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
+        let visibility = self.visibility.record(frame, hi_z, &input.camera.lens)?;
         let color = self.color.record(frame, gbuffer)?;
         let extent = gbuffer.depth.extent();
-        let parameters = thesis::parameters(&self.variant, camera, extent, hi_z.0.levels());
-        let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
-        let (reflection, hits) = self.trace.record(frame, &input, &parameters)?;
-        let composite = self.composite.record(frame, gbuffer, reflection)?;
-        Ok(Output { reflection, composite, hits, hi_z: Some(hi_z), visibility: Some(visibility), color: Some(color) })
+        let parameters = thesis::parameters(&self.variant, input.camera, extent, hi_z.0.levels());
+        let traced = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
+        let (reflection, hits) = self.trace.record(frame, &traced, &parameters)?;
+        let made = |name, content, image| Intermediate { name, content, image };
+        let intermediates =
+            vec![made("hi-z", Content::StandardDepth, hi_z.0), made("visibility", Content::Share, visibility.0)];
+        Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
     }
 }

@@ -53,6 +53,25 @@ pub struct Hits<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
 
+/// What an image's numbers are, for whoever draws it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Content {
+    /// Linear colour.
+    Color,
+    /// View-space normal.
+    Normal,
+    /// Reversed depth.
+    ReversedDepth,
+    /// Standard depth, minimum and maximum.
+    StandardDepth,
+    /// Shares 0…1.
+    Share,
+    /// Reflectivity and roughness.
+    Material,
+    /// Texture coordinates, depth and path code.
+    Hits,
+}
+
 /// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {

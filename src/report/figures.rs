@@ -3,8 +3,9 @@
 use super::images::{Rgb, display, paths, picture};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
+use crate::passes::Content;
 use crate::scene::Lens;
-use crate::study::{Dump, Intermediates};
+use crate::study::Intermediates;
 
 /// A figure of the thesis that `ssct render --figure` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -28,7 +29,7 @@ pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     }
 }
 
-fn find<'a>(all: &'a Intermediates, kind: Dump, stem: &str) -> Result<&'a Pixels> {
+fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pixels> {
     all.iter()
         .find(|(s, k, _)| s == stem && *k == kind)
         .map(|(_, _, p)| p)
@@ -39,7 +40,7 @@ fn find<'a>(all: &'a Intermediates, kind: Dump, stem: &str) -> Result<&'a Pixels
 fn visibility_chain(all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     let levels: Vec<Rgb> = all
         .iter()
-        .filter(|(stem, kind, _)| *kind == Dump::Share && stem != "visibility-0")
+        .filter(|(stem, kind, _)| *kind == Content::Share && stem != "visibility-0")
         .map(|(_, kind, pixels)| picture(*kind, pixels, lens))
         .collect();
     let Some(first) = levels.first() else {
@@ -59,8 +60,8 @@ fn visibility_chain(all: &Intermediates, lens: &Lens) -> Result<Rgb> {
 }
 
 fn ray_split(all: &Intermediates) -> Result<Rgb> {
-    let lit = display(find(all, Dump::Color, "color-0").or_else(|_| find(all, Dump::Color, "color"))?);
-    let split = paths(find(all, Dump::Hits, "hits")?);
+    let lit = display(find(all, Content::Color, "color-0").or_else(|_| find(all, Content::Color, "color"))?);
+    let split = paths(find(all, Content::Hits, "hits")?);
     let bytes = lit
         .bytes
         .iter()

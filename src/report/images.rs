@@ -4,11 +4,12 @@ use super::files::write;
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
+use crate::passes::Content;
 use crate::passes::PathCode;
 use crate::scene::Lens;
 use crate::scene::texture::{Encoding, MAX_EXTENT, Texture};
+use crate::study::Intermediates;
 use crate::study::compare::LinearImage;
-use crate::study::{Dump, Intermediates};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -152,16 +153,16 @@ pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> R
     for (stem, kind, pixels) in all {
         picture(*kind, pixels, lens).write_png(&folder.join(format!("{stem}.png")))?;
         let names: &[&str] = match kind {
-            Dump::Color => &["R", "G", "B", "A"],
-            Dump::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
-            Dump::ReversedDepth => &["depth"],
-            Dump::StandardDepth => &["min", "max"],
-            Dump::Share => &["share"],
-            Dump::Material => &["reflectivity", "roughness"],
-            Dump::Hits => &["u", "v", "depth", "path"],
+            Content::Color => &["R", "G", "B", "A"],
+            Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
+            Content::ReversedDepth => &["depth"],
+            Content::StandardDepth => &["min", "max"],
+            Content::Share => &["share"],
+            Content::Material => &["reflectivity", "roughness"],
+            Content::Hits => &["u", "v", "depth", "path"],
         };
         write_exr(&folder.join(format!("{stem}.exr")), pixels, names)?;
-        if *kind == Dump::Hits {
+        if *kind == Content::Hits {
             paths(pixels).write_png(&folder.join("paths.png"))?;
         }
     }
@@ -169,20 +170,20 @@ pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> R
 }
 
 /// An intermediate as a picture.
-pub fn picture(kind: Dump, pixels: &Pixels, lens: &Lens) -> Rgb {
+pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
     let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
     match kind {
-        Dump::Color => display(pixels),
-        Dump::Normal => {
+        Content::Color => display(pixels),
+        Content::Normal => {
             Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit(c[i] * 0.5 + 0.5) }))
         }
-        Dump::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
-        Dump::StandardDepth => {
+        Content::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
+        Content::StandardDepth => {
             Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0])
         }
-        Dump::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
-        Dump::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
-        Dump::Hits => Rgb::from_pixels(pixels, |c| {
+        Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
+        Content::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
+        Content::Hits => Rgb::from_pixels(pixels, |c| {
             if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) {
                 [unit(c[0]), unit(c[1]), 0]
             } else {

@@ -161,11 +161,11 @@ struct Reference {
 pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     let camera = camera(spec.scene, spec.view, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
-    let shot = |setup: &Setup, method: &MethodInfo| {
+    let shot = |stage: &mut Stage, setup: &Setup, method: &MethodInfo| {
         let setup = Setup { extent: spec.extent, ..*setup };
-        Shot::new(spec.gpu, method, &setup, camera, materials.clone())
+        Shot::new(stage, method, &setup, camera, materials.clone())
     };
-    let shots = spec.variants.iter().map(|v| shot(&v.setup, v.method)).collect::<Result<Vec<_>>>()?;
+    let shots = spec.variants.iter().map(|v| shot(stage, &v.setup, v.method)).collect::<Result<Vec<_>>>()?;
     let times = totals(spec, stage, &shots)?;
     let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
@@ -175,11 +175,12 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
-        let color = colors(&stage.context.read(output.reflection.0.all())?);
+        let color = colors(&stage.context.read(output.traced.reflection.0.all())?);
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
-        let split = shot(&Setup { split: true, ..variant.setup }, variant.method)?;
+        let split = shot(stage, &Setup { split: true, ..variant.setup }, variant.method)?;
         let (_, _, output) = stage.output(&split)?;
-        let hits = output.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| gbuffer::hit_positions(&p));
+        let hits =
+            output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| gbuffer::hit_positions(&p));
         let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
         cell.records.extend(head.against_all(&truth, &color, hits.as_deref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, spec.extent));

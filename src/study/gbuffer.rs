@@ -4,7 +4,7 @@ use super::stage::Shot;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
-use crate::methods::{MethodInfo, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Setup};
 use crate::passes::gbuffer::GBufferImages;
 use crate::passes::{GBuffer, PathCode};
 use crate::scene::{Camera, GBufferData};
@@ -44,14 +44,14 @@ pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup
     let mut context = FrameContext::new(gpu)?;
     let images = GBufferImages::upload(&mut context, data)?;
     let setup = Setup { extent: [data.width, data.height], ..*setup };
-    let method = (method.create)(gpu, &setup)?;
+    let effect = Effect::new(&mut context, method, &setup, None)?;
     let mut frame = context.begin(Mode::Plain)?;
     frame.begin_effect();
-    let output = method.record(&mut frame, &images.gbuffer(), &data.camera)?;
+    let output = effect.record(&mut frame, &Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None })?;
     frame.finish()?;
     Ok(Reflected {
         composite: context.read(output.composite.all())?,
-        reflection: context.read(output.reflection.0.all())?,
+        reflection: context.read(output.traced.reflection.0.all())?,
     })
 }
 

@@ -3,6 +3,7 @@
 use super::stage::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Image, Pixels};
+use crate::passes::Content;
 use crate::passes::gbuffer::Drawn;
 
 /// A finished image and how it was made.
@@ -19,49 +20,29 @@ pub struct RenderedImage {
     pub intermediates: Option<Intermediates>,
 }
 
-/// What an intermediate's numbers are, for whoever draws it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dump {
-    /// Linear colour.
-    Color,
-    /// View-space normal.
-    Normal,
-    /// Reversed depth.
-    ReversedDepth,
-    /// Standard depth, minimum and maximum.
-    StandardDepth,
-    /// Shares 0…1.
-    Share,
-    /// Reflectivity and roughness.
-    Material,
-    /// Texture coordinates, depth and path code.
-    Hits,
-}
-
 /// Every intermediate with its file stem.
-pub type Intermediates = Vec<(String, Dump, Pixels)>;
+pub type Intermediates = Vec<(String, Content, Pixels)>;
 
 /// Renders a shot and reads it back. With `dump`, intermediates too; a method that gives its hits
 /// only when split should be made so.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output(shot)?;
     let composite = stage.context.read(output.composite.all())?;
-    let reflection = stage.context.read(output.reflection.0.all())?;
+    let reflection = stage.context.read(output.traced.reflection.0.all())?;
     let mut intermediates = None;
     if dump {
         let gbuffer = shot.gbuffer.gbuffer();
-        let mut all: Vec<(String, Dump, &Image)> = vec![
-            ("albedo".into(), Dump::Color, shot.gbuffer.albedo()),
-            ("normal".into(), Dump::Normal, gbuffer.normal),
-            ("depth".into(), Dump::ReversedDepth, gbuffer.depth),
-            ("material".into(), Dump::Material, gbuffer.material),
-            ("color".into(), Dump::Color, gbuffer.color),
-            ("reflection".into(), Dump::Color, output.reflection.0),
-            ("composite".into(), Dump::Color, output.composite),
+        let mut all: Vec<(String, Content, &Image)> = vec![
+            ("albedo".into(), Content::Color, shot.gbuffer.albedo()),
+            ("normal".into(), Content::Normal, gbuffer.normal),
+            ("depth".into(), Content::ReversedDepth, gbuffer.depth),
+            ("material".into(), Content::Material, gbuffer.material),
+            ("color".into(), Content::Color, gbuffer.color),
+            ("reflection".into(), Content::Color, output.traced.reflection.0),
+            ("composite".into(), Content::Color, output.composite),
         ];
-        all.extend(output.hi_z.map(|c| ("hi-z".into(), Dump::StandardDepth, c.0)));
-        all.extend(output.visibility.map(|c| ("visibility".into(), Dump::Share, c.0)));
-        all.extend(output.hits.map(|h| ("hits".into(), Dump::Hits, h.0)));
+        all.extend(output.traced.intermediates.iter().map(|i| (i.name.into(), i.content, i.image)));
+        all.extend(output.traced.hits.map(|h| ("hits".into(), Content::Hits, h.0)));
         let mut read = Vec::new();
         for (name, kind, image) in all {
             for level in 0..image.levels() {

@@ -10,6 +10,6 @@ pub mod sweep;
 pub mod table;
 pub mod timing;
 
-pub use image::{Dump, Intermediates, RenderedImage};
+pub use image::{Intermediates, RenderedImage};
 pub use record::{Stats, TimeRecord};
 pub use stage::{Globals, Shot, Stage};

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
-use crate::methods::{Method, MethodInfo, Output, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup};
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
@@ -80,33 +80,39 @@ pub struct Shot {
     /// The G-buffer pass and its images.
     pub gbuffer: GBufferPass,
     lighting: LightingPass,
-    method: Box<dyn Method>,
+    effect: Effect,
     /// Where it looks from.
     pub camera: Camera,
     materials: Vec<Material>,
 }
 
 impl Shot {
-    /// Makes pipelines and images.
+    /// Makes pipelines and images, and what the method captures of the scene.
     pub fn new(
-        gpu: &Gpu,
+        stage: &mut Stage,
         method: &MethodInfo,
         setup: &Setup,
         camera: Camera,
         materials: Vec<Material>,
     ) -> Result<Self> {
+        let Stage { context, data } = stage;
+        let scene = SceneInput { data, materials: &materials };
+        let effect = Effect::new(context, method, setup, Some(&scene))?;
+        let gpu = context.gpu();
         Ok(Self {
             gbuffer: GBufferPass::new(gpu, setup.extent)?,
             lighting: LightingPass::new(gpu)?,
-            method: (method.create)(gpu, setup)?,
+            effect,
             camera,
             materials,
         })
     }
 
     /// Replaces the materials.
-    pub fn set_materials(&mut self, materials: Vec<Material>) {
+    pub fn set_materials(&mut self, stage: &mut Stage, materials: Vec<Material>) -> Result<()> {
         self.materials = materials;
+        let Stage { context, data } = stage;
+        self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
     fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
@@ -114,7 +120,8 @@ impl Shot {
         let gbuffer = self.gbuffer.gbuffer();
         self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
         frame.begin_effect();
-        let output = self.method.record(frame, &gbuffer, &self.camera)?;
+        let scene = SceneInput { data, materials: &self.materials };
+        let output = self.effect.record(frame, &Input { gbuffer, camera: &self.camera, scene: Some(scene) })?;
         Ok((drawn, output))
     }
 }

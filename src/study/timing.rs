@@ -50,13 +50,17 @@ pub fn time(spec: &TimeSpec, progress: &mut dyn FnMut()) -> Result<Vec<TimeRecor
     for &extent in &spec.sizes {
         let camera = camera(spec.scene, spec.view, extent);
         let setup = Setup { extent, ..spec.setup };
-        let mut shots = Vec::new();
-        for method in &spec.methods {
-            shots.push(Shot::new(spec.gpu, method, &setup, camera, Vec::new())?);
-        }
+        let mut shots: Vec<Shot> = Vec::new();
         for globals in &spec.globals {
-            for shot in &mut shots {
-                shot.set_materials(globals.materials(spec.scene, spec.view));
+            let materials = globals.materials(spec.scene, spec.view);
+            if shots.is_empty() {
+                for method in &spec.methods {
+                    shots.push(Shot::new(&mut stage, method, &setup, camera, materials.clone())?);
+                }
+            } else {
+                for shot in &mut shots {
+                    shot.set_materials(&mut stage, materials.clone())?;
+                }
             }
             records.extend(time_shots(spec, &mut stage, &shots, extent, globals, progress)?);
         }

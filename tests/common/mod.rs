@@ -135,6 +135,11 @@ impl Shown {
         self.levels(name)[0]
     }
 
+    /// Whether there is such an intermediate.
+    pub fn has(&self, name: &str) -> bool {
+        self.image.intermediates.as_ref().unwrap().iter().any(|(stem, ..)| stem == name)
+    }
+
     /// All levels of an intermediate.
     pub fn levels(&self, name: &str) -> Vec<&Pixels> {
         let all = self.image.intermediates.as_ref().unwrap();
@@ -152,7 +157,7 @@ impl Shown {
 pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Shown {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
-    let shot = Shot::new(gpu, methods::find(method).unwrap(), setup, camera, materials).unwrap();
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, camera, materials).unwrap();
     let image = render(&mut stage, &shot, true).unwrap();
     gpu.check_validation().unwrap();
     Shown { image, camera }
