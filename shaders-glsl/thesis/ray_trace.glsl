@@ -9,14 +9,7 @@ layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughnes
 #include "thesis/reflection_ray.glsl"
 #include "thesis/hi_z_ray_trace.glsl"
 
-// How a ray ended; the codes are those of `passes::PathCode`.
-#define PATH_NONE          0.0 // the pixel does not reflect
-#define PATH_HI_Z          1.0 // hit by Hi-Z traversal
-#define PATH_LINEAR        2.0 // hit by the linear fallback
-#define PATH_MISS          3.0 // Hi-Z traversal left the screen
-#define PATH_LINEAR_MISS   4.0 // the linear fallback found nothing
-#define PATH_EXHAUSTED     5.0 // out of iterations; the thesis takes it for a hit
-#define PATH_UNTRACED      6.0 // towards the camera, and no fallback
+#include "common/path.glsl"
 
 struct Trace {
     vec3 hit;          // texture coordinates and standard depth; INVALID_RAY for a miss

@@ -113,6 +113,12 @@ pub struct MethodOptions {
     /// Circles of the cone, instead of the preset's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub cone_samples: Option<u32>,
+    /// Pixels that ssr and ssr-fast march at once.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub pixel_step: Option<u32>,
+    /// Blur in ssr-fast by the distance from the viewer.
+    #[arg(long)]
+    pub distance_blur: bool,
     /// How the colour chain is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,

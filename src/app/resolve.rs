@@ -123,6 +123,8 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
             iterations: options.iterations,
             start_level: options.start_level,
             cone_samples: options.cone_samples,
+            pixel_step: options.pixel_step,
+            distance_blur: options.distance_blur,
         },
         split: options.split,
         chain_filter: options.chain_filter,

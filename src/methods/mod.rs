@@ -5,6 +5,8 @@
 pub mod effect;
 pub mod hzct;
 pub mod ssct;
+pub mod ssr;
+pub mod ssr_fast;
 pub mod thesis;
 
 use crate::error::{Error, Result};
@@ -141,7 +143,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, ssr::INFO, ssr_fast::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

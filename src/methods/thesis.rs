@@ -30,6 +30,12 @@ pub struct Tuning {
     /// Circles of the cone, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cone_samples: Option<u32>,
+    /// Pixels that Schmidt's marches take at once, ≥ 1; none: 1, as listing 4 prints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_step: Option<u32>,
+    /// Whether `ssr-fast` blurs by the viewer's distance (Schmidt's listing 5, `toggleBlur`).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub distance_blur: bool,
 }
 
 /// Which of the thesis's methods, with whose numbers.

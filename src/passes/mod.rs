@@ -9,6 +9,7 @@ pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
 pub mod scene_data;
+pub mod schmidt_trace;
 pub mod thesis_trace;
 pub mod visibility;
 
@@ -72,18 +73,18 @@ pub enum Content {
     Hits,
 }
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
     None = 0,
     /// Hit by Hi-Z traversal.
     HiZ = 1,
-    /// Hit by the linear fallback.
+    /// Hit by a linear march.
     Linear = 2,
     /// Hi-Z traversal left the screen.
     Miss = 3,
-    /// The linear fallback found nothing.
+    /// A linear march found nothing.
     LinearMiss = 4,
     /// Out of iterations; the thesis takes it for a hit.
     Exhausted = 5,
@@ -111,7 +112,7 @@ impl PathCode {
         matches!(self, Self::HiZ | Self::Linear | Self::Exhausted)
     }
 
-    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
+    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted => Some(true),

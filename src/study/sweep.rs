@@ -39,10 +39,15 @@ pub fn name(record: &ErrorRecord) -> String {
         name += " gaussian";
     }
     let t = record.params.tuning;
-    for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
+    for (label, value) in
+        [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples), ("step", t.pixel_step)]
+    {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
+    }
+    if t.distance_blur {
+        name += " blur";
     }
     name
 }
