@@ -73,7 +73,11 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
         (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
-        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct"),
+        (
+            aimed(&["--method", "magic"]),
+            2,
+            "no method \"magic\"; there is: ssct, hzct, ssr, ssr-fast, pccm, environment",
+        ),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
         (render(&["--size", "10x0"]), 2, "has no pixels"),
@@ -292,8 +296,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
-    // Per cell: two references, and each method and the exact hits with their FLIP maps.
-    assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
+    // Per cell: three references, and each method and the exact hits with their FLIP maps.
+    assert_eq!(pngs.len(), 4 * (3 + 2 * (methods + 1)));
     for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {
         assert!(linked.contains(&file), "{file}");
         let text = std::fs::read_to_string(folder.path("out").join(file)).unwrap();

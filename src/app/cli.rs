@@ -1,7 +1,7 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
 use super::window::ViewOptions;
-use crate::methods::Preset;
+use crate::methods::{Fallback, Preset};
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -128,6 +128,9 @@ pub struct MethodOptions {
     /// Fade reflections at the screen's border.
     #[arg(long, value_enum, default_value_t)]
     pub fade: Switch,
+    /// What is seen behind a screen-space method where its reflection fades out.
+    #[arg(long, value_enum, default_value_t)]
+    pub fallback: Fallback,
 }
 
 /// Which device, and whether it is watched.

@@ -129,5 +129,6 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         split: options.split,
         chain_filter: options.chain_filter,
         fade: options.fade == Switch::On,
+        fallback: options.fallback,
     }
 }

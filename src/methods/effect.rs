@@ -4,19 +4,21 @@ use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
+use crate::passes::fallback::FallbackPass;
 
 /// What an effect made in a frame.
 #[derive(Clone)]
 pub struct Output<'a> {
-    /// The method's intermediates, and the reflection that was composited.
+    /// The method's intermediates and hits, and the reflection that was composited.
     pub traced: Traced<'a>,
     /// The finished image, linear.
     pub composite: &'a Image,
 }
 
-/// A method of one size on one device, with its composite.
+/// A method of one size on one device, with its fallback and composite.
 pub struct Effect {
     method: Box<dyn Method>,
+    fallback: Option<(Box<dyn Method>, FallbackPass)>,
     composite: CompositePass,
 }
 
@@ -25,7 +27,8 @@ impl Effect {
     /// that sees only the screen does without.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the method needs a scene and there is none.
+    /// [`Error::Usage`] if the method or its fallback needs a scene and there is none, or if there is a
+    /// fallback behind a method that is no screen-space method.
     pub fn new(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -37,8 +40,26 @@ impl Effect {
             return Err(Error::Usage(format!("--method {name} needs the scene; a G-buffer alone does not show it")));
         }
         let gpu: Gpu = context.gpu().clone();
-        let mut effect =
-            Self { method: (info.create)(&gpu, setup)?, composite: CompositePass::new(&gpu, setup.extent)? };
+        let fallback = setup.fallback.method().map(|behind| -> Result<_> {
+            let name = behind.name;
+            if !info.is_screen_space() {
+                let method = info.name;
+                return Err(Error::Usage(format!(
+                    "--fallback {name}: only screen-space methods have a fallback, and {method} is none"
+                )));
+            }
+            if scene.is_none() {
+                return Err(Error::Usage(format!(
+                    "--fallback {name} needs the scene; a G-buffer alone does not show it"
+                )));
+            }
+            Ok(((behind.create)(&gpu, setup)?, FallbackPass::new(&gpu, setup.extent)?))
+        });
+        let mut effect = Self {
+            method: (info.create)(&gpu, setup)?,
+            fallback: fallback.transpose()?,
+            composite: CompositePass::new(&gpu, setup.extent)?,
+        };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
         }
@@ -47,12 +68,21 @@ impl Effect {
 
     /// Makes what outlives frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        if let Some((behind, _)) = &mut self.fallback {
+            behind.prepare(context, scene)?;
+        }
         self.method.prepare(context, scene)
     }
 
     /// Records every pass after lighting.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        let traced = self.method.record(frame, input)?;
+        let mut traced = self.method.record(frame, input)?;
+        if let Some((behind, pass)) = &self.fallback {
+            let behind = behind.record(frame, input)?;
+            traced.reflection = pass.record(frame, traced.reflection, behind.reflection)?;
+            traced.composite = None;
+            traced.intermediates.extend(behind.intermediates);
+        }
         let composite = match traced.composite {
             Some(made) => made,
             None => self.composite.record(frame, &input.gbuffer, traced.reflection)?,

@@ -5,9 +5,13 @@
 
 pub mod color_chain;
 pub mod composite;
+pub mod cube_filter;
+pub mod environment;
+pub mod fallback;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+pub mod pccm;
 pub mod scene_data;
 pub mod schmidt_trace;
 pub mod thesis_trace;
@@ -49,6 +53,11 @@ pub struct ColorChain<'a>(pub &'a Image);
 /// Where each ray ended: texture coordinates, standard depth, and a [`PathCode`]. RGBA32F.
 #[derive(Clone, Copy)]
 pub struct Hits<'a>(pub &'a Image);
+
+/// Radiance by direction in world axes, a roughness a level (`cube_filter::level_roughness`): six faces
+/// in Vulkan's order. RGBA16F.
+#[derive(Clone, Copy)]
+pub struct CubeMap<'a>(pub &'a Image);
 
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]

@@ -10,6 +10,7 @@ pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
 pub mod pattern;
+pub mod proxies;
 pub mod scene_file;
 pub mod sky;
 pub mod texture;
@@ -19,6 +20,7 @@ use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
 pub use gbuffer::GBufferData;
+pub use proxies::Probe;
 pub use texture::{Encoding, Texture};
 
 /// A scene, ready to be uploaded or ray traced.
@@ -34,6 +36,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Direct lights.
     pub lights: Vec<Light>,
+    /// Where cube maps are captured, with their proxy boxes.
+    pub probes: Vec<Probe>,
     /// The lens of every view that does not say otherwise.
     pub lens: Lens,
     /// Named views; never empty. The first is the default.
@@ -217,6 +221,9 @@ impl Scene {
                 v.position = v.position.map(|c| c * factor);
             }
             mesh.bounds = Aabb::of(&mesh.vertices);
+        }
+        for probe in &mut self.probes {
+            probe.scale(factor);
         }
         for view in &mut self.views {
             view.eye *= factor;

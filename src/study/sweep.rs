@@ -9,13 +9,23 @@ use crate::passes::color_chain::ChainFilter;
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: both presets, and around them one parameter at a time.
+/// Every variant of some methods.
 pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
+    let of = |method: &&'static MethodInfo| {
+        let variant = |setup| Variant { method: *method, setup };
+        setups(method.name, base).into_iter().map(variant).collect::<Vec<_>>()
+    };
+    methods.iter().flat_map(of).collect()
+}
+
+/// What there is to vary in a method: presets, and around them one parameter at a time.
+fn setups(method: &str, base: Setup) -> Vec<Setup> {
     let published = Setup { preset: Preset::Published, ..base };
     let author = Setup { preset: Preset::Author, ..base };
     let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
     let none = Tuning::default();
-    let setups = [
+    let step = |n| tuned(published, Tuning { pixel_step: Some(n), ..none });
+    let thesis = [
         published,
         Setup { chain_filter: ChainFilter::Gaussian, ..published },
         tuned(published, Tuning { cone_samples: Some(3), ..none }),
@@ -26,12 +36,26 @@ pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
         tuned(author, Tuning { iterations: Some(32), ..none }),
         tuned(author, Tuning { iterations: Some(256), ..none }),
     ];
-    methods.iter().flat_map(|method| setups.iter().map(|setup| Variant { method, setup: *setup })).collect()
+    match method {
+        "ssct" | "hzct" => thesis.to_vec(),
+        "ssr" => vec![published, step(2), step(4), step(8)],
+        "ssr-fast" => vec![published, step(2), tuned(published, Tuning { distance_blur: true, ..none })],
+        _ => vec![published],
+    }
+}
+
+/// A record's method with what is behind it.
+fn method_name(record: &ErrorRecord) -> String {
+    let method = &record.head.method;
+    match record.params.fallback.method() {
+        Some(behind) => format!("{method} + {}", behind.name),
+        None => method.clone(),
+    }
 }
 
 /// What a record's variant is called: method, preset, and the parameters that differ from it.
 pub fn name(record: &ErrorRecord) -> String {
-    let mut name = record.head.method.clone();
+    let mut name = method_name(record);
     if record.head.preset == Preset::Author {
         name += " author";
     }
@@ -130,13 +154,14 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     for source in &mut found {
         let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
         for r in &here {
-            let known = source.rmse.iter().any(|(m, a, _)| *m == r.head.method && *a == r.against);
+            let name = method_name(r);
+            let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);
             if known || r.rmse.is_none() {
                 continue;
             }
-            let same = here.iter().filter(|o| o.head.method == r.head.method && o.against == r.against);
+            let same = here.iter().filter(|o| method_name(o) == name && o.against == r.against);
             let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
-            source.rmse.push((r.head.method.clone(), r.against, Stats::of(&values).median_ms));
+            source.rmse.push((name, r.against, Stats::of(&values).median_ms));
         }
     }
     found

@@ -8,7 +8,7 @@ mod masonry;
 mod rooms;
 
 use super::pattern::{self, Pattern};
-use super::{Lens, Material, Scene, Surface, Texture, View};
+use super::{Aabb, Lens, Material, Probe, Scene, Surface, Texture, View};
 use builder::MeshBuilder;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -80,6 +80,12 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
         }
     };
     (finishes.iter().map(material).collect(), textures)
+}
+
+/// A probe of a box.
+fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
+    let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
+    Probe { name: name.to_owned(), position: Vec3::from(position), bounds }
 }
 
 /// A view with the scene's lens and materials.

@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
-use super::{Finish, materials, thesis_lens, view};
+use super::{Finish, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Pattern, Wood};
 use crate::scene::{Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
@@ -66,7 +66,11 @@ pub fn scene() -> Scene {
             view("window", [2.0, 0.0, 0.0], [2.05, 0.1, 5.0]),
             view("ceiling", [4.0, -0.6, -3.0], [-3.0, 0.9, 4.0]),
         ],
-        warnings: Vec::new(),
+        probes: vec![
+            probe("right-room", [2.0, 0.0, 0.3], [PARTITION_X[1], FLOOR_Y, -5.0], [6.0, CEILING_Y, 5.0]),
+            probe("left-room", [-4.1, 0.0, 0.0], [-6.0, FLOOR_Y, -5.0], [PARTITION_X[0], CEILING_Y, 5.0]),
+        ],
+        ..Scene::default()
     }
 }
 
