@@ -38,6 +38,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
         method: method.into(),
         preset: Preset::Published,
         width: 640,
+        resolution_scale: 1.0,
         height: 480,
         roughness: Some(roughness),
         normal_deviation: Some(roughness),

@@ -1,7 +1,7 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
 use super::window::ViewOptions;
-use crate::methods::Preset;
+use crate::methods::{MethodInfo, Preset};
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -116,12 +116,22 @@ pub struct MethodOptions {
     /// How the colour chain is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
+    /// Trace at a lower resolution and bring the reflection back to full size.
+    #[arg(long, value_enum, default_value_t)]
+    pub resolution_scale: ResolutionScale,
     /// Trace rays and cones in two passes instead of one.
     #[arg(long)]
     pub split: bool,
     /// Fade reflections at the screen's border.
     #[arg(long, value_enum, default_value_t)]
     pub fade: Switch,
+}
+
+impl MethodOptions {
+    /// Whether a method can run with these options at all.
+    pub fn suits(&self, method: &MethodInfo) -> bool {
+        method.is_screen_space() || self.resolution_scale == ResolutionScale::Full
+    }
 }
 
 /// Which device, and whether it is watched.
@@ -298,6 +308,32 @@ pub struct StudyOptions {
     pub output: PathBuf,
     #[command(flatten)]
     pub device: DeviceOptions,
+}
+
+/// Traced pixels a side over pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum ResolutionScale {
+    /// Every pixel.
+    #[default]
+    #[value(name = "1")]
+    Full,
+    /// A pixel in four.
+    #[value(name = "0.5")]
+    Half,
+    /// A pixel in sixteen.
+    #[value(name = "0.25")]
+    Quarter,
+}
+
+impl ResolutionScale {
+    /// Pixels a side of a pixel that is traced.
+    pub fn divisor(self) -> u32 {
+        match self {
+            Self::Full => 1,
+            Self::Half => 2,
+            Self::Quarter => 4,
+        }
+    }
 }
 
 /// On or off.

@@ -35,7 +35,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
 fn plan(options: &ErrorOptions) -> Result<Plan> {
     let common = &options.common;
     let methods: Vec<&'static MethodInfo> = match &options.method[..] {
-        [] => METHODS.iter().collect(),
+        [] => METHODS.iter().filter(|m| common.method_options.suits(m)).collect(),
         names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
     };
     let scenes = match (&common.place.scene[..], options.quick) {

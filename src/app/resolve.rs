@@ -127,5 +127,7 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         split: options.split,
         chain_filter: options.chain_filter,
         fade: options.fade == Switch::On,
+        divisor: options.resolution_scale.divisor(),
+        composite: true,
     }
 }

@@ -4,6 +4,7 @@ use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
+use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -14,9 +15,10 @@ pub struct Output<'a> {
     pub composite: &'a Image,
 }
 
-/// A method of one size on one device, with its composite.
+/// A method of one size on one device, with what surrounds it.
 pub struct Effect {
     method: Box<dyn Method>,
+    scaled: Option<(DownsamplePass, UpsamplePass)>,
     composite: CompositePass,
 }
 
@@ -32,13 +34,23 @@ impl Effect {
         setup: &Setup,
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
+        let name = info.name;
         if scene.is_none() && !info.is_screen_space() {
-            let name = info.name;
             return Err(Error::Usage(format!("--method {name} needs the scene; a G-buffer alone does not show it")));
         }
+        if setup.divisor != 1 && !info.is_screen_space() {
+            return Err(Error::Usage(format!("--resolution-scale is for screen-space methods; {name} is none")));
+        }
         let gpu: Gpu = context.gpu().clone();
-        let mut effect =
-            Self { method: (info.create)(&gpu, setup)?, composite: CompositePass::new(&gpu, setup.extent)? };
+        let (extent, divisor) = (setup.extent, setup.divisor);
+        let mut inner = *setup;
+        let mut scaled = None;
+        if divisor != 1 {
+            inner = Setup { extent: resolution::divided(extent, divisor), composite: false, ..inner };
+            scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
+        }
+        let method = (info.create)(&gpu, &inner)?;
+        let mut effect = Self { method, scaled, composite: CompositePass::new(&gpu, extent)? };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
         }
@@ -52,7 +64,16 @@ impl Effect {
 
     /// Records every pass after lighting.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        let traced = self.method.record(frame, input)?;
+        let traced = match &self.scaled {
+            None => self.method.record(frame, input)?,
+            Some((downsample, upsample)) => {
+                let gbuffer = downsample.record(frame, &input.gbuffer)?;
+                let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
+                let reflection = upsample.record(frame, &input.gbuffer, input.camera, small.reflection)?;
+                // The hits are of the smaller pixels; nothing at full size compares with them.
+                Traced { reflection, hits: None, ..small }
+            }
+        };
         let composite = match traced.composite {
             Some(made) => made,
             None => self.composite.record(frame, &input.gbuffer, traced.reflection)?,

@@ -31,6 +31,11 @@ pub struct Setup {
     pub chain_filter: ChainFilter,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
+    /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
+    /// [`Effect`] divides the size; a method knows only the size that it is made for.
+    pub divisor: u32,
+    /// Whether a method may make the composite along the way; [`Effect`] decides.
+    pub composite: bool,
 }
 
 impl Setup {
@@ -43,7 +48,14 @@ impl Setup {
             split: false,
             chain_filter: ChainFilter::default(),
             fade: true,
+            divisor: 1,
+            composite: true,
         }
+    }
+
+    /// Traced pixels a side over full pixels: 1, ½ or ¼.
+    pub fn resolution_scale(&self) -> f32 {
+        1.0 / self.divisor as f32
     }
 }
 
@@ -129,6 +141,8 @@ pub struct MethodInfo {
     pub source: &'static str,
     /// What it needs to see.
     pub sees: Sees,
+    /// The settings that the study of run time against error runs, around a base.
+    pub settings: fn(Setup) -> Vec<Setup>,
     /// Makes it.
     pub create: fn(&Gpu, &Setup) -> Result<Box<dyn Method>>,
 }

@@ -1,7 +1,9 @@
 //! The two presets of the thesis's methods: which number stands in print, which is the author's.
 //! Sources: thesis §4.2, and the facts on the author's own program (named "author" below).
 
+use super::Setup;
 use crate::gpu::shader::ThesisBlock;
+use crate::passes::color_chain::ChainFilter;
 use crate::scene::Camera;
 
 /// Whose constants a published method uses.
@@ -30,6 +32,27 @@ pub struct Tuning {
     /// Circles of the cone, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cone_samples: Option<u32>,
+}
+
+/// Settings of the thesis's methods for the study of run time against error: both presets, around
+/// them one parameter at a time, and half resolution.
+pub fn settings(base: Setup) -> Vec<Setup> {
+    let published = Setup { preset: Preset::Published, ..base };
+    let author = Setup { preset: Preset::Author, ..base };
+    let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
+    let none = Tuning::default();
+    vec![
+        published,
+        Setup { divisor: 2, ..published },
+        Setup { chain_filter: ChainFilter::Gaussian, ..published },
+        tuned(published, Tuning { cone_samples: Some(3), ..none }),
+        tuned(published, Tuning { cone_samples: Some(15), ..none }),
+        tuned(published, Tuning { start_level: Some(2), ..none }),
+        author,
+        tuned(author, Tuning { iterations: Some(16), ..none }),
+        tuned(author, Tuning { iterations: Some(32), ..none }),
+        tuned(author, Tuning { iterations: Some(256), ..none }),
+    ]
 }
 
 /// Which of the thesis's methods, with whose numbers.

@@ -8,6 +8,7 @@ pub mod composite;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+pub mod resolution;
 pub mod scene_data;
 pub mod thesis_trace;
 pub mod visibility;

@@ -1,4 +1,4 @@
-//! What `ssct error` sweeps: methods × presets × parameters, and what a sweep adds up to.
+//! What `ssct error` sweeps: methods × their settings, and what a sweep adds up to.
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
@@ -9,24 +9,13 @@ use crate::passes::color_chain::ChainFilter;
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: both presets, and around them one parameter at a time.
+/// Every variant of some methods: the settings that each names, around a base.
 pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
-    let published = Setup { preset: Preset::Published, ..base };
-    let author = Setup { preset: Preset::Author, ..base };
-    let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
-    let none = Tuning::default();
-    let setups = [
-        published,
-        Setup { chain_filter: ChainFilter::Gaussian, ..published },
-        tuned(published, Tuning { cone_samples: Some(3), ..none }),
-        tuned(published, Tuning { cone_samples: Some(15), ..none }),
-        tuned(published, Tuning { start_level: Some(2), ..none }),
-        author,
-        tuned(author, Tuning { iterations: Some(16), ..none }),
-        tuned(author, Tuning { iterations: Some(32), ..none }),
-        tuned(author, Tuning { iterations: Some(256), ..none }),
-    ];
-    methods.iter().flat_map(|method| setups.iter().map(|setup| Variant { method, setup: *setup })).collect()
+    let of = |method: &&'static MethodInfo| {
+        let method = *method;
+        (method.settings)(base).into_iter().map(move |setup| Variant { method, setup })
+    };
+    methods.iter().flat_map(of).collect()
 }
 
 /// What a record's variant is called: method, preset, and the parameters that differ from it.
@@ -37,6 +26,9 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.params.chain_filter == ChainFilter::Gaussian {
         name += " gaussian";
+    }
+    if record.head.resolution_scale != 1.0 {
+        name += &format!(" scale {}", record.head.resolution_scale);
     }
     let t = record.params.tuning;
     for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
@@ -114,7 +106,8 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
-        r.head.preset == Preset::Published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+        let published = r.head.preset == Preset::Published && r.head.resolution_scale == 1.0;
+        published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
     };
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
