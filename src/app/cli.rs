@@ -28,6 +28,8 @@ pub enum Command {
     Time(TimeOptions),
     /// Measure run time against error.
     Error(ErrorOptions),
+    /// Try every method on G-buffers and cameras that break renderers.
+    Stress(StressOptions),
     /// Write a G-buffer to a file, or run a method on one from any renderer.
     #[command(subcommand, name = "gbuffer")]
     GBuffer(GBufferCommand),
@@ -239,6 +241,28 @@ pub struct ErrorOptions {
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `ssct stress`.
+#[derive(Debug, Args)]
+pub struct StressOptions {
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Only small images and one scene: a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only cases whose name contains this.
+    #[arg(long, value_name = "WORDS")]
+    pub case: Option<String>,
+    /// Write stress.json, stress.txt and index.html into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub device: DeviceOptions,
 }
 
 /// The subcommands of `ssct gbuffer`.
