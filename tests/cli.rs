@@ -67,7 +67,11 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (vec![], 2, "Usage"),
         (vec!["paint"], 2, "paint"),
         (vec!["render", "--scene", "room.obj"], 2, "--output"),
-        (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium) nor a .scene.toml or .obj file"),
+        (
+            render(&["--scene", "nowhere"]),
+            2,
+            "neither a built-in scene (rooms, atrium, street, museum, cathedral, corridor) nor a .scene.toml or .obj file",
+        ),
         (render(&["--scene", "missing.obj"]), 1, "cannot read"),
         (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
