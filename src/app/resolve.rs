@@ -123,9 +123,11 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
             iterations: options.iterations,
             start_level: options.start_level,
             cone_samples: options.cone_samples,
+            march_stride: options.march_stride,
         },
         split: options.split,
         chain_filter: options.chain_filter,
+        march: options.march,
         fade: options.fade == Switch::On,
     }
 }

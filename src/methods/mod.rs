@@ -4,12 +4,15 @@
 
 pub mod effect;
 pub mod hzct;
+pub mod linear;
 pub mod ssct;
+pub mod sslr;
 pub mod thesis;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
@@ -25,10 +28,12 @@ pub struct Setup {
     pub preset: Preset,
     /// Numbers that replace the preset's.
     pub tuning: Tuning,
-    /// Ray trace and cone trace as two passes, which also gives the hits.
+    /// Ray trace and cone trace as two passes where a method has both; where it has hits, it gives them.
     pub split: bool,
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    pub march: March,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
 }
@@ -42,6 +47,7 @@ impl Setup {
             tuning: Tuning::default(),
             split: false,
             chain_filter: ChainFilter::default(),
+            march: March::default(),
             fade: true,
         }
     }
@@ -141,7 +147,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, sslr::INFO, linear::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

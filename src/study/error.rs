@@ -18,6 +18,7 @@ use crate::metrics::world;
 use crate::passes::Hits;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::linear_trace::March;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
@@ -43,6 +44,9 @@ pub struct Variant {
 pub struct Params {
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    #[serde(default)]
+    pub march: March,
     /// What replaces the preset's numbers.
     #[serde(flatten)]
     pub tuning: Tuning,
@@ -213,7 +217,7 @@ impl Record {
         let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
-            params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },
+            params: Params { chain_filter: setup.chain_filter, march: setup.march, tuning: setup.tuning },
             time_ms,
             against: Against::Screen,
             hits: HitAgreement::default(),

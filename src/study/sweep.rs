@@ -5,28 +5,43 @@ use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: both presets, and around them one parameter at a time.
+/// Every variant of some methods: both presets, and around them one parameter at a time of those that the
+/// method reads.
 pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
+    let of =
+        |method: &'static MethodInfo| setups(method.name, base).into_iter().map(move |setup| Variant { method, setup });
+    methods.iter().flat_map(|m| of(m)).collect()
+}
+
+fn setups(method: &str, base: Setup) -> Vec<Setup> {
     let published = Setup { preset: Preset::Published, ..base };
     let author = Setup { preset: Preset::Author, ..base };
     let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
     let none = Tuning::default();
-    let setups = [
-        published,
-        Setup { chain_filter: ChainFilter::Gaussian, ..published },
-        tuned(published, Tuning { cone_samples: Some(3), ..none }),
-        tuned(published, Tuning { cone_samples: Some(15), ..none }),
-        tuned(published, Tuning { start_level: Some(2), ..none }),
-        author,
-        tuned(author, Tuning { iterations: Some(16), ..none }),
-        tuned(author, Tuning { iterations: Some(32), ..none }),
-        tuned(author, Tuning { iterations: Some(256), ..none }),
-    ];
-    methods.iter().flat_map(|method| setups.iter().map(|setup| Variant { method, setup: *setup })).collect()
+    let mut setups = vec![published, author];
+    match method {
+        "ssct" | "hzct" => setups.extend([
+            Setup { chain_filter: ChainFilter::Gaussian, ..published },
+            tuned(published, Tuning { cone_samples: Some(3), ..none }),
+            tuned(published, Tuning { cone_samples: Some(15), ..none }),
+            tuned(published, Tuning { start_level: Some(2), ..none }),
+            tuned(author, Tuning { iterations: Some(16), ..none }),
+            tuned(author, Tuning { iterations: Some(32), ..none }),
+            tuned(author, Tuning { iterations: Some(256), ..none }),
+        ]),
+        "linear" => setups.extend([
+            Setup { march: March::Fixed, ..published },
+            // A hundred steps that span the screen.
+            Setup { march: March::Fixed, ..tuned(published, Tuning { march_stride: Some(0.01), ..none }) },
+        ]),
+        _ => {}
+    }
+    setups
 }
 
 /// What a record's variant is called: method, preset, and the parameters that differ from it.
@@ -38,11 +53,17 @@ pub fn name(record: &ErrorRecord) -> String {
     if record.params.chain_filter == ChainFilter::Gaussian {
         name += " gaussian";
     }
+    if record.params.march == March::Fixed {
+        name += " fixed";
+    }
     let t = record.params.tuning;
     for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
+    }
+    if let Some(stride) = t.march_stride {
+        name += &format!(" stride {stride}");
     }
     name
 }
@@ -114,7 +135,8 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
-        r.head.preset == Preset::Published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+        let plain = t.chain_filter == ChainFilter::default() && t.march == March::default();
+        r.head.preset == Preset::Published && t.tuning == Tuning::default() && plain
     };
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
