@@ -2,6 +2,7 @@
 
 use super::window::ViewOptions;
 use crate::methods::Preset;
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
 use crate::report::figures::Figure;
@@ -120,7 +121,10 @@ pub struct MethodOptions {
     /// Which of the thesis's two listings the method linear marches by.
     #[arg(long, value_enum, default_value_t)]
     pub march: March,
-    /// First step of the linear march, 1 being the screen's side, instead of the preset's.
+    /// How the method poster pre-filters the G-buffer.
+    #[arg(long, value_enum, default_value_t)]
+    pub poster_filter: PosterFilter,
+    /// First step of the linear march and of the poster's, 1 being the screen's side, instead of the preset's.
     #[arg(long, value_name = "S", value_parser = stride)]
     pub march_stride: Option<f32>,
     /// Trace rays and cones in two passes instead of one; every method then also keeps its hits.

@@ -128,6 +128,7 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         split: options.split,
         chain_filter: options.chain_filter,
         march: options.march,
+        poster_filter: options.poster_filter,
         fade: options.fade == Switch::On,
     }
 }

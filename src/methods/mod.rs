@@ -5,6 +5,7 @@
 pub mod effect;
 pub mod hzct;
 pub mod linear;
+pub mod poster;
 pub mod ssct;
 pub mod sslr;
 pub mod thesis;
@@ -14,7 +15,7 @@ use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::passes::{Content, GBuffer, Hits, PosterFilter, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output};
 pub use thesis::{Preset, Tuning};
@@ -34,6 +35,8 @@ pub struct Setup {
     pub chain_filter: ChainFilter,
     /// Which listing `linear` marches by.
     pub march: March,
+    /// How `poster` pre-filters the G-buffer.
+    pub poster_filter: PosterFilter,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
 }
@@ -48,6 +51,7 @@ impl Setup {
             split: false,
             chain_filter: ChainFilter::default(),
             march: March::default(),
+            poster_filter: PosterFilter::default(),
             fade: true,
         }
     }
@@ -76,7 +80,7 @@ pub struct SceneInput<'a> {
 /// An image that a method made along the way, for whoever looks inside.
 #[derive(Clone, Copy)]
 pub struct Intermediate<'a> {
-    /// File stem; a level's number follows it where there is more than one.
+    /// File stem; the number of a level, or of a volume's slice, follows it where there is more than one.
     pub name: &'static str,
     /// What its numbers are.
     pub content: Content,
@@ -147,7 +151,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, sslr::INFO, linear::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, sslr::INFO, linear::INFO, poster::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

@@ -30,7 +30,7 @@ pub struct Tuning {
     /// Circles of the cone, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cone_samples: Option<u32>,
-    /// First step of the linear march, in screen space (1 is the screen's side), > 0.
+    /// First step of the linear march and of the poster's, in screen space (1 is the screen's side), > 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub march_stride: Option<f32>,
 }

@@ -5,6 +5,8 @@
 
 pub mod color_chain;
 pub mod composite;
+pub mod cone_march;
+pub mod filtered_gbuffer;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
@@ -67,6 +69,28 @@ pub struct RayTraceColor<'a> {
     pub mask: &'a Image,
 }
 
+/// The poster's G-buffer, pre-filtered: mip chains, or volumes whose slices stand for the levels.
+#[derive(Clone, Copy)]
+pub struct FilteredGBuffer<'a> {
+    /// View-space z in metres; the far plane's where nothing stands. R32F.
+    pub depth: &'a Image,
+    /// View-space normal, averaged without normalising. RGBA16F.
+    pub normal: &'a Image,
+    /// Lit colour, linear. RGBA16F.
+    pub color: &'a Image,
+}
+
+/// How the G-buffer is pre-filtered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PosterFilter {
+    /// Hardware mip-mapping (the poster's figure 2a).
+    #[default]
+    Mip,
+    /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
+    Volume,
+}
+
 /// What an image's numbers are, for whoever draws it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
@@ -78,6 +102,8 @@ pub enum Content {
     ReversedDepth,
     /// Standard depth, minimum and maximum.
     StandardDepth,
+    /// View-space z in metres.
+    LinearDepth,
     /// Shares 0…1.
     Share,
     /// Reflectivity and roughness.

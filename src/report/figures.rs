@@ -1,11 +1,11 @@
 //! Figures of the thesis from intermediates: 4.4 (visibility chain), 4.5 (Hi-Z and linear rays), 4.9 and
-//! 4.10 (the chains of SSLR).
+//! 4.10 (the chains of SSLR); and the poster's figure 2, which is the image under three set-ups.
 
 use super::images::{Rgb, display, paths, picture};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::methods::Setup;
-use crate::passes::Content;
+use crate::passes::{Content, PosterFilter};
 use crate::scene::Lens;
 use crate::study::Intermediates;
 use std::ops::Range;
@@ -25,6 +25,15 @@ pub enum Figure {
     /// The first five mip levels of SSLR's mask.
     #[value(name = "4.10")]
     MaskChain,
+    /// The poster's figure 2a: mip-mapping, which may cause artifacts; without fading.
+    #[value(name = "poster-2a")]
+    PosterMip,
+    /// The poster's figure 2b: the same with the Gaussian filter.
+    #[value(name = "poster-2b")]
+    PosterGaussian,
+    /// The poster's figure 2c: with fading too.
+    #[value(name = "poster-2c")]
+    PosterFade,
 }
 
 impl Figure {
@@ -33,12 +42,18 @@ impl Figure {
         match self {
             Self::VisibilityChain | Self::RaySplit => "ssct",
             Self::RayTraceColorChain | Self::MaskChain => "sslr",
+            Self::PosterMip | Self::PosterGaussian | Self::PosterFade => "poster",
         }
     }
 
     /// How the method is set up for it.
     pub fn setup(self, setup: Setup) -> Setup {
-        setup
+        match self {
+            Self::PosterMip => Setup { poster_filter: PosterFilter::Mip, fade: false, ..setup },
+            Self::PosterGaussian => Setup { poster_filter: PosterFilter::Volume, fade: false, ..setup },
+            Self::PosterFade => Setup { poster_filter: PosterFilter::Volume, fade: true, ..setup },
+            _ => setup,
+        }
     }
 }
 
@@ -55,6 +70,9 @@ pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
         Figure::RaySplit => ray_split(all),
         Figure::RayTraceColorChain => chain(all, "ray-trace-color", 0..SSLR_LEVELS, lens),
         Figure::MaskChain => chain(all, "mask", 0..SSLR_LEVELS, lens),
+        Figure::PosterMip | Figure::PosterGaussian | Figure::PosterFade => {
+            Ok(display(find(all, Content::Color, "composite")?))
+        }
     }
 }
 

@@ -4,6 +4,7 @@ use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
 
@@ -39,6 +40,7 @@ fn setups(method: &str, base: Setup) -> Vec<Setup> {
             // A hundred steps that span the screen.
             Setup { march: March::Fixed, ..tuned(published, Tuning { march_stride: Some(0.01), ..none }) },
         ]),
+        "poster" => setups.push(Setup { poster_filter: PosterFilter::Volume, ..published }),
         _ => {}
     }
     setups
@@ -55,6 +57,9 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.params.march == March::Fixed {
         name += " fixed";
+    }
+    if record.params.poster_filter == PosterFilter::Volume {
+        name += " volume";
     }
     let t = record.params.tuning;
     for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
@@ -135,7 +140,9 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
-        let plain = t.chain_filter == ChainFilter::default() && t.march == March::default();
+        let plain = t.chain_filter == ChainFilter::default()
+            && t.march == March::default()
+            && t.poster_filter == PosterFilter::default();
         r.head.preset == Preset::Published && t.tuning == Tuning::default() && plain
     };
     let mut found: Vec<Sources> = Vec::new();
