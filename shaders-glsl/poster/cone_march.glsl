@@ -154,8 +154,11 @@ void main() {
     vec3 Q = At(cone, pathLength);
     vec3 hit = Project(Q);
     float level = Level(cone.solidAngle, pathLength, Q.z);
-    // What faces away from the cone sends nothing along it.
-    if (dot(Filtered(filtered_normal, hit.xy, level).xyz, cone.direction) >= 0.0)
+    // What faces away from the cone sends nothing along it. Seen a pixel further on: where surfaces meet,
+    // the texel of the hit-point may still be the surface that the cone began on.
+    vec2 across = (hit.xy - texCoord) * camera.resolution;
+    vec2 beyond = hit.xy + across / (max(length(across), 1e-6) * camera.resolution);
+    if (dot(Filtered(filtered_normal, beyond, level).xyz, cone.direction) >= 0.0)
         return;
     HIT(vec4(hit, PATH_LINEAR));
     float fade = poster.fade != 0 ? BorderFade(hit.xy, poster.fade_start, poster.fade_end) : 1.0;
