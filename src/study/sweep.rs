@@ -4,7 +4,9 @@ use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -27,6 +29,12 @@ pub fn name(record: &ErrorRecord) -> String {
     if record.params.chain_filter == ChainFilter::Gaussian {
         name += " gaussian";
     }
+    if record.params.march == March::Fixed {
+        name += " fixed";
+    }
+    if record.params.poster_filter == PosterFilter::Volume {
+        name += " volume";
+    }
     if record.head.resolution_scale != 1.0 {
         name += &format!(" scale {}", record.head.resolution_scale);
     }
@@ -35,6 +43,9 @@ pub fn name(record: &ErrorRecord) -> String {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
+    }
+    if let Some(stride) = t.march_stride {
+        name += &format!(" stride {stride}");
     }
     name
 }
@@ -106,8 +117,11 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
+        let plain = t.chain_filter == ChainFilter::default()
+            && t.march == March::default()
+            && t.poster_filter == PosterFilter::default();
         let published = r.head.preset == Preset::Published && r.head.resolution_scale == 1.0;
-        published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+        published && t.tuning == Tuning::default() && plain
     };
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
