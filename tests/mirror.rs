@@ -421,6 +421,10 @@ fn right_is_right_and_down_is_up() {
         ("linear", fixed, 0.0),
         ("poster", author, 0.0),
         ("poster", volume, 0.0),
+        ("ssr", usual, 0.0),
+        ("ssr-fast", usual, 0.0),
+        // The wall is a side of the proxy box, so that the map is exact there.
+        ("pccm", usual, 0.0),
     ] {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let shown = show(&gpu, &scene, view, method, &setup, &globals);
@@ -554,7 +558,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
 #[test]
 fn without_fade_nothing_fades() {
     let gpu = gpu();
-    for method in ["ssct", "hzct"] {
+    for method in ["ssct", "hzct", "ssr", "ssr-fast"] {
         let shown = Ramp::show(&gpu, method, false);
         for (hit, color) in shown.get("hits").texels().zip(shown.get("reflection").texels()) {
             assert_eq!(color[3], if path(hit).is_hit() { 1.0 } else { 0.0 });

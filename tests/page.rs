@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use ssct::gpu::DeviceInfo;
-use ssct::methods::Preset;
+use ssct::methods::{Fallback, Preset};
 use ssct::metrics::HitAgreement;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::Drawn;
@@ -53,6 +53,7 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     TimeRecord {
         head: head("time", method, roughness),
         split: false,
+        fallback: Fallback::None,
         passes: passes.iter().map(pass).collect(),
         total: Stats::of(&[ms]),
         frame: Stats::of(&[ms]),
@@ -70,6 +71,7 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
             chain_filter: ChainFilter::Hardware,
             march: Default::default(),
             poster_filter: Default::default(),
+            fallback: Fallback::None,
             tuning: Default::default(),
         },
         time_ms: Some(ms),

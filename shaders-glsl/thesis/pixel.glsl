@@ -5,15 +5,7 @@ layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimu
 layout(binding = 2) uniform sampler2D normalBuffer;    // view space
 layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
 
-// How a ray ended; the codes are those of `passes::PathCode`.
-#define PATH_NONE          0.0 // the pixel does not reflect
-#define PATH_HI_Z          1.0 // hit by Hi-Z traversal
-#define PATH_LINEAR        2.0 // hit by the linear fallback
-#define PATH_MISS          3.0 // Hi-Z traversal left the screen
-#define PATH_LINEAR_MISS   4.0 // the linear fallback found nothing
-#define PATH_EXHAUSTED     5.0 // out of iterations; the thesis takes it for a hit
-#define PATH_UNTRACED      6.0 // towards the camera, and no fallback
-
+#include "common/path.glsl"
 #include "thesis/reflection_ray.glsl"
 
 struct Pixel {

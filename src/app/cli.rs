@@ -1,7 +1,7 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
 use super::window::ViewOptions;
-use crate::methods::{MethodInfo, Preset};
+use crate::methods::{Fallback, Preset};
 use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
@@ -117,6 +117,12 @@ pub struct MethodOptions {
     /// Circles of the cone, instead of the preset's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub cone_samples: Option<u32>,
+    /// Pixels that ssr and ssr-fast march at once.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub pixel_step: Option<u32>,
+    /// Blur in ssr-fast by the distance from the viewer.
+    #[arg(long)]
+    pub distance_blur: bool,
     /// How the colour chain of ssct and hzct is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
@@ -138,13 +144,9 @@ pub struct MethodOptions {
     /// Fade reflections at the screen's border.
     #[arg(long, value_enum, default_value_t)]
     pub fade: Switch,
-}
-
-impl MethodOptions {
-    /// Whether a method can run with these options at all.
-    pub fn suits(&self, method: &MethodInfo) -> bool {
-        method.is_screen_space() || self.resolution_scale == ResolutionScale::Full
-    }
+    /// What is seen behind a screen-space method where its reflection fades out.
+    #[arg(long, value_enum, default_value_t)]
+    pub fallback: Fallback,
 }
 
 /// Which device, and whether it is watched.

@@ -124,6 +124,8 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
             start_level: options.start_level,
             cone_samples: options.cone_samples,
             march_stride: options.march_stride,
+            pixel_step: options.pixel_step,
+            distance_blur: options.distance_blur,
         },
         split: options.split,
         chain_filter: options.chain_filter,
@@ -132,5 +134,6 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,
+        fallback: options.fallback,
     }
 }

@@ -46,7 +46,7 @@ impl Image {
 }
 
 impl FrameContext {
-    /// Reads a mip level or a slice of a volume back.
+    /// Reads a mip level or a slice of a volume back; layers below one another.
     ///
     /// # Errors
     /// [`Error::Usage`] for a format without a decoder.
@@ -59,6 +59,7 @@ impl FrameContext {
         let (channels, texel_bytes, decode) = decoder(format)
             .ok_or_else(|| Error::Usage(format!("{}: {format:?} cannot be read back", slice.image().name())))?;
         let [width, height] = slice.extent();
+        let height = height * slice.image().layers();
         let bytes = u64::from(width) * u64::from(height) * texel_bytes as u64;
         let buffer = Buffer::new(self.gpu(), "readback", bytes, vk::BufferUsageFlags::TRANSFER_DST, Place::Readback)?;
         self.once(|frame| frame.download("readback", slice, &buffer))?;

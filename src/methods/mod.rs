@@ -2,12 +2,17 @@
 //! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
 //! them, down to the composite, is [`effect`].
 
+pub mod capture;
 pub mod effect;
+pub mod environment;
 pub mod hzct;
 pub mod linear;
+pub mod pccm;
 pub mod poster;
 pub mod ssct;
 pub mod sslr;
+pub mod ssr;
+pub mod ssr_fast;
 pub mod thesis;
 
 use crate::error::{Error, Result};
@@ -44,6 +49,37 @@ pub struct Setup {
     pub divisor: u32,
     /// Whether a method may make the composite along the way; [`Effect`] decides.
     pub composite: bool,
+    /// What is seen behind a screen-space method's reflection where that fades out.
+    pub fallback: Fallback,
+}
+
+/// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fallback {
+    /// Nothing: black.
+    #[default]
+    None,
+    /// The method `environment`.
+    Environment,
+    /// The method `pccm`.
+    Pccm,
+}
+
+impl Fallback {
+    /// The method that is behind.
+    pub fn method(self) -> Option<&'static MethodInfo> {
+        match self {
+            Self::None => None,
+            Self::Environment => Some(&environment::INFO),
+            Self::Pccm => Some(&pccm::INFO),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        *self == Self::None
+    }
 }
 
 impl Setup {
@@ -60,6 +96,7 @@ impl Setup {
             fade: true,
             divisor: 1,
             composite: true,
+            fallback: Fallback::None,
         }
     }
 
@@ -172,7 +209,28 @@ pub fn full_and_half(base: Setup) -> Vec<Setup> {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, sslr::INFO, linear::INFO, poster::INFO];
+pub const METHODS: &[MethodInfo] = &[
+    ssct::INFO,
+    hzct::INFO,
+    sslr::INFO,
+    linear::INFO,
+    poster::INFO,
+    ssr::INFO,
+    ssr_fast::INFO,
+    pccm::INFO,
+    environment::INFO,
+];
+
+/// The methods of some names; without names, every method that can be set up so.
+pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
+    if names.is_empty() {
+        return Ok(METHODS
+            .iter()
+            .filter(|m| (setup.fallback.is_none() && setup.divisor == 1) || m.is_screen_space())
+            .collect());
+    }
+    names.iter().map(|name| find(name)).collect()
+}
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

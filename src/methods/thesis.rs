@@ -35,6 +35,12 @@ pub struct Tuning {
     /// First step of the linear march and of the poster's, in screen space (1 is the screen's side), > 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub march_stride: Option<f32>,
+    /// Pixels that Schmidt's marches take at once, ≥ 1; none: 1, as listing 4 prints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_step: Option<u32>,
+    /// Whether `ssr-fast` blurs by the viewer's distance (Schmidt's listing 5, `toggleBlur`).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub distance_blur: bool,
 }
 
 /// Settings of the thesis's methods for the study of run time against error: both presets, around

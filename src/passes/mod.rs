@@ -6,14 +6,19 @@
 pub mod color_chain;
 pub mod composite;
 pub mod cone_march;
+pub mod cube_filter;
+pub mod environment;
+pub mod fallback;
 pub mod filtered_gbuffer;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
 pub mod linear_trace;
 pub mod mask_chain;
+pub mod pccm;
 pub mod resolution;
 pub mod scene_data;
+pub mod schmidt_trace;
 pub mod sslr_reflection;
 pub mod sslr_trace;
 pub mod thesis_trace;
@@ -55,6 +60,11 @@ pub struct ColorChain<'a>(pub &'a Image);
 /// Where each ray ended: texture coordinates, standard depth, and a [`PathCode`]. RGBA32F.
 #[derive(Clone, Copy)]
 pub struct Hits<'a>(pub &'a Image);
+
+/// Radiance by direction in world axes, a roughness a level (`cube_filter::level_roughness`): six faces
+/// in Vulkan's order. RGBA16F.
+#[derive(Clone, Copy)]
+pub struct CubeMap<'a>(pub &'a Image);
 
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
@@ -113,7 +123,7 @@ pub enum Content {
     Hits,
 }
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/pixel.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
@@ -124,7 +134,7 @@ pub enum PathCode {
     Linear = 2,
     /// Hi-Z traversal left the screen.
     Miss = 3,
-    /// The linear march found nothing.
+    /// A linear march found nothing.
     LinearMiss = 4,
     /// Out of iterations; the thesis takes it for a hit.
     Exhausted = 5,
@@ -157,7 +167,7 @@ impl PathCode {
         self == Self::Exhausted
     }
 
-    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
+    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted => Some(true),

@@ -20,9 +20,18 @@ pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
     methods.iter().flat_map(of).collect()
 }
 
+/// A record's method with what is behind it.
+fn method_name(record: &ErrorRecord) -> String {
+    let method = &record.head.method;
+    match record.params.fallback.method() {
+        Some(behind) => format!("{method} + {}", behind.name),
+        None => method.clone(),
+    }
+}
+
 /// What a record's variant is called: method, preset, and the parameters that differ from it.
 pub fn name(record: &ErrorRecord) -> String {
-    let mut name = record.head.method.clone();
+    let mut name = method_name(record);
     if record.head.preset == Preset::Author {
         name += " author";
     }
@@ -39,13 +48,18 @@ pub fn name(record: &ErrorRecord) -> String {
         name += &format!(" scale {}", record.head.resolution_scale);
     }
     let t = record.params.tuning;
-    for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
+    for (label, value) in
+        [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples), ("step", t.pixel_step)]
+    {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
     }
     if let Some(stride) = t.march_stride {
         name += &format!(" stride {stride}");
+    }
+    if t.distance_blur {
+        name += " blur";
     }
     name
 }
@@ -132,13 +146,14 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     for source in &mut found {
         let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
         for r in &here {
-            let known = source.rmse.iter().any(|(m, a, _)| *m == r.head.method && *a == r.against);
+            let name = method_name(r);
+            let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);
             if known || r.rmse.is_none() {
                 continue;
             }
-            let same = here.iter().filter(|o| o.head.method == r.head.method && o.against == r.against);
+            let same = here.iter().filter(|o| method_name(o) == name && o.against == r.against);
             let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
-            source.rmse.push((r.head.method.clone(), r.against, Stats::of(&values).median_ms));
+            source.rmse.push((name, r.against, Stats::of(&values).median_ms));
         }
     }
     found
