@@ -76,7 +76,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (
             aimed(&["--method", "magic"]),
             2,
-            "no method \"magic\"; there is: ssct, hzct, ssr, ssr-fast, pccm, environment",
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, environment",
         ),
         (
             aimed(&["--method", "pccm", "--fallback", "pccm"]),
@@ -122,6 +122,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
             "room.obj",
         ),
         (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
+        (aimed(&["--march-stride", "0"]), 2, "must be above 0 and at most 1"),
         (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
         (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
         (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),

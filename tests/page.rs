@@ -38,6 +38,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
         method: method.into(),
         preset: Preset::Published,
         width: 640,
+        resolution_scale: 1.0,
         height: 480,
         roughness: Some(roughness),
         normal_deviation: Some(roughness),
@@ -66,7 +67,13 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
 fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
-        params: Params { chain_filter: ChainFilter::Hardware, fallback: Fallback::None, tuning: Default::default() },
+        params: Params {
+            chain_filter: ChainFilter::Hardware,
+            march: Default::default(),
+            poster_filter: Default::default(),
+            fallback: Fallback::None,
+            tuning: Default::default(),
+        },
         time_ms: Some(ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },

@@ -10,7 +10,9 @@ use common::{clutter, clutter_camera, gpu};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::validation::ALLOWED;
 use ssct::methods::{Fallback, METHODS, MethodInfo, Preset, Setup, Tuning};
+use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::linear_trace::March;
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
@@ -24,14 +26,21 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
     let mut setups = Vec::new();
     for preset in [Preset::Published, Preset::Author] {
         for split in [false, true] {
-            for chain_filter in [ChainFilter::Hardware, ChainFilter::Gaussian] {
-                setups.push(Setup { preset, split, chain_filter, ..usual });
+            for (chain_filter, march) in
+                [(ChainFilter::Hardware, March::Growing), (ChainFilter::Gaussian, March::Fixed)]
+            {
+                // Volumes of the largest size would take most of the test's time.
+                let small = extent[0] < 200 && chain_filter == ChainFilter::Gaussian;
+                let poster_filter = if small { PosterFilter::Volume } else { PosterFilter::Mip };
+                setups.push(Setup { preset, split, chain_filter, march, poster_filter, ..usual });
             }
         }
     }
     let blur = Tuning { distance_blur: true, ..Tuning::default() };
     setups.push(Setup { tuning: blur, fallback: Fallback::Environment, ..usual });
     setups.push(Setup { fallback: Fallback::Pccm, ..usual });
+    setups.push(Setup { divisor: 2, split: true, ..usual });
+    setups.push(Setup { divisor: 4, fallback: Fallback::Environment, ..usual });
     setups
 }
 

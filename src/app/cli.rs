@@ -2,7 +2,9 @@
 
 use super::window::ViewOptions;
 use crate::methods::{Fallback, Preset};
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
@@ -28,6 +30,8 @@ pub enum Command {
     Time(TimeOptions),
     /// Measure run time against error.
     Error(ErrorOptions),
+    /// Try every method on G-buffers and cameras that break renderers.
+    Stress(StressOptions),
     /// Write a G-buffer to a file, or run a method on one from any renderer.
     #[command(subcommand, name = "gbuffer")]
     GBuffer(GBufferCommand),
@@ -63,7 +67,7 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Args)]
 pub struct SceneOptions {
-    /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Scale factor on the scene's coordinates.
@@ -119,10 +123,22 @@ pub struct MethodOptions {
     /// Blur in ssr-fast by the distance from the viewer.
     #[arg(long)]
     pub distance_blur: bool,
-    /// How the colour chain is filtered.
+    /// How the colour chain of ssct and hzct is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
-    /// Trace rays and cones in two passes instead of one.
+    /// Trace at a lower resolution and bring the reflection back to full size.
+    #[arg(long, value_enum, default_value_t)]
+    pub resolution_scale: ResolutionScale,
+    /// Which of the thesis's two listings the method linear marches by.
+    #[arg(long, value_enum, default_value_t)]
+    pub march: March,
+    /// How the method poster pre-filters the G-buffer.
+    #[arg(long, value_enum, default_value_t)]
+    pub poster_filter: PosterFilter,
+    /// First step of the linear march and of the poster's, 1 being the screen's side, instead of the preset's.
+    #[arg(long, value_name = "S", value_parser = stride)]
+    pub march_stride: Option<f32>,
+    /// Trace rays and cones in two passes instead of one; every method then also keeps its hits.
     #[arg(long)]
     pub split: bool,
     /// Fade reflections at the screen's border.
@@ -149,9 +165,10 @@ pub struct DeviceOptions {
 pub struct RenderOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles.
-    #[arg(long, default_value = "ssct")]
-    pub method: String,
+    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles. Without it,
+    /// the method that --figure is of, or ssct.
+    #[arg(long)]
+    pub method: Option<String>,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
@@ -161,7 +178,7 @@ pub struct RenderOptions {
     /// Write every intermediate into a folder, as PNG and EXR.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
-    /// Write a figure of the thesis instead of the image.
+    /// Write a figure of the thesis or the poster instead of the image.
     #[arg(long, value_enum, requires = "output")]
     pub figure: Option<Figure>,
     /// Write only the reflection, before fade and reflectivity.
@@ -240,6 +257,28 @@ pub struct ErrorOptions {
     pub json: bool,
 }
 
+/// Options of `ssct stress`.
+#[derive(Debug, Args)]
+pub struct StressOptions {
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Only small images and one scene: a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only cases whose name contains this.
+    #[arg(long, value_name = "WORDS")]
+    pub case: Option<String>,
+    /// Write stress.json, stress.txt and index.html into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
 /// The subcommands of `ssct gbuffer`.
 #[derive(Debug, Subcommand)]
 pub enum GBufferCommand {
@@ -309,6 +348,32 @@ pub struct StudyOptions {
     pub device: DeviceOptions,
 }
 
+/// Traced pixels a side over pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub enum ResolutionScale {
+    /// Every pixel.
+    #[default]
+    #[value(name = "1")]
+    Full,
+    /// A pixel in four.
+    #[value(name = "0.5")]
+    Half,
+    /// A pixel in sixteen.
+    #[value(name = "0.25")]
+    Quarter,
+}
+
+impl ResolutionScale {
+    /// Pixels a side of a pixel that is traced.
+    pub fn divisor(self) -> u32 {
+        match self {
+            Self::Full => 1,
+            Self::Half => 2,
+            Self::Quarter => 4,
+        }
+    }
+}
+
 /// On or off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 pub enum Switch {
@@ -328,6 +393,14 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
         (Ok(w), Ok(h)) => Ok([w, h]),
         _ => Err(wrong()),
+    }
+}
+
+/// A part of the screen's side.
+fn stride(text: &str) -> Result<f32, String> {
+    match text.trim().parse::<f32>() {
+        Ok(s) if s > 0.0 && s <= 1.0 => Ok(s),
+        _ => Err(format!("{text:?}: must be above 0 and at most 1")),
     }
 }
 

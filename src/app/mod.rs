@@ -12,6 +12,7 @@ mod progress;
 mod reference;
 mod render;
 mod resolve;
+mod stress;
 mod study;
 mod time;
 mod truth;
@@ -50,6 +51,7 @@ pub fn run() -> ExitCode {
         Command::Time(options) => time::run(options),
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
+        Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
         Command::View(options) => window::run(options),
         Command::Truth(options) => truth::run(options),

@@ -5,7 +5,7 @@ use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{METHODS, MethodInfo, Setup};
+use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Times};
 use crate::report::{error_report, files, images, plot, tables};
@@ -214,7 +214,7 @@ fn errors(
     cells.run(gpu, Some(&folder.join(ERROR_FOLDER)), &mut || bar.inc(1))
 }
 
-/// Figures 4.4 and 4.5 on the first scene.
+/// Figures 4.4, 4.5, 4.9 and 4.10 on the first scene.
 fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Result<Vec<Picture>> {
     let Some(scene) = scenes.first() else { return Ok(Vec::new()) };
     let wanted = [
@@ -232,14 +232,29 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
             "corridor",
             "Figure 4.5: rays traced by Hi-Z (green) and by the linear march (red); darker where nothing was hit",
         ),
+        (
+            Figure::RayTraceColorChain,
+            "figure-4.9",
+            plan.size,
+            "corridor",
+            "Figure 4.9: first five levels of the ray trace color buffer of SSLR",
+        ),
+        (
+            Figure::MaskChain,
+            "figure-4.10",
+            plan.size,
+            "corridor",
+            "Figure 4.10: first five levels of the mask buffer of SSLR",
+        ),
     ];
     let mut stage = Stage::new(gpu, scene)?;
     let mut pictures = Vec::new();
     for (figure, stem, extent, view, caption) in wanted {
         let view = scene.view(view)?;
         let camera = camera(scene, view, extent);
-        let setup = Setup { split: true, ..Setup::new(extent) };
-        let shot = Shot::new(&mut stage, &METHODS[0], &setup, camera, GLOSSY.materials(scene, view))?;
+        let setup = figure.setup(Setup { split: true, ..Setup::new(extent) });
+        let method = methods::find(figure.method())?;
+        let shot = Shot::new(&mut stage, method, &setup, camera, GLOSSY.materials(scene, view))?;
         if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;

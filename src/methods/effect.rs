@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
+use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -15,9 +16,10 @@ pub struct Output<'a> {
     pub composite: &'a Image,
 }
 
-/// A method of one size on one device, with its fallback and composite.
+/// A method of one size on one device, with what surrounds it.
 pub struct Effect {
     method: Box<dyn Method>,
+    scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     composite: CompositePass,
 }
@@ -35,9 +37,12 @@ impl Effect {
         setup: &Setup,
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
+        let name = info.name;
         if scene.is_none() && !info.is_screen_space() {
-            let name = info.name;
             return Err(Error::Usage(format!("--method {name} needs the scene; a G-buffer alone does not show it")));
+        }
+        if setup.divisor != 1 && !info.is_screen_space() {
+            return Err(Error::Usage(format!("--resolution-scale is for screen-space methods; {name} is none")));
         }
         let gpu: Gpu = context.gpu().clone();
         let fallback = setup.fallback.method().map(|behind| -> Result<_> {
@@ -55,10 +60,18 @@ impl Effect {
             }
             Ok(((behind.create)(&gpu, setup)?, FallbackPass::new(&gpu, setup.extent)?))
         });
+        let (extent, divisor) = (setup.extent, setup.divisor);
+        let mut inner = Setup { composite: setup.composite && fallback.is_none() && divisor == 1, ..*setup };
+        let mut scaled = None;
+        if divisor != 1 {
+            inner.extent = resolution::divided(extent, divisor);
+            scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
+        }
         let mut effect = Self {
-            method: (info.create)(&gpu, setup)?,
+            method: (info.create)(&gpu, &inner)?,
+            scaled,
             fallback: fallback.transpose()?,
-            composite: CompositePass::new(&gpu, setup.extent)?,
+            composite: CompositePass::new(&gpu, extent)?,
         };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
@@ -76,11 +89,19 @@ impl Effect {
 
     /// Records every pass after lighting.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        let mut traced = self.method.record(frame, input)?;
+        let mut traced = match &self.scaled {
+            None => self.method.record(frame, input)?,
+            Some((downsample, upsample)) => {
+                let gbuffer = downsample.record(frame, &input.gbuffer)?;
+                let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
+                let reflection = upsample.record(frame, &input.gbuffer, input.camera, small.reflection)?;
+                // The hits are of the smaller pixels; nothing at full size compares with them.
+                Traced { reflection, hits: None, ..small }
+            }
+        };
         if let Some((behind, pass)) = &self.fallback {
             let behind = behind.record(frame, input)?;
             traced.reflection = pass.record(frame, traced.reflection, behind.reflection)?;
-            traced.composite = None;
             traced.intermediates.extend(behind.intermediates);
         }
         let composite = match traced.composite {

@@ -19,6 +19,7 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "pre-filtered cube map of the sky, looked up by direction",
     source: "Hermanns 2015, §3.1.3, §4.2.11",
     sees: Sees::Scene,
+    settings: |base| vec![base],
     create: |gpu, setup| Ok(Box::new(EnvironmentMethod::new(gpu, setup)?)),
 };
 

@@ -2,7 +2,7 @@
 //! without the linear fallback, and with a fade of rays towards the camera.
 
 use super::ssct::ThesisMethod;
-use super::{MethodInfo, Sees};
+use super::{MethodInfo, Sees, thesis};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -10,5 +10,6 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "Hi-Z tracing and cone tracing; rays towards the camera fade out",
     source: "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
     sees: Sees::Screen,
+    settings: thesis::settings,
     create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, false)?)),
 };

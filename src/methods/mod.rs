@@ -6,8 +6,11 @@ pub mod capture;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
+pub mod linear;
 pub mod pccm;
+pub mod poster;
 pub mod ssct;
+pub mod sslr;
 pub mod ssr;
 pub mod ssr_fast;
 pub mod thesis;
@@ -15,14 +18,15 @@ pub mod thesis;
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::passes::{Content, GBuffer, Hits, PosterFilter, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output};
 pub use thesis::{Preset, Tuning};
 
 /// What a method is made for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Setup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
@@ -30,12 +34,21 @@ pub struct Setup {
     pub preset: Preset,
     /// Numbers that replace the preset's.
     pub tuning: Tuning,
-    /// Ray trace and cone trace as two passes, which also gives the hits.
+    /// Ray trace and cone trace as two passes where a method has both; where it has hits, it gives them.
     pub split: bool,
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    pub march: March,
+    /// How `poster` pre-filters the G-buffer.
+    pub poster_filter: PosterFilter,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
+    /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
+    /// [`Effect`] divides the size; a method knows only the size that it is made for.
+    pub divisor: u32,
+    /// Whether a method may make the composite along the way; [`Effect`] decides.
+    pub composite: bool,
     /// What is seen behind a screen-space method's reflection where that fades out.
     pub fallback: Fallback,
 }
@@ -78,9 +91,18 @@ impl Setup {
             tuning: Tuning::default(),
             split: false,
             chain_filter: ChainFilter::default(),
+            march: March::default(),
+            poster_filter: PosterFilter::default(),
             fade: true,
+            divisor: 1,
+            composite: true,
             fallback: Fallback::None,
         }
+    }
+
+    /// Traced pixels a side over full pixels: 1, ½ or ¼.
+    pub fn resolution_scale(&self) -> f32 {
+        1.0 / self.divisor as f32
     }
 }
 
@@ -107,7 +129,7 @@ pub struct SceneInput<'a> {
 /// An image that a method made along the way, for whoever looks inside.
 #[derive(Clone, Copy)]
 pub struct Intermediate<'a> {
-    /// File stem; a level's number follows it where there is more than one.
+    /// File stem; the number of a level, or of a volume's slice, follows it where there is more than one.
     pub name: &'static str,
     /// What its numbers are.
     pub content: Content,
@@ -166,6 +188,8 @@ pub struct MethodInfo {
     pub source: &'static str,
     /// What it needs to see.
     pub sees: Sees,
+    /// The settings that the study of run time against error runs, around a base.
+    pub settings: fn(Setup) -> Vec<Setup>,
     /// Makes it.
     pub create: fn(&Gpu, &Setup) -> Result<Box<dyn Method>>,
 }
@@ -177,13 +201,33 @@ impl MethodInfo {
     }
 }
 
+/// Settings for the study of run time against error of a method without parameters of its own: as
+/// published, and at half resolution.
+pub fn full_and_half(base: Setup) -> Vec<Setup> {
+    let published = Setup { preset: Preset::Published, ..base };
+    vec![published, Setup { divisor: 2, ..published }]
+}
+
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, ssr::INFO, ssr_fast::INFO, pccm::INFO, environment::INFO];
+pub const METHODS: &[MethodInfo] = &[
+    ssct::INFO,
+    hzct::INFO,
+    sslr::INFO,
+    linear::INFO,
+    poster::INFO,
+    ssr::INFO,
+    ssr_fast::INFO,
+    pccm::INFO,
+    environment::INFO,
+];
 
 /// The methods of some names; without names, every method that can be set up so.
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
-        return Ok(METHODS.iter().filter(|m| setup.fallback.is_none() || m.is_screen_space()).collect());
+        return Ok(METHODS
+            .iter()
+            .filter(|m| (setup.fallback.is_none() && setup.divisor == 1) || m.is_screen_space())
+            .collect());
     }
     names.iter().map(|name| find(name)).collect()
 }

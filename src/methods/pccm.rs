@@ -16,6 +16,7 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "cube maps captured in the scene, corrected for parallax by proxy boxes",
     source: "Schmidt 2013, §5.2, listing 1",
     sees: Sees::Scene,
+    settings: |base| vec![base],
     create: |gpu, setup| Ok(Box::new(PccmMethod::new(gpu, setup)?)),
 };
 

@@ -18,6 +18,7 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
     source: "Hermanns 2015, ch. 4",
     sees: Sees::Screen,
+    settings: thesis::settings,
     create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, true)?)),
 };
 

@@ -1,7 +1,7 @@
 //! `ssr`: a march along the reflection in screen space, a sample a pixel (Schmidt 2013, section 5.4,
 //! listing 4). `ssr-fast` is the same with the march of listing 5; both are [`SchmidtMethod`].
 
-use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
+use super::{Input, Method, MethodInfo, Sees, Setup, Traced, Tuning};
 use crate::error::Result;
 use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu};
@@ -15,8 +15,15 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "march along the reflection in screen space, a sample a pixel; mirrors only",
     source: "Schmidt 2013, §5.4, listing 4",
     sees: Sees::Screen,
+    settings: |base| [super::full_and_half(base), steps(base, &[2, 4, 8])].concat(),
     create: |gpu, setup| Ok(Box::new(SchmidtMethod::new(gpu, setup, March::PerPixel)?)),
 };
+
+/// A base with each of some strides of the march, in pixels.
+pub fn steps(base: Setup, pixels: &[u32]) -> Vec<Setup> {
+    let with = |n: &u32| Setup { tuning: Tuning { pixel_step: Some(*n), ..Tuning::default() }, ..base };
+    pixels.iter().map(with).collect()
+}
 
 /// Schmidt's screen-space reflections. They know no roughness: every reflection is a mirror's.
 pub struct SchmidtMethod {

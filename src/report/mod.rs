@@ -8,4 +8,5 @@ pub mod html;
 pub mod images;
 pub mod mitsuba;
 pub mod plot;
+pub mod stress_report;
 pub mod tables;

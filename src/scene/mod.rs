@@ -255,6 +255,28 @@ impl Scene {
         self.area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
     }
 
+    /// Moves everything that has a place.
+    pub fn translate(&mut self, offset: Vec3) {
+        for mesh in &mut self.meshes {
+            for v in &mut mesh.vertices {
+                v.position = (Vec3::from(v.position) + offset).to_array();
+            }
+            mesh.bounds = Aabb::of(&mesh.vertices);
+        }
+        for view in &mut self.views {
+            view.eye += offset;
+            view.look_at += offset;
+        }
+        for light in &mut self.lights {
+            if let Light::Point { position, .. } = light {
+                *position += offset;
+            }
+        }
+        self.probes.iter_mut().for_each(|p| p.translate(offset));
+        self.impostors.iter_mut().for_each(|i| i.centre += offset);
+        self.area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
+    }
+
     /// Number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|m| m.indices.len() / 3).sum()

@@ -89,6 +89,12 @@ impl Probe {
         self.position *= factor;
         self.bounds = Aabb { min: self.bounds.min * factor, max: self.bounds.max * factor };
     }
+
+    /// Moves it.
+    pub(super) fn translate(&mut self, offset: Vec3) {
+        self.position += offset;
+        self.bounds = Aabb { min: self.bounds.min + offset, max: self.bounds.max + offset };
+    }
 }
 
 impl Impostor {
@@ -122,6 +128,17 @@ impl AreaShape {
                 *centre *= factor;
                 *half_u *= factor;
                 *half_v *= factor;
+            }
+        }
+    }
+
+    /// Moves it.
+    pub(super) fn translate(&mut self, offset: Vec3) {
+        match self {
+            Self::Sphere { centre, .. } | Self::Rectangle { centre, .. } => *centre += offset,
+            Self::Capsule { a, b, .. } => {
+                *a += offset;
+                *b += offset;
             }
         }
     }

@@ -15,9 +15,10 @@ use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
-use crate::passes::Hits;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::linear_trace::March;
+use crate::passes::{Hits, PosterFilter};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
@@ -51,6 +52,12 @@ impl Variant {
 pub struct Params {
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    #[serde(default)]
+    pub march: March,
+    /// How `poster` pre-filters the G-buffer.
+    #[serde(default)]
+    pub poster_filter: PosterFilter,
     /// What is behind the method, if anything is.
     #[serde(default, skip_serializing_if = "Fallback::is_none")]
     pub fallback: Fallback,
@@ -251,7 +258,13 @@ impl Record {
         let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
-            params: Params { chain_filter: setup.chain_filter, fallback: setup.fallback, tuning: setup.tuning },
+            params: Params {
+                chain_filter: setup.chain_filter,
+                march: setup.march,
+                poster_filter: setup.poster_filter,
+                fallback: setup.fallback,
+                tuning: setup.tuning,
+            },
             time_ms,
             against: Against::Screen,
             hits: HitAgreement::default(),

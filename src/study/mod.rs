@@ -6,6 +6,7 @@ pub mod gbuffer;
 pub mod image;
 pub mod record;
 pub mod stage;
+pub mod stress;
 pub mod sweep;
 pub mod table;
 pub mod timing;

@@ -91,12 +91,20 @@ pub struct Head {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+    /// Traced pixels a side over pixels.
+    #[serde(default = "full_resolution")]
+    pub resolution_scale: f32,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
     /// Global normal deviation; null where the materials keep theirs.
     pub normal_deviation: Option<f32>,
     /// Device.
     pub device: DeviceInfo,
+}
+
+/// What records from before there was a choice were made at.
+fn full_resolution() -> f32 {
+    1.0
 }
 
 impl Head {
@@ -121,6 +129,7 @@ impl Head {
             preset: setup.preset,
             width: setup.extent[0],
             height: setup.extent[1],
+            resolution_scale: setup.resolution_scale(),
             roughness: globals.roughness,
             normal_deviation: globals.normal_deviation,
             device: gpu.info().clone(),

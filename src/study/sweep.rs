@@ -1,47 +1,23 @@
-//! What `ssct error` sweeps: methods × presets × parameters, and what a sweep adds up to.
+//! What `ssct error` sweeps: methods × their settings, and what a sweep adds up to.
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods.
+/// Every variant of some methods: the settings that each names, around a base.
 pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
     let of = |method: &&'static MethodInfo| {
-        let variant = |setup| Variant { method: *method, setup };
-        setups(method.name, base).into_iter().map(variant).collect::<Vec<_>>()
+        let method = *method;
+        (method.settings)(base).into_iter().map(move |setup| Variant { method, setup })
     };
     methods.iter().flat_map(of).collect()
-}
-
-/// What there is to vary in a method: presets, and around them one parameter at a time.
-fn setups(method: &str, base: Setup) -> Vec<Setup> {
-    let published = Setup { preset: Preset::Published, ..base };
-    let author = Setup { preset: Preset::Author, ..base };
-    let tuned = |setup: Setup, tuning| Setup { tuning, ..setup };
-    let none = Tuning::default();
-    let step = |n| tuned(published, Tuning { pixel_step: Some(n), ..none });
-    let thesis = [
-        published,
-        Setup { chain_filter: ChainFilter::Gaussian, ..published },
-        tuned(published, Tuning { cone_samples: Some(3), ..none }),
-        tuned(published, Tuning { cone_samples: Some(15), ..none }),
-        tuned(published, Tuning { start_level: Some(2), ..none }),
-        author,
-        tuned(author, Tuning { iterations: Some(16), ..none }),
-        tuned(author, Tuning { iterations: Some(32), ..none }),
-        tuned(author, Tuning { iterations: Some(256), ..none }),
-    ];
-    match method {
-        "ssct" | "hzct" => thesis.to_vec(),
-        "ssr" => vec![published, step(2), step(4), step(8)],
-        "ssr-fast" => vec![published, step(2), tuned(published, Tuning { distance_blur: true, ..none })],
-        _ => vec![published],
-    }
 }
 
 /// A record's method with what is behind it.
@@ -62,6 +38,15 @@ pub fn name(record: &ErrorRecord) -> String {
     if record.params.chain_filter == ChainFilter::Gaussian {
         name += " gaussian";
     }
+    if record.params.march == March::Fixed {
+        name += " fixed";
+    }
+    if record.params.poster_filter == PosterFilter::Volume {
+        name += " volume";
+    }
+    if record.head.resolution_scale != 1.0 {
+        name += &format!(" scale {}", record.head.resolution_scale);
+    }
     let t = record.params.tuning;
     for (label, value) in
         [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples), ("step", t.pixel_step)]
@@ -69,6 +54,9 @@ pub fn name(record: &ErrorRecord) -> String {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
+    }
+    if let Some(stride) = t.march_stride {
+        name += &format!(" stride {stride}");
     }
     if t.distance_blur {
         name += " blur";
@@ -143,7 +131,11 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
-        r.head.preset == Preset::Published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+        let plain = t.chain_filter == ChainFilter::default()
+            && t.march == March::default()
+            && t.poster_filter == PosterFilter::default();
+        let published = r.head.preset == Preset::Published && r.head.resolution_scale == 1.0;
+        published && t.tuning == Tuning::default() && plain
     };
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {

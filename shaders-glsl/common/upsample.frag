@@ -1,0 +1,68 @@
+#version 460
+// A smaller reflection brought to full size: bilinear between the four blocks around a pixel, but
+// only as far as they lie in its plane and face its way (joint bilateral upsampling; Kopf et al. 2007).
+
+#include "common/camera.glsl"
+
+layout(push_constant) uniform UpsampleBlock {
+    int divisor; // full pixels a side of a block
+} block;
+
+layout(binding = 1) uniform sampler2D depth_buffer;
+layout(binding = 2) uniform sampler2D normal_buffer;
+layout(binding = 3) uniform sampler2D material_buffer;
+layout(binding = 4) uniform sampler2D small_reflection;
+
+layout(location = 0) out vec4 out_reflection;
+
+// Off its plane by this share of its depth, a texel has lost most of its weight: the world's
+// tolerance in DEFINITIONS, "World agreement".
+#define PLANE_TOLERANCE 0.02
+// Of a normal's agreement; cos 20 deg to this power is 0.14.
+#define NORMAL_POWER 32.0
+
+vec3 Position(ivec2 pixel) {
+    vec2 ndc = (vec2(pixel) + 0.5) / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec4 h = camera.clip_to_view_reversed * vec4(ndc, texelFetch(depth_buffer, pixel, 0).r, 1.0);
+    return h.xyz / h.w;
+}
+
+bool Reflects(ivec2 pixel) {
+    return texelFetch(material_buffer, pixel, 0).r > 1e-4 && texelFetch(depth_buffer, pixel, 0).r > 0.0;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    out_reflection = vec4(0.0);
+    if (!Reflects(pixel))
+        return;
+    vec3 position = Position(pixel);
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    ivec2 base = pixel / block.divisor;
+    vec2 f = vec2(pixel - base * block.divisor) / float(block.divisor);
+    ivec2 last = textureSize(small_reflection, 0) - 1;
+
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    vec4 alike = vec4(0.0);   // of the texel most alike, for when none is alike enough
+    float likeness = -1.0;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 step = ivec2(i & 1, i >> 1);
+        ivec2 small = min(base + step, last);
+        ivec2 stands_at = small * block.divisor;
+        float share = (step.x == 1 ? f.x : 1.0 - f.x) * (step.y == 1 ? f.y : 1.0 - f.y);
+        if (share <= 0.0 || !Reflects(stands_at))
+            continue;
+        float off = dot(normal, Position(stands_at) - position) / (PLANE_TOLERANCE * position.z);
+        float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
+        float weight = exp(-off * off) * pow(facing, NORMAL_POWER);
+        vec4 reflection = texelFetch(small_reflection, small, 0);
+        sum += share * weight * reflection;
+        weights += share * weight;
+        if (weight > likeness) {
+            likeness = weight;
+            alike = reflection;
+        }
+    }
+    out_reflection = weights > 1e-3 ? sum / weights : alike;
+}

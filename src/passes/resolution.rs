@@ -1,0 +1,117 @@
+//! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
+//! reflection brought back to full size.
+
+use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
+use crate::error::Result;
+use crate::gpu::shader::{COMMON_DOWNSAMPLE_FRAG, COMMON_UPSAMPLE_FRAG, DownsampleBlock, UpsampleBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::scene::Camera;
+use ash::vk;
+
+const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
+/// Not a depth format: it is written as a colour, and read as a number like any depth.
+const DEPTH: vk::Format = vk::Format::R32_SFLOAT;
+
+/// Width and height of the smaller G-buffer: divided, rounded up.
+pub fn divided(extent: [u32; 2], divisor: u32) -> [u32; 2] {
+    extent.map(|v| v.div_ceil(divisor))
+}
+
+/// The smaller G-buffer of a full one.
+pub struct DownsamplePass {
+    pipeline: GraphicsPipeline,
+    divisor: u32,
+    depth: Image,
+    normal: Image,
+    material: Image,
+    color: Image,
+}
+
+impl DownsamplePass {
+    /// For G-buffers of a size in pixels, with blocks of `divisor` × `divisor` pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let extent = divided(extent, divisor);
+        let of = |name, format, levels| {
+            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+            Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
+        };
+        let targets = [DEPTH, NORMAL, MATERIAL, LIT_COLOR];
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_DOWNSAMPLE_FRAG, &targets)?,
+            divisor,
+            depth: of("small depth", DEPTH, 1)?,
+            normal: of("small normal", NORMAL, 1)?,
+            material: of("small material", MATERIAL, 1)?,
+            color: of("small color", LIT_COLOR, image::full_chain(extent))?,
+        })
+    }
+
+    /// Pass "downsample".
+    pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<GBuffer<'a>> {
+        let targets = [self.depth.all(), self.normal.all(), self.material.all(), self.color.level(0)];
+        frame.fullscreen(
+            "downsample",
+            &self.pipeline,
+            &targets.map(Target::overwrite),
+            &[
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                ("color_buffer", Resource::nearest(gbuffer.color.level(0))),
+            ],
+            bytemuck::bytes_of(&DownsampleBlock { divisor: self.divisor as i32 }),
+        )?;
+        Ok(GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color })
+    }
+}
+
+/// A reflection brought to full size.
+pub struct UpsamplePass {
+    pipeline: GraphicsPipeline,
+    divisor: u32,
+    reflection: Image,
+}
+
+impl UpsamplePass {
+    /// For reflections of a full size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_UPSAMPLE_FRAG, &[REFLECTION])?,
+            divisor,
+            reflection: Image::new(
+                gpu,
+                &ImageDesc { name: "upsampled reflection", format: REFLECTION, extent, levels: 1, layers: 1, usage },
+            )?,
+        })
+    }
+
+    /// Pass "upsample".
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        small: Reflection,
+    ) -> Result<Reflection<'a>> {
+        let block = camera_block(camera, self.reflection.extent());
+        frame.fullscreen(
+            "upsample",
+            &self.pipeline,
+            &[Target::overwrite(self.reflection.all())],
+            &[
+                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                ("small_reflection", Resource::nearest(small.0.all())),
+            ],
+            bytemuck::bytes_of(&UpsampleBlock { divisor: self.divisor as i32 }),
+        )?;
+        Ok(Reflection(&self.reflection))
+    }
+}
