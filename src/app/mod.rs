@@ -15,6 +15,8 @@ mod resolve;
 mod stress;
 mod study;
 mod time;
+mod time_captions;
+mod time_path;
 mod truth;
 #[cfg(feature = "window")]
 mod viewer;
