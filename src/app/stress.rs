@@ -3,14 +3,20 @@
 use super::cli::StressOptions;
 use super::{progress, resolve};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo};
 use crate::report::{files, stress_report};
-use crate::scene::library;
+use crate::scene::{Scene, library};
+use crate::study::stress::motion::{self, MOTIONS, MotionRecord, MotionSpec};
 use crate::study::stress::{self, JUDGED, StressRecord, cases::cases};
+use indicatif::ProgressBar;
 use std::io::Write;
 
 /// Pixels of the cases with a scene.
 const SCENE_SIZE: [u32; 2] = [321, 181];
+
+/// Roughness values of the camera's motions.
+const MOTION_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 
 /// Runs every case; fails if the judged method violates any.
 pub fn run(options: &StressOptions) -> anyhow::Result<()> {
@@ -39,20 +45,51 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         records.extend(stress::run_place(&gpu, scene, place, SCENE_SIZE, &methods)?);
         bar.inc(1);
     }
+    let motions = motions(&gpu, &scenes, options, &methods, &bar)?;
     bar.finish_and_clear();
 
     if let Some(folder) = &options.output {
         let command = if options.quick { "ssct stress --quick" } else { "ssct stress" };
-        stress_report::write(folder, &records, command)?;
+        stress_report::write(folder, &records, &motions, command)?;
     }
     let mut out = std::io::stdout().lock();
     if options.json {
-        out.write_all(files::json(&records).as_bytes())?;
+        let all: Vec<_> = records
+            .iter()
+            .map(serde_json::to_value)
+            .chain(motions.iter().map(serde_json::to_value))
+            .collect::<std::result::Result<_, _>>()?;
+        out.write_all(files::json(&all).as_bytes())?;
     } else {
-        out.write_all(stress_report::text(&records).as_bytes())?;
+        out.write_all(stress_report::text(&records, &motions).as_bytes())?;
     }
     gpu.check_validation()?;
     let violated = records.iter().filter(|r| r.method == JUDGED && !r.pass).count();
     anyhow::ensure!(violated == 0, "{JUDGED} violates {violated} case(s)");
     Ok(())
+}
+
+/// The camera's motions on the first view of the first scene, for a mirror and for gloss.
+fn motions(
+    gpu: &Gpu,
+    scenes: &[Scene],
+    options: &StressOptions,
+    methods: &[&'static MethodInfo],
+    bar: &ProgressBar,
+) -> Result<Vec<MotionRecord>> {
+    let mut records = Vec::new();
+    let Some(scene) = scenes.first().filter(|_| options.case.is_none()) else { return Ok(records) };
+    let (extent, frames, rays, views) =
+        if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 64, scene.views.len()) };
+    bar.inc_length((views * MOTIONS.len() * MOTION_ROUGHNESS.len()) as u64);
+    for view in &scene.views[..views] {
+        for roughness in MOTION_ROUGHNESS {
+            let spec = MotionSpec { gpu, scene, view, extent, roughness, frames, rays };
+            for motion in MOTIONS {
+                records.extend(motion::run(&spec, motion, methods)?);
+                bar.inc(1);
+            }
+        }
+    }
+    Ok(records)
 }

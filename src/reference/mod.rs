@@ -58,4 +58,4 @@ impl<T: Copy> Level<T> {
 }
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;

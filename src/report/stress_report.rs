@@ -2,24 +2,63 @@
 
 use super::{files, html, tables};
 use crate::error::Result;
+use crate::metrics::percentile;
+use crate::study::stress::motion::{Motion, MotionRecord};
 use crate::study::stress::{AGREEMENT, JUDGED, StressRecord};
 use std::path::Path;
 
-/// Writes stress.json, stress.txt and index.html.
-pub fn write(folder: &Path, records: &[StressRecord], command: &str) -> Result<()> {
+/// Writes stress.json, motion.json, stress.txt and index.html.
+pub fn write(folder: &Path, records: &[StressRecord], motions: &[MotionRecord], command: &str) -> Result<()> {
     files::write(&folder.join("stress.json"), files::json(records).as_bytes())?;
-    files::write(&folder.join("stress.txt"), text(records).as_bytes())?;
-    files::write(&folder.join("index.html"), page(records, command).as_bytes())
+    files::write(&folder.join("motion.json"), files::json(motions).as_bytes())?;
+    files::write(&folder.join("stress.txt"), text(records, motions).as_bytes())?;
+    files::write(&folder.join("index.html"), page(records, motions, command).as_bytes())
 }
 
-/// Both tables for a terminal.
-pub fn text(records: &[StressRecord]) -> String {
+/// The tables for a terminal.
+pub fn text(records: &[StressRecord], motions: &[MotionRecord]) -> String {
     let mut text = tables::aligned(&methods(records));
     let failures = failures(records);
     if failures.len() > 1 {
         text += &format!("\nCases that {JUDGED} does not pass:\n{}", tables::aligned(&failures));
     }
+    if !motions.is_empty() {
+        text += &format!("\nFlicker over the screen reference's own:\n{}", tables::aligned(&motion(motions)));
+    }
     text
+}
+
+/// Methods × motions and roughness: the median over the views of the flicker over the reference's own, and how far it is
+/// off the reference's (0 for the truth, 1 for a method that shows nothing).
+pub fn motion(records: &[MotionRecord]) -> Vec<Vec<String>> {
+    let mut columns: Vec<(Motion, f32)> = Vec::new();
+    let mut methods: Vec<&str> = Vec::new();
+    for r in records {
+        if !columns.contains(&(r.motion, r.roughness)) {
+            columns.push((r.motion, r.roughness));
+        }
+        if !methods.contains(&r.method.as_str()) {
+            methods.push(&r.method);
+        }
+    }
+    let title = |(motion, roughness): &(Motion, f32)| format!("{} {roughness}", motion.name());
+    let mut rows = vec![std::iter::once("method".to_owned()).chain(columns.iter().map(title)).collect::<Vec<_>>()];
+    for method in methods {
+        let mut row = vec![method.to_owned()];
+        row.extend(columns.iter().map(|(motion, roughness)| {
+            let here =
+                records.iter().filter(|r| r.method == method && r.motion == *motion && r.roughness == *roughness);
+            let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.filter_map(|r| r.ratio.zip(r.deviation)).unzip();
+            let median = |mut values: Vec<f64>| {
+                values.sort_by(f64::total_cmp);
+                percentile(&values, 0.5)
+            };
+            let both = median(ratios).zip(median(deviations));
+            both.map_or("-".into(), |(ratio, deviation)| format!("{ratio:.2} off {deviation:.2}"))
+        }));
+        rows.push(row);
+    }
+    rows
 }
 
 /// A table of method × failure: the number of cases with such pixels, and the pixels over all of them.
@@ -118,7 +157,12 @@ fn summary(r: &StressRecord) -> String {
     if words.is_empty() { "sound".into() } else { words.join(", ") }
 }
 
-fn page(records: &[StressRecord], command: &str) -> String {
+const MOTION_RULE: &str = "Mean absolute change of the reflection from frame to frame, each pixel beside the same \
+    surface a frame before, over the screen reference's own on the same frames: the median over the views. Columns name \
+    the camera's motion and the roughness; 1 is as still as the truth. Behind it, how far the change itself is off the \
+    reference's, in the same unit: 0 is the truth, 1 shows nothing.";
+
+fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> String {
     let rule = format!(
         "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
          are compared with oracle 1 where rays are defined. {JUDGED} passes a case with no such pixel and {} % of the hits \
@@ -133,6 +177,7 @@ fn page(records: &[StressRecord], command: &str) -> String {
         &[
             ("Method × failure", &rule, &methods(records)),
             ("Violations", "Cases that the judged method does not pass.", &failures(records)),
+            ("Stability in motion", MOTION_RULE, &motion(motions)),
             ("Every case", "What each method made of it, as shares of the image's pixels.", &cases(records)),
         ],
     )

@@ -2,6 +2,7 @@
 //! host's bits, its hits held against the oracle's.
 
 pub mod cases;
+pub mod motion;
 
 use super::gbuffer::hit_positions;
 use super::record::{DEFINITIONS, Head};
