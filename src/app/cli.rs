@@ -35,6 +35,8 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Make every figure of the theses, and a page that shows them.
+    Figures(FiguresOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
     /// Write the ground truth for another renderer to check.
@@ -344,6 +346,22 @@ pub struct StudyOptions {
     /// The folder; its page is index.html.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// Options of `ssct figures`.
+#[derive(Debug, Args)]
+pub struct FiguresOptions {
+    /// The folder; its page is index.html.
+    #[arg(short, long, value_name = "DIR", default_value = "figures")]
+    pub output: PathBuf,
+    /// Only the figures of these numbers, such as 4.5,5.2 or schmidt-27.
+    #[arg(long, value_name = "NUMBER", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Width and height of each render, instead of those in print.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
     #[command(flatten)]
     pub device: DeviceOptions,
 }
