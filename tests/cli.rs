@@ -73,7 +73,17 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
         (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
-        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct"),
+        (
+            aimed(&["--method", "magic"]),
+            2,
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, environment",
+        ),
+        (
+            aimed(&["--method", "pccm", "--fallback", "pccm"]),
+            2,
+            "only screen-space methods have a fallback, and pccm is none",
+        ),
+        (aimed(&["--method", "ssct", "--fallback", "mirror"]), 2, "[possible values: none, environment, pccm]"),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
         (render(&["--size", "10x0"]), 2, "has no pixels"),
@@ -112,6 +122,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
             "room.obj",
         ),
         (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
+        (aimed(&["--march-stride", "0"]), 2, "must be above 0 and at most 1"),
         (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
         (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
         (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
@@ -266,6 +278,69 @@ fn time_reports_every_pass_of_every_method_and_size() {
 }
 
 #[test]
+fn a_path_gives_frames_per_second_of_each_method() {
+    let folder = Folder::new();
+    let way = "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
+    std::fs::write(folder.path("way.toml"), way).unwrap();
+    let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
+    let succeed = |own: &[&str]| {
+        let output = folder.run(&[&["time"], own, &args].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let records = records.as_array().unwrap();
+    assert_eq!(records.len(), 4, "two methods, two sizes");
+    for r in records {
+        assert_eq!((&r["kind"], &r["definitions"], &r["view"]), (&"path".into(), &1.into(), &"way".into()));
+        let frames = r["frames"].as_array().unwrap();
+        assert_eq!(frames.len(), 5);
+        for f in frames {
+            let of = |name: &str| f[name].as_f64().unwrap();
+            assert!(of("frame_ms") > of("effect_ms") && of("effect_ms") > 0.0, "{f}");
+            assert!((of("fps") * of("frame_ms") - 1000.0).abs() < 1e-3, "{f}");
+        }
+        let fps = |name: &str| r["fps"][name].as_f64().unwrap();
+        assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");
+    }
+    assert_eq!(folder.list("p"), ["path-frames.csv", "path.json", "path.svg", "path.txt"]);
+    let rows = csv::Reader::from_path(folder.path("p/path-frames.csv")).unwrap().into_records().count();
+    assert_eq!(rows, 4 * 5);
+    let svg = std::fs::read_to_string(folder.path("p/path.svg")).unwrap();
+    assert_eq!(svg.matches("<polyline").count(), 4, "a line a record");
+    let text = succeed(&["--path", "views"]);
+    assert!(text.contains("rooms views") && text.contains("1 % low"), "{text}");
+    let output = folder.run(&["time", "--path", "nowhere"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("neither a path of scene") && said.contains("views"), "{said}");
+}
+
+#[test]
+fn captions_stand_beside_what_is_measured() {
+    let folder = Folder::new();
+    let quick = ["--table", "captions", "--samples", "1", "--warmup", "0", "--reference-rays", "1"];
+    let succeed = |own: &[&str]| {
+        let output = folder.run(&[&["time"], &quick[..], own].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = succeed(&["--view", "window-floor"]);
+    let row = said.lines().find(|l| l.starts_with("5.2")).unwrap();
+    assert!(["HZCT", "2.25", "1.12", "0.50", "960 x 540"].iter().all(|w| row.contains(w)), "{row}");
+    let json = succeed(&["--view", "corridor", "--json"]);
+    let records: Value = serde_json::from_str(&json).unwrap();
+    let kinds: Vec<_> = records.as_array().unwrap().iter().map(|r| (&r["kind"], &r["method"], &r["width"])).collect();
+    let expected = [("time", "ssct"), ("reference", "reference")].map(|(k, m)| (k.into(), m.into(), 1280.into()));
+    assert_eq!(kinds, expected.iter().map(|(k, m, w): &(Value, Value, Value)| (k, m, w)).collect::<Vec<_>>());
+    assert!(records[1]["wall_ms"].as_f64().unwrap() > 0.0 && records[1]["rays"] == 1);
+    for wrong in [["--method", "ssct"], ["--view", "ceiling"]] {
+        assert_eq!(folder.run(&[&["time", "--table", "captions"][..], &wrong].concat()).status.code(), Some(2));
+    }
+}
+
+#[test]
 fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let folder = Folder::new();
     let output = folder.run(&["study", "--quick", "-o", "out"]);
@@ -286,14 +361,15 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
     // Per scene: direct light and each method; and two figures.
     let methods = ssct::methods::METHODS.len();
-    assert_eq!(images.len(), 2 * (1 + methods) + 2);
+    let scenes = ssct::scene::library::names().len();
+    assert_eq!(images.len(), scenes * (1 + methods) + 2);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
-    // Per cell: two references, and each method and the exact hits with their FLIP maps.
-    assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
+    // Per cell: three references, and each method and the exact hits with their FLIP maps.
+    assert_eq!(pngs.len(), 4 * (3 + 2 * (methods + 1)));
     for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {
         assert!(linked.contains(&file), "{file}");
         let text = std::fs::read_to_string(folder.path("out").join(file)).unwrap();

@@ -35,7 +35,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let escape = escape(options);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
     let name: String = reference.fingerprint().iter().take(16).map(|b| format!("{b:02x}")).collect();
     let kept = options.cache.clone().or_else(default_cache).map(|folder| folder.join(format!("{name}.world")));
     let (mut state, unusable) = match &kept {
@@ -75,12 +76,18 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<P
     let materials = globals.materials(scene, &view);
     let world = World::new(scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera(scene, &view, options.size), options.size);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let escape = escape(options);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
     let mut state = reference.start();
     reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
     let made = reference.image(&state);
     let shown = if options.reflection_only { &made.reflection } else { &made.composite };
     Ok(pixels(shown, options.size))
+}
+
+/// As for the methods: with a fallback, what escapes brings the environment.
+fn escape(options: &RenderOptions) -> Escape {
+    if options.common.method_options.fallback.is_none() { Escape::Black } else { Escape::Environment }
 }
 
 /// When the options are met.

@@ -123,7 +123,10 @@ impl Viewer {
     /// Goes on to the next method of the table.
     pub fn next_method(&mut self) {
         let now = METHODS.iter().position(|m| m.name == self.method.name).unwrap_or(0);
-        self.method = &METHODS[(now + 1) % METHODS.len()];
+        let after = METHODS.iter().cycle().skip(now + 1).take(METHODS.len());
+        // A fallback goes behind screen-space methods only.
+        let mut fit = after.filter(|m| self.setup.fallback.is_none() || m.is_screen_space());
+        self.method = fit.next().unwrap_or(self.method);
         self.discard_shot();
     }
 

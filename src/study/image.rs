@@ -45,9 +45,10 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
         all.extend(output.traced.hits.map(|h| ("hits".into(), Content::Hits, h.0)));
         let mut read = Vec::new();
         for (name, kind, image) in all {
-            for level in 0..image.levels() {
-                let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.clone() };
-                read.push((stem, kind, stage.context.read(image.level(level))?));
+            let parts = image.parts();
+            for (n, part) in parts.iter().enumerate() {
+                let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.clone() };
+                read.push((stem, kind, stage.context.read(*part)?));
             }
         }
         intermediates = Some(read);

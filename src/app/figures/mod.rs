@@ -1,4 +1,4 @@
-//! `ssct figures`: every figure of the theses that this program can make, and a page that shows each
+//! `ssct figures`: every figure of the published documents that this program can make, and a page that shows each
 //! beside what is in print.
 
 mod draw;
@@ -72,6 +72,7 @@ fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> an
     });
     let name = match plate.source {
         Source::Thesis => "Figure",
+        Source::Poster => "The poster's figure",
         Source::Schmidt => "Schmidt's figure",
     };
     Ok(Entry {
@@ -106,13 +107,20 @@ fn groups(entries: Vec<(Source, Entry)>) -> Vec<Group> {
         (
             Source::Thesis,
             "Hermanns 2015",
-            "Lukas Hermanns, Screen Space Cone Tracing for Glossy Reflections, bachelor's thesis, TU Darmstadt, 2015. The \
+            "Lukas Hermanns, Screen Space Cone Tracing for Glossy Reflections, thesis, TU Darmstadt, 2015. The \
              times in its captions: ssct time --table captions; table 5.8: ssct time --table 5.8.",
+        ),
+        (
+            Source::Poster,
+            "Hermanns and Franke 2014",
+            "Lukas Hermanns and Tobias Alexander Franke, Screen Space Cone Tracing for Glossy Reflections, SIGGRAPH poster, \
+             2014.",
         ),
         (
             Source::Schmidt,
             "Schmidt 2013",
-            "Guido Schmidt, Rendering View Dependent Reflections Using the Graphics Card, 2013. Its figures 42 and 52, \
+            "Guido Schmidt, Rendering view dependent reflections using the graphics card, thesis, University of \
+             Koblenz-Landau, 2013. Its figures 42 and 52, \
              frames per second on the way through a scene: ssct time --path views.",
         ),
     ];

@@ -10,6 +10,8 @@ use crate::report::images::Rgb;
 pub enum Source {
     /// Hermanns 2015.
     Thesis,
+    /// Hermanns and Franke 2014.
+    Poster,
     /// Schmidt 2013.
     Schmidt,
 }
@@ -19,6 +21,7 @@ impl Source {
     pub fn stem(self) -> &'static str {
         match self {
             Self::Thesis => "thesis",
+            Self::Poster => "poster",
             Self::Schmidt => "schmidt",
         }
     }
@@ -80,7 +83,7 @@ pub const PLATES: &[Plate] = &[
         print: "A depth buffer of numbers; four texels at a time become one with the least of them.",
         differs: "The numbers are the real chain of a view of the rooms at 8 × 8 pixels.",
         size: Size::Fixed([8, 8]),
-        panels: &[("depth and its chain", "--scene rooms --view two-cylinders --dump inside")],
+        panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
         make: draw::even_chain,
     },
     Plate {
@@ -90,7 +93,7 @@ pub const PLATES: &[Plate] = &[
         print: "Always two by two texels: of an odd size the last row or column is lost, on every level anew.",
         differs: "The real depth of a view at 7 × 5 pixels, reduced by two by two. Red says what each cell lost.",
         size: Size::Fixed([7, 5]),
-        panels: &[("the depth", "--scene rooms --view two-cylinders --dump inside")],
+        panels: &[("the depth", "--scene rooms --view cylinder --dump inside")],
         make: draw::undersized_chain,
     },
     Plate {
@@ -101,7 +104,7 @@ pub const PLATES: &[Plate] = &[
         differs: "The chain that the pass makes of the same depth. The edge is read now, but on an odd side every other \
                   texel inside is not: what is crossed out is an erratum of Alg. 3 (see ERRATA.md).",
         size: Size::Fixed([7, 5]),
-        panels: &[("depth and its chain", "--scene rooms --view two-cylinders --dump inside")],
+        panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
         make: draw::odd_chain,
     },
     Plate {
@@ -332,6 +335,21 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
+        source: Source::Poster,
+        number: "2",
+        title: "the cone march through a pre-filtered G-buffer",
+        print: "(a) Filtering by mip-mapping may cause artifacts; (b) the Gaussian filter is smoother; (c) with fading at \
+                the screen's edge.",
+        differs: "The corridor of the rooms, roughness 0.3.",
+        size: QHD,
+        panels: &[
+            ("(a) mip-mapping", "--scene rooms --view corridor --figure poster-2a --roughness 0.3"),
+            ("(b) Gaussian filter", "--scene rooms --view corridor --figure poster-2b --roughness 0.3"),
+            ("(c) with fading", "--scene rooms --view corridor --figure poster-2c --roughness 0.3"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
         source: Source::Schmidt,
         number: "27",
         title: "the G-buffer",
@@ -401,11 +419,16 @@ pub const PLATES: &[Plate] = &[
         number: "41",
         title: "missing occlusion",
         print: "A billboard's reflection on the street that the parked car should block.",
-        differs: "The generated street; the ground truth stands beside it.",
+        differs: "The generated street. Beside it, what this program adds as an option: a billboard is hidden by what the \
+                  depth buffer shows; and below, the ground truth.",
         size: QHD,
         panels: &[
             ("left: billboards", "--scene street --view car --method billboard --roughness 0"),
-            ("right: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
+            (
+                "right: with a test against the depth buffer",
+                "--scene street --view car --method billboard --roughness 0 --billboard-occlusion depth",
+            ),
+            ("below: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
         ],
         make: draw::beside,
     },

@@ -2,7 +2,7 @@
 //! device between them. What a page says a picture was made by is thereby what made it.
 
 use crate::app::cli::{Cli, Command, RenderOptions};
-use crate::app::{reference, resolve};
+use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{self, METHODS};
@@ -44,8 +44,9 @@ pub fn lack(arguments: &str) -> Option<String> {
         Ok(options) => options,
         Err(e) => return Some(e.to_string()),
     };
-    if options.method != "reference" && METHODS.iter().all(|m| m.name != options.method) {
-        return Some(format!("there is no method {}", options.method));
+    let method = render::method_name(&options);
+    if method != "reference" && METHODS.iter().all(|m| m.name != method) {
+        return Some(format!("there is no method {method}"));
     }
     let scene = scene_name(&options);
     (!library::names().contains(&scene.as_str())).then(|| format!("there is no built-in scene {scene}"))
@@ -64,7 +65,7 @@ impl<'a> Workshop<'a> {
     /// The picture of an `ssct render`.
     pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
         let options = parse(arguments)?;
-        if options.method == "reference" {
+        if render::method_name(&options) == "reference" {
             let scene = &self.load(&options)?.scene;
             return Ok(display(&reference::sampled(&options, scene)?));
         }
@@ -95,12 +96,11 @@ impl<'a> Workshop<'a> {
 
     fn rendered(&mut self, options: &RenderOptions, inside: bool) -> Result<(RenderedImage, Camera)> {
         let common = &options.common;
-        let method = methods::find(&options.method)?;
+        let method = methods::find(render::method_name(options))?;
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
         let Loaded { scene, stage } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
-        let mut setup = resolve::setup(&common.method_options, options.size);
-        setup.split |= inside;
+        let setup = render::setup(options, inside);
         let camera = camera(scene, &view, options.size);
         let shot = Shot::new(stage, method, &setup, camera, globals.materials(scene, &view))?;
         Ok((image::render(stage, &shot, inside)?, camera))

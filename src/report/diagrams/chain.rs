@@ -50,7 +50,7 @@ pub fn undersized(depth: &Level<f32>) -> Vec<Level<f32>> {
 /// that holds more than the least depth of the area that it covers says what it should hold.
 pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     let levels = &levels[..levels.len().min(4)];
-    let width: f32 = levels.iter().map(|l| l.width as f32 * CELL + GAP).sum();
+    let width: f32 = levels.iter().map(|l| column(l) + GAP).sum();
     let height = levels.first().map_or(0.0, |l| l.height as f32 * CELL);
     let mut svg = Svg::new(Vec2::new(width - GAP + 2.0 * MARGIN, height + HEAD + FOOT));
     let (low, high) = bounds(levels);
@@ -77,7 +77,7 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
         if let Some(above) = levels.get(n + 1) {
             marks(&mut svg, corner, level, above, fetches);
         }
-        x += level.width as f32 * CELL + GAP;
+        x += column(level) + GAP;
     }
     let foot = HEAD + height + 26.0;
     let line = |svg: &mut Svg, n: f32, text: &str| svg.text(Vec2::new(MARGIN, foot + 18.0 * n), 13.0, "", text);
@@ -98,6 +98,11 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
 fn bounds(levels: &[Level<f32>]) -> (f32, f32) {
     let all = levels.iter().flat_map(|l| &l.texels);
     all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), z| (low.min(*z), high.max(*z)))
+}
+
+/// Width of a level's drawing, with room for its title.
+fn column(level: &Level<f32>) -> f32 {
+    (level.width as f32 * CELL).max(96.0)
 }
 
 /// A cell's colour: neighbours, also diagonal ones, differ.
@@ -143,8 +148,8 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
     }
     for (n, _) in read.iter().enumerate().filter(|(_, read)| !**read) {
         let at = corner + CELL * Vec2::new((n as u32 % level.width) as f32, (n as u32 / level.width) as f32);
-        svg.line(at, at + CELL, r##"stroke="#c00" stroke-width="1.2""##);
-        svg.line(at + Vec2::new(CELL, 0.0), at + Vec2::new(0.0, CELL), r##"stroke="#c00" stroke-width="1.2""##);
+        svg.line(at, at + CELL, r##"stroke="#c00" stroke-opacity="0.45""##);
+        svg.line(at + Vec2::new(CELL, 0.0), at + Vec2::new(0.0, CELL), r##"stroke="#c00" stroke-opacity="0.45""##);
     }
 }
 

@@ -10,14 +10,16 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 const WIDTH: f32 = 900.0;
 const PROFILE: f32 = 330.0;
 const LOWER: f32 = 300.0;
+/// Between the profile and what lies below, for words.
+const GAP: f32 = 98.0;
 const LEFT: f32 = 66.0;
 const TOP: f32 = 34.0;
 
 /// Draws a traversal of a chain.
 pub fn ray(trace: &HiZTrace, chain: &[Level<MinMax>]) -> String {
-    let mut svg = Svg::new(Vec2::new(WIDTH, TOP + PROFILE + 80.0 + LOWER + 40.0));
+    let mut svg = Svg::new(Vec2::new(WIDTH, TOP + PROFILE + GAP + LOWER));
     profile(&mut svg, trace, chain);
-    let top = TOP + PROFILE + 80.0;
+    let top = TOP + PROFILE + GAP;
     levels(&mut svg, trace, Vec2::new(LEFT, top));
     screen(&mut svg, trace, chain, Vec2::new(0.5 * WIDTH + 40.0, top));
     svg.finish()
@@ -168,7 +170,12 @@ fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2
     let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
     let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);
     let scale = (room / pixels).min_element();
-    svg.text(corner + Vec2::new(0.0, -12.0), 15.0, "", &format!("On the screen of {} × {}", pixels.x, pixels.y));
+    svg.text(
+        corner + Vec2::new(0.0, -12.0),
+        15.0,
+        "",
+        &format!("On the screen of {} × {}: from the dark point to the white", pixels.x, pixels.y),
+    );
     svg.rect(corner, pixels * scale, r##"fill="#f4f4f4" stroke="#888""##);
     // Coarse ones first, or they would hide the fine ones.
     let mut cells: Vec<&Step> = trace.steps.iter().collect();
