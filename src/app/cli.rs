@@ -37,6 +37,8 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Make every figure of the theses, and a page that shows them.
+    Figures(FiguresOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
     /// Write the ground truth for another renderer to check.
@@ -209,16 +211,28 @@ pub struct TimeOptions {
     /// Widths and heights in pixels.
     #[arg(long, visible_alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
-    /// Measure a table of the thesis: its sizes and roughness values, on the view `hall`.
+    /// Measure a table of the thesis (its sizes and roughness values, on the view `hall`), or the times in its
+    /// captions, each on the view that stands for its figure.
     #[arg(long, value_enum)]
     pub table: Option<Table>,
+    /// For --table captions: rays a pixel of the reference that stands for Mitsuba.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub reference_rays: u32,
+    /// Move the camera along a path and give frames per second: `views` (through the scene's views), a path of
+    /// the scene file, or a path file (.toml).
+    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["table", "samples", "view", "eye"])]
+    pub path: Option<PathBuf>,
+    /// For --path: frames from its beginning to its end.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: u32,
     /// Frames that count, for each method, size and roughness.
     #[arg(long, default_value_t = 10)]
     pub samples: usize,
     /// Frames before the first that counts.
     #[arg(long, default_value_t = 2)]
     pub warmup: usize,
-    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder.
+    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder; of a path, path.json,
+    /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Print the records as JSON, and nothing else.
@@ -330,6 +344,8 @@ pub enum Table {
     /// Resolutions and roughness values of SSCT, HZCT and SSLR.
     #[value(name = "5.8")]
     T5_8,
+    /// The times under figures 5.2 to 5.9.
+    Captions,
 }
 
 /// Options of `ssct study`.
@@ -344,6 +360,22 @@ pub struct StudyOptions {
     /// The folder; its page is index.html.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// Options of `ssct figures`.
+#[derive(Debug, Args)]
+pub struct FiguresOptions {
+    /// The folder; its page is index.html.
+    #[arg(short, long, value_name = "DIR", default_value = "figures")]
+    pub output: PathBuf,
+    /// Only the figures of these numbers, such as 4.5,5.2 or schmidt-27.
+    #[arg(long, value_name = "NUMBER", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Width and height of each render, instead of those in print.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
     #[command(flatten)]
     pub device: DeviceOptions,
 }

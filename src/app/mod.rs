@@ -5,6 +5,7 @@ mod compare;
 mod devices;
 mod error;
 mod error_cells;
+mod figures;
 #[cfg(feature = "window")]
 mod fly_camera;
 mod gbuffer;
@@ -15,6 +16,8 @@ mod resolve;
 mod stress;
 mod study;
 mod time;
+mod time_captions;
+mod time_path;
 mod truth;
 #[cfg(feature = "window")]
 mod viewer;
@@ -53,6 +56,7 @@ pub fn run() -> ExitCode {
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
+        Command::Figures(options) => figures::run(options),
         Command::View(options) => window::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),

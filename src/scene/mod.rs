@@ -9,6 +9,7 @@ pub mod gbuffer;
 pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
+pub mod path;
 pub mod pattern;
 pub mod proxies;
 pub mod scene_file;
@@ -20,6 +21,7 @@ use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
 pub use gbuffer::GBufferData;
+pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
@@ -46,6 +48,8 @@ pub struct Scene {
     pub lens: Lens,
     /// Named views; never empty. The first is the default.
     pub views: Vec<View>,
+    /// Named paths of the camera.
+    pub paths: Vec<CameraPath>,
     /// One sentence for each thing that had to be replaced or left out on loading.
     pub warnings: Vec<String>,
 }
@@ -245,6 +249,7 @@ impl Scene {
             view.eye *= factor;
             view.look_at *= factor;
         }
+        self.paths.iter_mut().for_each(|p| p.scale(factor));
         for light in &mut self.lights {
             if let Light::Point { position, .. } = light {
                 *position *= factor;

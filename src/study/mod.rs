@@ -1,9 +1,11 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod captions;
 pub mod compare;
 pub mod error;
 pub mod gbuffer;
 pub mod image;
+pub mod path;
 pub mod record;
 pub mod stage;
 pub mod stress;
