@@ -290,7 +290,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
     // Per scene: direct light and each method; and two figures.
     let methods = ssct::methods::METHODS.len();
-    assert_eq!(images.len(), 2 * (1 + methods) + 2);
+    assert_eq!(images.len(), ssct::scene::library::names().len() * (1 + methods) + 2);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
