@@ -359,10 +359,10 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     };
     let images = folder.list("out/images");
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
-    // Per scene: direct light and each method; and two figures.
+    // Per scene: direct light and each method; and four figures.
     let methods = ssct::methods::METHODS.len();
     let scenes = ssct::scene::library::names().len();
-    assert_eq!(images.len(), scenes * (1 + methods) + 2);
+    assert_eq!(images.len(), scenes * (1 + methods) + 4);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
