@@ -44,7 +44,7 @@ pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyh
 }
 
 /// Factor on the difference image of figure 5.5.
-const DIFFERENCE: u8 = 4;
+const DIFFERENCE: u8 = 2;
 
 /// Two renders and below them their difference.
 pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {

@@ -266,13 +266,13 @@ pub const PLATES: &[Plate] = &[
         number: "5.5",
         title: "the window and its surrounding, with the difference",
         print: "SSCT is more precise and, at 1920 × 1080, faster: 6.83 against 9.08 ms; (c) is the differential image.",
-        differs: "The generated stand-in of the scene, roughness and normal deviation 0.1. (c) is the absolute difference \
-                  of the displayed values, times 4; the thesis does not say how it is scaled.",
+        differs: "The generated stand-in of the scene, roughness and normal deviation 0.1. (c) is the absolute difference of the\
+                  displayed values, times 2; the thesis does not say how it is scaled.",
         size: HD,
         panels: &[
             ("(a) SSCT, left", "--scene rooms --view window --method ssct --roughness 0.1 --normal-deviation 0.1"),
             (
-                "(b) SSLR, right; (c) below: |a − b| · 4",
+                "(b) SSLR, right; (c) below: |a − b| · 2",
                 "--scene rooms --view window --method sslr --roughness 0.1 --normal-deviation 0.1",
             ),
         ],
@@ -451,13 +451,19 @@ pub const PLATES: &[Plate] = &[
         number: "48",
         title: "pixel steps of the march",
         print: "The brute-force march with growing steps: ribbons and holes.",
-        differs: "Steps of 1, 2, 5 and 10 pixels; the thesis's own sizes are not in its caption.",
+        differs: "Steps of 1, 5, 10 and 20 pixels, as the caption gives none; without normal mapping, so that the ribbons show.",
         size: QHD,
         panels: &[
-            ("step 1", "--scene street --view car --method ssr --roughness 0 --pixel-step 1"),
-            ("step 2", "--scene street --view car --method ssr --roughness 0 --pixel-step 2"),
-            ("step 5", "--scene street --view car --method ssr --roughness 0 --pixel-step 5"),
-            ("step 10", "--scene street --view car --method ssr --roughness 0 --pixel-step 10"),
+            ("step 1", "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 1"),
+            ("step 5", "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 5"),
+            (
+                "step 10",
+                "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 10",
+            ),
+            (
+                "step 20",
+                "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 20",
+            ),
         ],
         make: draw::beside,
     },

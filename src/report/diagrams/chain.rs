@@ -9,7 +9,7 @@ const CELL: f32 = 46.0;
 const GAP: f32 = 56.0;
 const MARGIN: f32 = 16.0;
 const HEAD: f32 = 30.0;
-const FOOT: f32 = 76.0;
+const FOOT: f32 = 92.0;
 /// Side of the square that marks a fetch.
 const MARK: f32 = 9.0;
 
@@ -55,7 +55,7 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
     let mut svg = Svg::new(Vec2::new(width - GAP + 2.0 * MARGIN, height + HEAD + FOOT));
     let (low, high) = bounds(levels);
     let mut x = MARGIN;
-    let mut wrong = 0;
+    let (mut wrong, mut unread) = (0, false);
     for (n, level) in levels.iter().enumerate() {
         let corner = Vec2::new(x, HEAD);
         let title = format!("level {n}: {} × {}", level.width, level.height);
@@ -75,23 +75,23 @@ pub fn chain(levels: &[Level<f32>], fetches: Fetches) -> String {
             }
         }
         if let Some(above) = levels.get(n + 1) {
-            marks(&mut svg, corner, level, above, fetches);
+            unread |= marks(&mut svg, corner, level, above, fetches);
         }
         x += column(level) + GAP;
     }
-    let foot = HEAD + height + 26.0;
-    let line = |svg: &mut Svg, n: f32, text: &str| svg.text(Vec2::new(MARGIN, foot + 18.0 * n), 13.0, "", text);
-    line(
-        &mut svg,
-        0.0,
-        "Standard depth (0 near, 1 far). Small squares: texels that are fetched; frame of the colour: the",
-    );
-    line(
-        &mut svg,
-        1.0,
-        "cell made of them. Crossed out: read by no cell. Red: the least depth in the cell's area, where",
-    );
-    line(&mut svg, 2.0, &format!("the cell holds more ({wrong} of the cells drawn)."));
+    let mut notes =
+        vec!["Standard depth (0 near, 1 far). Small squares: texels that are fetched; the frame of their colour:"];
+    notes.push("the cell made of them.");
+    if unread {
+        notes.push("Crossed out: read by no cell.");
+    }
+    let lost = format!("Red: the least depth in a cell's area, where the cell holds more ({wrong} cells).");
+    if wrong > 0 {
+        notes.push(&lost);
+    }
+    for (n, note) in notes.into_iter().enumerate() {
+        svg.text(Vec2::new(MARGIN, HEAD + height + 26.0 + 18.0 * n as f32), 13.0, "", note);
+    }
     svg.finish()
 }
 
@@ -130,8 +130,8 @@ fn least_within(level: &Level<f32>, [x, y]: [u32; 2], finest: &Level<f32>) -> f3
         .fold(f32::INFINITY, f32::min)
 }
 
-/// Squares for the fetches of the level above, and crosses where there are none.
-fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fetches: Fetches) {
+/// Squares for the fetches of the level above, and crosses where there are none; whether there are any.
+fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fetches: Fetches) -> bool {
     let mut read = vec![false; level.texels.len()];
     for y in 0..above.height {
         for x in 0..above.width {
@@ -151,6 +151,7 @@ fn marks(svg: &mut Svg, corner: Vec2, level: &Level<f32>, above: &Level<f32>, fe
         svg.line(at, at + CELL, r##"stroke="#c00" stroke-opacity="0.45""##);
         svg.line(at + Vec2::new(CELL, 0.0), at + Vec2::new(0.0, CELL), r##"stroke="#c00" stroke-opacity="0.45""##);
     }
+    read.contains(&false)
 }
 
 #[cfg(test)]

@@ -174,7 +174,7 @@ fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2
         corner + Vec2::new(0.0, -12.0),
         15.0,
         "",
-        &format!("On the screen of {} × {}: from the dark point to the white", pixels.x, pixels.y),
+        &format!("On the screen ({} × {}): from dark to white", pixels.x, pixels.y),
     );
     svg.rect(corner, pixels * scale, r##"fill="#f4f4f4" stroke="#888""##);
     // Coarse ones first, or they would hide the fine ones.
