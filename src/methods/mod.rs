@@ -4,6 +4,7 @@
 pub mod hzct;
 pub mod ssct;
 pub mod thesis;
+pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, Gpu, Image};
@@ -79,7 +80,7 @@ pub struct MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, unified::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {
