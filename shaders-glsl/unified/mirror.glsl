@@ -14,6 +14,7 @@ layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
 struct Mirror {
     vec4 reflection; // colour, and fade in a; a miss is 0
     vec4 composite;  // lit colour + reflectivity * fade * reflection
+    Ray ray;
     Hit hit;
 };
 
@@ -21,6 +22,7 @@ Mirror TraceMirror(ivec2 pixel) {
     Mirror mirror;
     mirror.reflection = vec4(0.0);
     mirror.composite = vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0);
+    mirror.ray = MakeRay(pixel, 0.0, vec3(0.0));
     mirror.hit = Hit(HIT_NONE, pixel, vec2(0.0), 0.0, 0);
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (!(reflectivity > REFLECTS_ABOVE))
@@ -31,9 +33,10 @@ Mirror TraceMirror(ivec2 pixel) {
         return mirror;
 
     bool faces;
-    mirror.hit = Traverse(MirrorRay(pixel, depth, normal, faces));
+    mirror.ray = MirrorRay(pixel, depth, normal, faces);
+    mirror.hit = Traverse(mirror.ray);
     if (mirror.hit.code == HIT_SURFACE && faces) {
-        vec2 uv = mirror.hit.position / vec2(unified.size);
+        vec2 uv = mirror.hit.position * unified.pixel_to_clip;
         mirror.reflection = vec4(textureLod(color_buffer, uv, 0.0).rgb, Fade(uv));
         mirror.composite.rgb += reflectivity * mirror.reflection.a * mirror.reflection.rgb;
     }

@@ -12,7 +12,9 @@ void main() {
     Mirror mirror = TraceMirror(ivec2(gl_FragCoord.xy));
     out_reflection = mirror.reflection;
     out_color = mirror.composite;
-    vec3 place = mirror.hit.code == HIT_SURFACE
-        ? vec3(mirror.hit.position / vec2(unified.size), 1.0 - mirror.hit.depth) : vec3(-1.0);
-    out_hit = vec4(place, float(mirror.hit.code));
+    precise vec2 uv = mirror.hit.position * unified.pixel_to_clip;
+    precise float depth = 1.0 - mirror.hit.depth;
+    vec3 place = mirror.hit.code == HIT_SURFACE ? vec3(uv, depth) : vec3(-1.0);
+    int code = mirror.hit.code == HIT_NOTHING ? WhyMissed(mirror.ray) : mirror.hit.code;
+    out_hit = vec4(place, float(code));
 }

@@ -21,8 +21,12 @@ struct Hit {
 // As passes::PathCode.
 #define HIT_NONE       0 // the pixel does not reflect
 #define HIT_SURFACE    1
-#define HIT_NOTHING    3 // it left the frustum
+#define HIT_NOTHING    3 // it left the frustum; WhyMissed tells more
 #define HIT_UNFINISHED 7 // out of steps, which cannot be; never a hit
+#define MISS_SCREEN    8 // it left by a side of the screen,
+#define MISS_NEAR      9 // the near plane
+#define MISS_SKY      10 // or the far plane, with nothing before it,
+#define MISS_BEHIND   11 // or wherever, behind the back of a block
 
 // Forward steps: a pixel each at least, over both axes. Down: no more than up and the first level.
 int MaxSteps() {
@@ -92,4 +96,19 @@ Hit Traverse(Ray ray) {
     }
     hit.code = HIT_UNFINISHED;
     return hit;
+}
+
+// Which of MISS_* a ray is that hit nothing (DEFINITIONS, "Oracle", item 5).
+int WhyMissed(Ray ray) {
+    precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
+    precise float depth = ray.depth + ray.end * ray.rate.z;
+    ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
+    vec2 block = texelFetch(pyramid, last, 0).xy;
+    if (block.x >= block.y && depth < block.y)
+        return MISS_BEHIND;
+    ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+    precise vec2 sides = (vec2(side - ray.pixel) - 0.5) * ray.inverse;
+    if (ray.end == min(sides.x, sides.y))
+        return MISS_SCREEN;
+    return ray.rate.z > 0.0 ? MISS_NEAR : MISS_SKY;
 }

@@ -60,7 +60,8 @@ pub struct Hits<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`,
+/// `HIT_*` and `MISS_*` in `shaders-glsl/unified/traverse.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
@@ -77,12 +78,22 @@ pub enum PathCode {
     Exhausted = 5,
     /// Towards the camera, and the method has no fallback.
     Untraced = 6,
+    /// `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
+    Unfinished = 7,
+    /// `unified`: left by a side of the screen.
+    MissScreen = 8,
+    /// `unified`: went behind the near plane.
+    MissNear = 9,
+    /// `unified`: went beyond the far plane.
+    MissSky = 10,
+    /// `unified`: left the frustum behind geometry.
+    MissBehind = 11,
 }
 
 impl PathCode {
     /// The code of a channel value; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 7] = [
+        const CODES: [PathCode; 12] = [
             PathCode::None,
             PathCode::HiZ,
             PathCode::Linear,
@@ -90,6 +101,11 @@ impl PathCode {
             PathCode::LinearMiss,
             PathCode::Exhausted,
             PathCode::Untraced,
+            PathCode::Unfinished,
+            PathCode::MissScreen,
+            PathCode::MissNear,
+            PathCode::MissSky,
+            PathCode::MissBehind,
         ];
         CODES.into_iter().find(|c| *c as u8 as f32 == value)
     }
@@ -102,7 +118,8 @@ impl PathCode {
     /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
-            Self::HiZ | Self::Miss | Self::Exhausted => Some(true),
+            Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
+            Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
             Self::Linear | Self::LinearMiss => Some(false),
             Self::None | Self::Untraced => None,
         }
