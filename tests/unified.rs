@@ -244,3 +244,34 @@ fn hits_on_every_view_are_the_oracles() {
     }
     gpu.check_validation().unwrap();
 }
+
+#[test]
+fn a_frame_records_what_its_materials_need() {
+    let gpu = gpu();
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let extent = [127, 61];
+    let mut passes = |globals: Globals| {
+        let materials = globals.materials(&scene, &View::default());
+        let shot = Shot::new(&gpu, &unified::INFO, &Setup::new(extent), clutter_camera(extent), materials).unwrap();
+        let (report, _, output) = stage.output(&shot).unwrap();
+        let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0)).unwrap();
+        let composite = stage.context.read(output.composite.level(0)).unwrap();
+        assert!(report.skipped.iter().all(|s| !s.why.is_empty()));
+        let skipped: Vec<_> = report.skipped.into_iter().map(|s| s.pass).collect();
+        (report.recorded, skipped, output.reflection.is_some(), lit == composite)
+    };
+    let (recorded, skipped, reflects, is_lit) = passes(Globals { reflectivity: 0.0, ..Globals::default() });
+    assert_eq!(recorded, ["g-buffer", "lighting"]);
+    assert!(skipped.len() >= 4 && !reflects && is_lit);
+    let of = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
+    for (globals, traced, left_out) in
+        [(of(0.0), "trace/mirrors", "trace/glossy"), (of(0.3), "trace/glossy", "trace/mirrors")]
+    {
+        let (recorded, skipped, reflects, is_lit) = passes(globals);
+        assert!(recorded.iter().any(|p| p == traced) && !recorded.iter().any(|p| p == left_out), "{recorded:?}");
+        assert_eq!(skipped, [left_out]);
+        assert!(reflects && !is_lit);
+    }
+    gpu.check_validation().unwrap();
+}

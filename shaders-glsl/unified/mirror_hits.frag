@@ -6,7 +6,7 @@
 
 layout(location = 0) out vec4 out_reflection;
 layout(location = 1) out vec4 out_color;
-layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, HIT_*
+layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, HIT_* or MISS_*
 
 void main() {
     Mirror mirror = TraceMirror(ivec2(gl_FragCoord.xy));

@@ -47,8 +47,8 @@ impl Setup {
 /// What a method made in a frame; intermediates that it does not have are `None`.
 #[derive(Clone, Copy)]
 pub struct Output<'a> {
-    /// Reflection colour and fade.
-    pub reflection: Reflection<'a>,
+    /// Reflection colour and fade; `None` where nothing reflects.
+    pub reflection: Option<Reflection<'a>>,
     /// The finished image, linear.
     pub composite: &'a Image,
     /// Where each ray ended.

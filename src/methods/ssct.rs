@@ -74,6 +74,13 @@ impl Method for ThesisMethod {
         let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
         let (reflection, hits) = self.trace.record(frame, &input, &parameters)?;
         let composite = self.composite.record(frame, gbuffer, reflection)?;
-        Ok(Output { reflection, composite, hits, hi_z: Some(hi_z), visibility: Some(visibility), color: Some(color) })
+        Ok(Output {
+            reflection: Some(reflection),
+            composite,
+            hits,
+            hi_z: Some(hi_z),
+            visibility: Some(visibility),
+            color: Some(color),
+        })
     }
 }

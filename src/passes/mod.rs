@@ -3,6 +3,7 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod classify;
 pub mod color_chain;
 pub mod composite;
 pub mod gbuffer;
@@ -14,8 +15,8 @@ pub mod thesis_trace;
 pub mod unified_trace;
 pub mod visibility;
 
-use crate::gpu::Image;
 use crate::gpu::shader::CameraBlock;
+use crate::gpu::{Buffer, Image};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -33,6 +34,27 @@ pub struct GBuffer<'a> {
     pub material: &'a Image,
     /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
     pub color: &'a Image,
+    /// What reflects in it, as far as is known beforehand.
+    pub reflectors: Reflectors,
+}
+
+/// What the materials that are drawn say of a frame's reflections, before any pixel is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Reflectors {
+    /// Whether there may be mirrors: surfaces that reflect with roughness 0.
+    pub mirrors: bool,
+    /// Whether there may be glossy surfaces: that reflect with more.
+    pub glossy: bool,
+}
+
+impl Reflectors {
+    /// Nothing is known: there may be both.
+    pub const UNKNOWN: Self = Self { mirrors: true, glossy: true };
+
+    /// Whether anything may reflect.
+    pub fn any(self) -> bool {
+        self.mirrors || self.glossy
+    }
 }
 
 /// Standard depth, minimum in R and maximum in G, full chain. RG32F.
@@ -43,6 +65,32 @@ pub struct HiZ<'a>(pub &'a Image);
 /// image (`shaders-glsl/unified/pyramid.glsl`). RG32F.
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
+
+/// Tiles of pixels that hold mirrors and that hold gloss, as lists with the arguments of an indirect
+/// draw over each (`shaders-glsl/unified/tiles.glsl`).
+#[derive(Clone, Copy)]
+pub struct Tiles<'a> {
+    /// The lists: room for every tile's word, twice.
+    pub lists: &'a Buffer,
+    /// For each list those of a `VkDrawIndirectCommand`.
+    pub arguments: &'a Buffer,
+}
+
+/// A list of [`Tiles`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TileList {
+    /// Tiles with mirrors.
+    Mirrors = 0,
+    /// Tiles with glossy surfaces.
+    Glossy = 1,
+}
+
+impl TileList {
+    /// Byte of [`Tiles::arguments`] at which the list's begin.
+    pub fn arguments_offset(self) -> u64 {
+        16 * self as u64
+    }
+}
 
 /// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
 #[derive(Clone, Copy)]

@@ -192,7 +192,7 @@ impl<'a> Traversal<'a> {
 
     /// `MaxSteps`.
     pub fn max_steps(&self) -> i32 {
-        2 * (self.parameters.size.x + self.parameters.size.y) + self.parameters.top_level
+        2 * (self.parameters.size.x + self.parameters.size.y)
     }
 
     /// `Traverse`.
@@ -206,12 +206,12 @@ impl<'a> Traversal<'a> {
         if entry.is_nan() || entry >= ray.end {
             return hit;
         }
-        let beside = (entry * slope + 0.5).floor().as_ivec2();
-        let mut pixel = ray.pixel
-            + IVec2::new(
-                if sides.x == entry { ahead2.x } else { beside.x },
-                if sides.y == entry { ahead2.y } else { beside.y },
-            );
+        let start = ray.pixel.as_vec2() + 0.5;
+        let beside = (start + entry * slope).as_ivec2();
+        let mut pixel = IVec2::new(
+            if sides.x == entry { ray.pixel.x + ahead2.x } else { beside.x },
+            if sides.y == entry { ray.pixel.y + ahead2.y } else { beside.y },
+        );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
         let mut level = 0_i32;
         while hit.steps < self.max_steps() {
@@ -220,7 +220,7 @@ impl<'a> Traversal<'a> {
             let cells = &self.levels[level as usize];
             let block = cells.texels[(cell.y as u32 * cells.width + cell.x as u32) as usize];
             let edge = (cell + ahead) << level;
-            let crossings = ((edge - ray.pixel).as_vec2() - 0.5) * ray.inverse;
+            let crossings = (edge.as_vec2() - start) * ray.inverse;
             let exit = crossings.x.min(crossings.y);
             let last = exit.min(ray.end);
             let exit_depth = ray.depth + last * ray.rate.z;
@@ -243,9 +243,9 @@ impl<'a> Traversal<'a> {
                     ..hit
                 };
             }
-            let inside = (last * slope + 0.5).floor().as_ivec2();
+            let inside = (start + last * slope).as_ivec2();
             let first = cell << level;
-            let mut onward = (ray.pixel + inside).clamp(first, first + ((1 << level) - 1));
+            let mut onward = inside.clamp(first, first + ((1 << level) - 1));
             if crossings.x == exit {
                 onward.x = edge.x - 1 + ahead.x;
             }

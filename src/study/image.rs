@@ -1,5 +1,6 @@
 //! One image and, on request, everything that led to it.
 
+use super::gbuffer;
 use super::stage::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Image, Pixels};
@@ -46,7 +47,7 @@ pub type Intermediates = Vec<(String, Dump, Pixels)>;
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output(shot)?;
     let composite = stage.context.read(output.composite.all())?;
-    let reflection = stage.context.read(output.reflection.0.all())?;
+    let reflection = gbuffer::reflection(&mut stage.context, &output)?;
     let mut intermediates = None;
     if dump {
         let gbuffer = shot.gbuffer.gbuffer();
@@ -56,13 +57,14 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
             ("depth".into(), Dump::ReversedDepth, gbuffer.depth),
             ("material".into(), Dump::Material, gbuffer.material),
             ("color".into(), Dump::Color, gbuffer.color),
-            ("reflection".into(), Dump::Color, output.reflection.0),
-            ("composite".into(), Dump::Color, output.composite),
         ];
         all.extend(output.hi_z.map(|c| ("hi-z".into(), Dump::StandardDepth, c.0)));
         all.extend(output.visibility.map(|c| ("visibility".into(), Dump::Share, c.0)));
         all.extend(output.hits.map(|h| ("hits".into(), Dump::Hits, h.0)));
-        let mut read = Vec::new();
+        let mut read = vec![
+            ("reflection".into(), Dump::Color, reflection.clone()),
+            ("composite".into(), Dump::Color, composite.clone()),
+        ];
         for (name, kind, image) in all {
             for level in 0..image.levels() {
                 let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.clone() };
