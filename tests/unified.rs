@@ -201,7 +201,7 @@ fn check_views(gpu: &Gpu, scene: &Scene, sizes: &[[u32; 2]]) {
     let mut stage = Stage::new(gpu, scene).unwrap();
     for view in &scene.views {
         for &extent in sizes {
-            let (found, reasons, unfinished) = agreement(gpu, &mut stage, scene, view, extent);
+            let (found, reasons, unfinished) = agreement(&mut stage, scene, view, extent);
             let share = found.hit_agreement.expect("something reflects");
             println!(
                 "{} {} {extent:?}: {:.4} % of {} (displaced {:.1e}, false {:.1e}, missed {:.1e}), p99 {:.1e} px, reasons {:.3} %",

@@ -237,8 +237,8 @@ fn depths() -> Vec<Case> {
         flat("depth denormal", 1e-40),
         of("depth white noise", |p| p.uniform(3) as f32),
         of("depth white noise with sky", |p| if p.uniform(4) < 0.3 { 0.0 } else { p.uniform(3) as f32 }),
-        of("depth checkerboard", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { p.depth_of(20.0) }),
-        of("depth checkerboard of sky", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { 0.0 }),
+        of("depth checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { p.depth_of(20.0) }),
+        of("depth checkerboard of sky", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { 0.0 }),
         of("depth steps", |p| p.depth_of(1.0 + f64::from(p.x / 8))),
         of("depth one-pixel poles", |p| if p.x % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
         of("depth one-pixel beams", |p| if p.y % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
@@ -274,7 +274,7 @@ fn directions() -> Vec<Case> {
     all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
     // In a square image of a square lens, steps of whole pixels in x and y pass through corners.
     all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
-        p.aimed(3, DVec3::new(if p.y % 2 == 0 { 1.0 } else { -1.0 }, 1.0, 0.0))
+        p.aimed(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
     }));
     all
 }
@@ -359,7 +359,7 @@ fn materials() -> Vec<Case> {
         rough("NaN", |_| f32::NAN),
         rough("infinite", |_| f32::INFINITY),
         rough("of every pixel its own", |p| p.uniform(9) as f32),
-        rough("mirrors and gloss in a checkerboard", |p| if (p.x + p.y) % 2 == 0 { 0.0 } else { 0.5 }),
+        rough("mirrors and gloss in a checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { 0.0 } else { 0.5 }),
         reflecting("-1", |_| -1.0),
         reflecting("NaN", |_| f32::NAN),
         reflecting("2", |_| 2.0),

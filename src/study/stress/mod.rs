@@ -94,11 +94,11 @@ impl Wrong {
     /// image and pixel.
     fn count(images: &[&Pixels], counts: impl Fn(usize, usize) -> bool) -> Self {
         let mut wrong = Self::default();
-        let pixels = images.first().map_or(0, |p| p.values.len() / p.channels as usize);
+        let pixels = images.first().map_or(0, |p| p.values.len() / p.channels);
         for i in 0..pixels {
             let mut seen = [false; 3];
             for (_, image) in images.iter().enumerate().filter(|(n, _)| counts(*n, i)) {
-                let texel = &image.values[i * image.channels as usize..][..image.channels as usize];
+                let texel = &image.values[i * image.channels..][..image.channels];
                 texel.iter().filter_map(|v| kind(v.to_bits())).for_each(|kind| seen[kind] = true);
             }
             wrong.nan += usize::from(seen[0]);
@@ -164,17 +164,19 @@ impl<'a> Truth<'a> {
         (self.pixels.len() - wrong.len(), ties)
     }
 
-    /// Whether a ray that differs from the pixel's by a few units in the last place of an f32 ends
-    /// where the method's did.
+    /// Whether a ray that differs from the pixel's by a few units in the last place of an f32, in its
+    /// direction or in the depth that it starts from, ends where the method's did.
     fn is_tie(&self, pixel: u32, hit: Option<[f64; 2]>) -> bool {
-        let width = self.hierarchy.rays().gbuffer.width;
-        let (x, y) = (pixel % width, pixel / width);
-        let Some(direction) = self.hierarchy.rays().mirror(x, y) else { return hit.is_none() };
-        let ulp = f64::from(f32::EPSILON);
-        (0..27).any(|n| {
-            let off = DVec3::new(f64::from(n % 3 - 1), f64::from(n / 3 % 3 - 1), f64::from(n / 9 - 1));
-            let near = self.hierarchy.trace_direction(x, y, direction + 4.0 * ulp * off);
-            Verdict::of(hit, near.position_px()) == Verdict::Agrees
+        let rays = self.hierarchy.rays();
+        let (x, y) = (pixel % rays.gbuffer.width, pixel / rays.gbuffer.width);
+        let Some(direction) = rays.mirror(x, y) else { return hit.is_none() };
+        let few = 4.0 * f64::from(f32::EPSILON);
+        let signs = [0.0, -1.0, 1.0];
+        (0..81).any(|n| {
+            let off = DVec3::new(signs[n % 3], signs[n / 3 % 3], signs[n / 9 % 3]);
+            let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
+            segment.start.z *= 1.0 + few * signs[n / 27];
+            Verdict::of(hit, self.hierarchy.trace_segment(&segment).position_px()) == Verdict::Agrees
         })
     }
 }
