@@ -66,7 +66,11 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
 fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
-        params: Params { chain_filter: ChainFilter::Hardware, tuning: Default::default() },
+        params: Params {
+            chain_filter: ChainFilter::Hardware,
+            billboards: Default::default(),
+            tuning: Default::default(),
+        },
         time_ms: Some(ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },

@@ -2,6 +2,7 @@
 
 use super::window::ViewOptions;
 use crate::methods::{MethodInfo, Preset};
+use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -116,6 +117,12 @@ pub struct MethodOptions {
     /// How the colour chain is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
+    /// Which of several billboards on a ray shows: as the listing has it, or the nearest.
+    #[arg(long, value_enum, default_value_t)]
+    pub billboard_order: Order,
+    /// What hides a billboard: nothing, as published, or what the depth buffer shows.
+    #[arg(long, value_enum, default_value_t)]
+    pub billboard_occlusion: Occlusion,
     /// Trace at a lower resolution and bring the reflection back to full size.
     #[arg(long, value_enum, default_value_t)]
     pub resolution_scale: ResolutionScale,

@@ -4,6 +4,7 @@ use super::cli::{DeviceOptions, MethodOptions, SceneOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{Setup, Tuning};
+use crate::passes::billboard::Billboards;
 use crate::scene::{Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
@@ -126,6 +127,7 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         },
         split: options.split,
         chain_filter: options.chain_filter,
+        billboards: Billboards { order: options.billboard_order, occlusion: options.billboard_occlusion },
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,

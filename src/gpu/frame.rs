@@ -34,6 +34,8 @@ pub enum Mode {
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
     Sampled(ImageSlice<'a>, Sampler),
+    /// As many images as the shader's array has, sampled.
+    SampledArray(&'a [ImageSlice<'a>], Sampler),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
     /// The bytes of a uniform block.
@@ -58,18 +60,36 @@ impl<'a> Resource<'a> {
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
     slice: ImageSlice<'a>,
-    clear: Option<[f32; 4]>,
+    load: Load,
+}
+
+/// What an attachment holds when a pass begins.
+#[derive(Clone, Copy, PartialEq)]
+enum Load {
+    /// Anything.
+    Lost,
+    /// One value. A stencil beside a depth is kept.
+    Cleared([f32; 4]),
+    /// What it held.
+    Kept,
+    /// No mark in its stencil; its depth is lost.
+    Unmarked,
 }
 
 impl<'a> Target<'a> {
     /// Every texel is written; what was there is lost.
     pub fn overwrite(slice: ImageSlice<'a>) -> Self {
-        Self { slice, clear: None }
+        Self { slice, load: Load::Lost }
     }
 
-    /// Cleared first; for depth, the first component.
+    /// Cleared first; for depth, the first component, and a stencil beside it is kept.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
-        Self { slice, clear: Some(value) }
+        Self { slice, load: Load::Cleared(value) }
+    }
+
+    /// Some texels are written; the others stay as they are.
+    pub fn kept(slice: ImageSlice<'a>) -> Self {
+        Self { slice, load: Load::Kept }
     }
 }
 
@@ -234,6 +254,28 @@ impl Frame<'_> {
         })
     }
 
+    /// Clears the stencil of a depth target and marks every pixel that a fragment shader doesn't
+    /// discard; its depth is lost.
+    pub fn mark(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        stencil: ImageSlice,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::FragmentSampled, Access::FragmentStorageRead);
+            frame.rendering(&[], Some(Target { slice: stencil, load: Load::Unmarked }), false, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                // SAFETY: a pipeline and everything it reads are bound.
+                unsafe { frame.device().cmd_draw(frame.context.commands, 3, 1, 0, 0) };
+                Ok(())
+            })
+        })
+    }
+
     /// Meshes into targets with a depth buffer; `draw` records them.
     pub fn raster(
         &mut self,
@@ -381,6 +423,7 @@ impl Frame<'_> {
         for (_, resource) in resources {
             match *resource {
                 Resource::Sampled(slice, _) => self.use_image(slice, sampled),
+                Resource::SampledArray(slices, _) => slices.iter().for_each(|s| self.use_image(*s, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
                 Resource::Buffer(b) => self.use_buffer(b, buffer),
                 Resource::Uniform(_) => {}
@@ -449,30 +492,45 @@ impl Frame<'_> {
             self.use_image(target.slice, Access::ColorAttachment);
         }
         if let Some(depth) = depth {
-            self.use_image(depth.slice, Access::DepthAttachment);
+            let with_stencil = depth.slice.stencil_view().is_some();
+            let access = if with_stencil { Access::DepthStencilAttachment } else { Access::DepthAttachment };
+            self.use_image(depth.slice, access);
         }
         self.flush();
-        let attachment = |t: &Target, layout, is_depth: bool| {
-            let value = t.clear.unwrap_or_default();
+        let attachment = |t: &Target, layout| {
             vk::RenderingAttachmentInfo::default()
-                .image_view(t.slice.view())
+                .image_view(t.slice.stencil_view().unwrap_or(t.slice.view()))
                 .image_layout(layout)
-                .load_op(if t.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::DONT_CARE })
+                .load_op(t.load.op())
                 .store_op(vk::AttachmentStoreOp::STORE)
-                .clear_value(if is_depth {
-                    vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 } }
-                } else {
-                    vk::ClearValue { color: vk::ClearColorValue { float32: value } }
-                })
         };
-        let colors: Vec<_> =
-            targets.iter().map(|t| attachment(t, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, false)).collect();
-        let depth_attachment = depth.map(|t| attachment(&t, vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL, true));
+        let color = |t: &Target| {
+            let clear = vk::ClearValue { color: vk::ClearColorValue { float32: t.load.value() } };
+            attachment(t, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL).clear_value(clear)
+        };
+        let depth_value =
+            |depth: f32| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
+        let colors: Vec<_> = targets.iter().map(color).collect();
+        let stencil_attachment = depth.filter(|t| t.slice.stencil_view().is_some()).map(|t| {
+            let op = if t.load == Load::Unmarked { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+            let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+            attachment(&t, layout).load_op(op).clear_value(depth_value(0.0))
+        });
+        let depth_attachment = depth.map(|t| {
+            let layout = match stencil_attachment {
+                Some(_) => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+                None => vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
+            };
+            attachment(&t, layout).clear_value(depth_value(t.load.value()[0]))
+        });
         let [width, height] = targets.iter().chain(depth.iter()).map(|t| t.slice.extent()).next().unwrap_or([1, 1]);
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
         if let Some(depth) = &depth_attachment {
             info = info.depth_attachment(depth);
+        }
+        if let Some(stencil) = &stencil_attachment {
+            info = info.stencil_attachment(stencil);
         }
         let (w, h) = (width as f32, height as f32);
         let viewport = if y_up {
@@ -492,6 +550,20 @@ impl Frame<'_> {
         // SAFETY: as above.
         unsafe { self.device().cmd_end_rendering(commands) };
         drawn
+    }
+}
+
+impl Load {
+    fn op(self) -> vk::AttachmentLoadOp {
+        match self {
+            Self::Lost | Self::Unmarked => vk::AttachmentLoadOp::DONT_CARE,
+            Self::Cleared(_) => vk::AttachmentLoadOp::CLEAR,
+            Self::Kept => vk::AttachmentLoadOp::LOAD,
+        }
+    }
+
+    fn value(self) -> [f32; 4] {
+        if let Self::Cleared(value) = self { value } else { [0.0; 4] }
     }
 }
 

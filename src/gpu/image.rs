@@ -31,6 +31,11 @@ pub fn full_chain(extent: [u32; 2]) -> u32 {
     extent[0].max(extent[1]).max(1).ilog2() + 1
 }
 
+/// Whether a depth format has a stencil beside it.
+pub(crate) fn has_stencil(format: vk::Format) -> bool {
+    format == vk::Format::D32_SFLOAT_S8_UINT
+}
+
 /// Width and height of a mip level: halved, rounded down, at least 1.
 pub fn level_extent(extent: [u32; 2], level: u32) -> [u32; 2] {
     [(extent[0] >> level).max(1), (extent[1] >> level).max(1)]
@@ -43,6 +48,8 @@ pub struct Image {
     allocation: Option<Allocation>,
     level_views: Vec<vk::ImageView>,
     whole_view: vk::ImageView,
+    /// Depth and stencil together, where there is a stencil: the other views see the depth alone.
+    stencil_view: vk::ImageView,
     format: vk::Format,
     extent: [u32; 2],
     layers: u32,
@@ -96,6 +103,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            stencil_view: vk::ImageView::null(),
             format: desc.format,
             extent: desc.extent,
             layers: desc.layers,
@@ -115,9 +123,13 @@ impl Image {
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         if desc.usage.intersects(view_usages) {
-            image.whole_view = image.view(0, desc.levels, cube)?;
+            let aspect = image.shown_aspect();
+            image.whole_view = image.view(0, desc.levels, cube, aspect)?;
             for level in 0..desc.levels {
-                image.level_views.push(image.view(level, 1, cube)?);
+                image.level_views.push(image.view(level, 1, cube, aspect)?);
+            }
+            if has_stencil(desc.format) {
+                image.stencil_view = image.view(0, 1, cube, image.aspect())?;
             }
         }
         Ok(image)
@@ -133,6 +145,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            stencil_view: vk::ImageView::null(),
             format,
             extent,
             layers: 1,
@@ -151,12 +164,12 @@ impl Image {
         }
     }
 
-    fn view(&self, base: u32, count: u32, cube: bool) -> Result<vk::ImageView> {
+    fn view(&self, base: u32, count: u32, cube: bool, aspect: vk::ImageAspectFlags) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.handle)
             .view_type(if cube { vk::ImageViewType::CUBE } else { vk::ImageViewType::TYPE_2D })
             .format(self.format)
-            .subresource_range(self.range(base, count));
+            .subresource_range(vk::ImageSubresourceRange { aspect_mask: aspect, ..self.range(base, count) });
         // SAFETY: the image is bound; the view is destroyed in `drop`.
         let view = unsafe { self.gpu.raw().create_image_view(&info, None) }
             .map_err(vulkan(format!("vkCreateImageView for {}", self.name)))?;
@@ -210,7 +223,16 @@ impl Image {
     }
 
     pub(crate) fn aspect(&self) -> vk::ImageAspectFlags {
-        if self.format == vk::Format::D32_SFLOAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
+        match self.format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            f if has_stencil(f) => vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
+            _ => vk::ImageAspectFlags::COLOR,
+        }
+    }
+
+    /// What shaders and copies see of it: depth without stencil.
+    pub(crate) fn shown_aspect(&self) -> vk::ImageAspectFlags {
+        self.aspect() & !vk::ImageAspectFlags::STENCIL
     }
 
     pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
@@ -248,6 +270,11 @@ impl<'a> ImageSlice<'a> {
         }
     }
 
+    /// The view that a depth target with stencil is attached by.
+    pub(crate) fn stencil_view(&self) -> Option<vk::ImageView> {
+        has_stencil(self.image.format).then_some(self.image.stencil_view)
+    }
+
     /// The tracked state of each level.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Cell<State>)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
@@ -264,6 +291,7 @@ impl Drop for Image {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);
+            device.destroy_image_view(self.stencil_view, None);
             if !self.borrowed {
                 device.destroy_image(self.handle, None);
             }

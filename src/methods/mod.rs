@@ -2,6 +2,7 @@
 //! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
 //! them, down to the composite, is [`effect`].
 
+pub mod billboard;
 pub mod effect;
 pub mod hzct;
 pub mod ssct;
@@ -9,6 +10,7 @@ pub mod thesis;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Content, GBuffer, Hits, Reflection};
@@ -29,6 +31,8 @@ pub struct Setup {
     pub split: bool,
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// How `billboard` traces its quads.
+    pub billboards: Billboards,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
     /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
@@ -47,6 +51,7 @@ impl Setup {
             tuning: Tuning::default(),
             split: false,
             chain_filter: ChainFilter::default(),
+            billboards: Billboards::default(),
             fade: true,
             divisor: 1,
             composite: true,
@@ -68,6 +73,16 @@ pub struct Input<'a, 's> {
     pub camera: &'s Camera,
     /// The scene itself; `None` where only a G-buffer is known.
     pub scene: Option<SceneInput<'s>>,
+}
+
+impl<'s> Input<'_, 's> {
+    /// The scene, for a method that can't do without.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there is none.
+    pub fn scene(&self) -> Result<SceneInput<'s>> {
+        self.scene.ok_or_else(|| Error::Usage("the method needs the scene; a G-buffer alone does not show it".into()))
+    }
 }
 
 /// The scene on the device, for methods that draw it again or need more of it than the screen shows.
@@ -155,7 +170,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, billboard::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

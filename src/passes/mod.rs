@@ -3,6 +3,7 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod billboard;
 pub mod color_chain;
 pub mod composite;
 pub mod gbuffer;

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
-use crate::scene::{Aabb, Encoding, Light, Scene, Texture, Vertex, sky};
+use crate::scene::{Aabb, Encoding, Impostor, Light, Scene, Texture, Vertex, sky};
 use ash::vk;
 
 /// Side of a face of the sky's cube map, in texels.
@@ -18,6 +18,7 @@ pub struct SceneData {
     /// The environment as a cube map in world axes.
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
+    pub(super) impostors: Vec<Impostor>,
 }
 
 /// A mesh in device memory.
@@ -63,6 +64,7 @@ impl SceneData {
             white: texture(context, &white)?,
             sky: environment(context)?,
             lights: scene.lights.clone(),
+            impostors: scene.impostors.clone(),
         })
     }
 }

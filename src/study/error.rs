@@ -16,6 +16,7 @@ use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
 use crate::passes::Hits;
+use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::first_hits::FirstHits;
@@ -43,9 +44,17 @@ pub struct Variant {
 pub struct Params {
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// How billboards are traced; left out where they are as published.
+    #[serde(flatten, skip_serializing_if = "is_default")]
+    pub billboards: Billboards,
     /// What replaces the preset's numbers.
     #[serde(flatten)]
     pub tuning: Tuning,
+}
+
+/// Whether a parameter is as it is without a flag.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// What a figure is held against.
@@ -213,7 +222,7 @@ impl Record {
         let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
-            params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },
+            params: Params { chain_filter: setup.chain_filter, billboards: setup.billboards, tuning: setup.tuning },
             time_ms,
             against: Against::Screen,
             hits: HitAgreement::default(),

@@ -4,6 +4,7 @@ use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
+use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
 
 /// The roughness values of the study.
@@ -29,6 +30,14 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.head.resolution_scale != 1.0 {
         name += &format!(" scale {}", record.head.resolution_scale);
+    }
+    match record.params.billboards.order {
+        Order::Printed => {}
+        Order::Unbroken => name += " unbroken",
+        Order::Nearest => name += " nearest",
+    }
+    if record.params.billboards.occlusion == Occlusion::Depth {
+        name += " occluded";
     }
     let t = record.params.tuning;
     for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
