@@ -73,7 +73,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
         (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
-        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct, billboard"),
+        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct, billboard, planar, area-light"),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
         (render(&["--size", "10x0"]), 2, "has no pixels"),

@@ -23,8 +23,9 @@ const EXTENT: [u32; 2] = [192, 108];
 /// `a_changed_pass_is_seen` holds this against.
 const BOUND: f64 = 0.01;
 
-/// The views with what they are rendered with: mirrors in one scene, gloss in the other.
-const VIEWS: [(&str, &str, f32); 3] = [("rooms", "cylinder", 0.0), ("rooms", "corridor", 0.3), ("atrium", "hall", 0.1)];
+/// The views with what they are rendered with: mirrors and gloss, indoors and out; the street has impostors.
+const VIEWS: [(&str, &str, f32); 4] =
+    [("rooms", "cylinder", 0.0), ("rooms", "corridor", 0.3), ("atrium", "hall", 0.1), ("street", "street", 0.0)];
 
 fn golden(stem: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{stem}.png"))

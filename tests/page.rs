@@ -69,6 +69,7 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         params: Params {
             chain_filter: ChainFilter::Hardware,
             billboards: Default::default(),
+            mirrors: Default::default(),
             tuning: Default::default(),
         },
         time_ms: Some(ms),

@@ -4,6 +4,7 @@ use super::window::ViewOptions;
 use crate::methods::{MethodInfo, Preset};
 use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::planar::{MAX_PLANES, Variant};
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
@@ -123,6 +124,12 @@ pub struct MethodOptions {
     /// What hides a billboard: nothing, as published, or what the depth buffer shows.
     #[arg(long, value_enum, default_value_t)]
     pub billboard_occlusion: Occlusion,
+    /// How planar gets its mirrored scene: inside the stencil, or as a render target.
+    #[arg(long, value_enum, default_value_t)]
+    pub planar_variant: Variant,
+    /// Planes that planar mirrors the scene at: those that cover most of the screen.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PLANES)))]
+    pub planar_planes: u32,
     /// Trace at a lower resolution and bring the reflection back to full size.
     #[arg(long, value_enum, default_value_t)]
     pub resolution_scale: ResolutionScale,

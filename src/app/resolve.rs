@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{Setup, Tuning};
 use crate::passes::billboard::Billboards;
+use crate::passes::planar::Mirrors;
 use crate::scene::{Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
@@ -128,6 +129,7 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         split: options.split,
         chain_filter: options.chain_filter,
         billboards: Billboards { order: options.billboard_order, occlusion: options.billboard_occlusion },
+        mirrors: Mirrors { variant: options.planar_variant, planes: options.planar_planes },
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,

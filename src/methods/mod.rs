@@ -2,9 +2,11 @@
 //! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
 //! them, down to the composite, is [`effect`].
 
+pub mod area_light;
 pub mod billboard;
 pub mod effect;
 pub mod hzct;
+pub mod planar;
 pub mod ssct;
 pub mod thesis;
 
@@ -12,6 +14,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::planar::Mirrors;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
@@ -33,6 +36,8 @@ pub struct Setup {
     pub chain_filter: ChainFilter,
     /// How `billboard` traces its quads.
     pub billboards: Billboards,
+    /// Which planes `planar` mirrors, and how.
+    pub mirrors: Mirrors,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
     /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
@@ -52,6 +57,7 @@ impl Setup {
             split: false,
             chain_filter: ChainFilter::default(),
             billboards: Billboards::default(),
+            mirrors: Mirrors::default(),
             fade: true,
             divisor: 1,
             composite: true,
@@ -170,7 +176,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, billboard::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, billboard::INFO, planar::INFO, area_light::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

@@ -3,12 +3,14 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod area_light;
 pub mod billboard;
 pub mod color_chain;
 pub mod composite;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+pub mod planar;
 pub mod resolution;
 pub mod scene_data;
 pub mod thesis_trace;

@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
-use crate::scene::{Aabb, Encoding, Impostor, Light, Scene, Texture, Vertex, sky};
+use crate::scene::planes::{CoplanarGroup, coplanar_groups};
+use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Scene, Texture, Vertex, sky};
 use ash::vk;
 
 /// Side of a face of the sky's cube map, in texels.
@@ -19,6 +20,8 @@ pub struct SceneData {
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
     pub(super) impostors: Vec<Impostor>,
+    pub(super) area_lights: Vec<AreaLight>,
+    planes: Vec<CoplanarGroup>,
 }
 
 /// A mesh in device memory.
@@ -65,7 +68,16 @@ impl SceneData {
             sky: environment(context)?,
             lights: scene.lights.clone(),
             impostors: scene.impostors.clone(),
+            area_lights: scene.area_lights.clone(),
+            planes: coplanar_groups(scene),
         })
+    }
+}
+
+impl SceneData {
+    /// The planes that the scene's triangles share, the largest first.
+    pub fn coplanar_groups(&self) -> &[CoplanarGroup] {
+        &self.planes
     }
 }
 

@@ -10,6 +10,7 @@ pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
 pub mod pattern;
+pub mod planes;
 pub mod proxies;
 pub mod scene_file;
 pub mod sky;

@@ -19,6 +19,7 @@ use crate::passes::Hits;
 use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::planar::Mirrors;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
@@ -47,6 +48,9 @@ pub struct Params {
     /// How billboards are traced; left out where they are as published.
     #[serde(flatten, skip_serializing_if = "is_default")]
     pub billboards: Billboards,
+    /// Which planes are mirrors; left out where they are as by default.
+    #[serde(flatten, skip_serializing_if = "is_default")]
+    pub mirrors: Mirrors,
     /// What replaces the preset's numbers.
     #[serde(flatten)]
     pub tuning: Tuning,
@@ -222,7 +226,12 @@ impl Record {
         let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
-            params: Params { chain_filter: setup.chain_filter, billboards: setup.billboards, tuning: setup.tuning },
+            params: Params {
+                chain_filter: setup.chain_filter,
+                billboards: setup.billboards,
+                mirrors: setup.mirrors,
+                tuning: setup.tuning,
+            },
             time_ms,
             against: Against::Screen,
             hits: HitAgreement::default(),

@@ -6,6 +6,7 @@ use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
 use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::planar::Variant as Planar;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -38,6 +39,12 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.params.billboards.occlusion == Occlusion::Depth {
         name += " occluded";
+    }
+    if record.params.mirrors.variant == Planar::Target {
+        name += " target";
+    }
+    if record.params.mirrors.planes != 1 {
+        name += &format!(" planes {}", record.params.mirrors.planes);
     }
     let t = record.params.tuning;
     for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
