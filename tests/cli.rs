@@ -67,7 +67,11 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (vec![], 2, "Usage"),
         (vec!["paint"], 2, "paint"),
         (vec!["render", "--scene", "room.obj"], 2, "--output"),
-        (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium"),
+        (
+            render(&["--scene", "nowhere"]),
+            2,
+            "neither a built-in scene (rooms, atrium, street, museum, cathedral, corridor) nor a .scene.toml or .obj file",
+        ),
         (render(&["--scene", "missing.obj"]), 1, "cannot read"),
         (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
@@ -286,7 +290,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
     // Per scene: direct light and each method; and two figures.
     let methods = ssct::methods::METHODS.len();
-    assert_eq!(images.len(), 2 * (1 + methods) + 2);
+    assert_eq!(images.len(), ssct::scene::library::names().len() * (1 + methods) + 2);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));

@@ -65,7 +65,7 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Args)]
 pub struct SceneOptions {
-    /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Scale factor on the scene's coordinates.

@@ -26,14 +26,14 @@ const AXLES: [f32; 2] = [-1.32, 1.36];
 pub fn parked(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
-    hull(&mut body, ground, [56, 40], lower);
-    hull(&mut body, ground, [40, 16], roof);
+    hull(&mut body, ground, [40, 26], lower);
+    hull(&mut body, ground, [28, 8], roof);
     pillars(&mut body, ground);
     for side in [-1.0, 1.0] {
-        body.sphere(ground + Vec3::new(0.96 * side, 0.98, 0.62), 0.085, [16, 10]);
+        body.sphere(ground + Vec3::new(0.96 * side, 0.98, 0.62), 0.085, [12, 8]);
     }
     let mut glass = mesh(1, materials.glass);
-    hull(&mut glass, ground, [48, 32], cabin);
+    hull(&mut glass, ground, [32, 18], cabin);
     let mut dark = mesh(2, materials.dark);
     let mut chrome = mesh(3, materials.chrome);
     for z in AXLES {
@@ -74,17 +74,21 @@ struct Section {
 
 /// A closed, rounded skin through cross-sections.
 fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
-    mesh.surface(ground, steps, |s, t| {
+    let outline = |s: f32, t: f32| {
         let at = section(t);
         let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
         // A superellipse of exponent 4: nearly a box with round edges.
         let round = |v: f32| v.abs().sqrt().copysign(v);
         let up = -round(sin);
         let half_height = 0.5 * (at.heights[1] - at.heights[0]);
-        let y = at.heights[0] + half_height * (1.0 + up);
         let narrow = 1.0 - at.tumblehome * (0.5 + 0.5 * up);
-        (Vec3::new(at.half_width * narrow * round(cos), y, at.z), Vec2::new(4.0 * s, 4.4 * t))
-    });
+        Vec3::new(at.half_width * narrow * round(cos), at.heights[0] + half_height * (1.0 + up), at.z)
+    };
+    mesh.surface(ground, steps, |s, t| (outline(s, t), Vec2::new(4.0 * s, 4.4 * t)));
+    for (end, facing) in [(0.0, Vec3::NEG_Z), (1.0, Vec3::Z)] {
+        let rim: Vec<Vec3> = (0..steps[0]).map(|k| ground + outline(k as f32 / steps[0] as f32, end)).collect();
+        mesh.polygon(&rim, facing);
+    }
 }
 
 /// 1 in the middle of 0…1, falling to 0 at both ends within so much, as a circle does.
@@ -117,13 +121,9 @@ fn cabin(t: f32) -> Section {
 
 fn roof(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
-    let round = rounded(t, 0.16);
-    Section {
-        z: -0.98 + 1.14 * t,
-        half_width: 0.635 * (0.82 + 0.18 * round),
-        heights: [1.375, 1.38 + 0.075 * round],
-        tumblehome: 0.1,
-    }
+    let crown = (std::f32::consts::PI * t).sin();
+    let half_width = 0.615 + 0.02 * crown;
+    Section { z: -0.98 + 1.14 * t, half_width, heights: [1.34, 1.385 + 0.07 * crown], tumblehome: 0.06 }
 }
 
 /// The posts between the windows.
@@ -144,7 +144,7 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
 /// A disc with round shoulders whose axle runs along x: half its width, and how round it is.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
     let half = 0.5 * width;
-    mesh.tube([32, 12], Vec3::Y, |t| {
+    mesh.tube([24, 8], Vec3::Y, |t| {
         let turn = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
         // Across the disc, round its shoulder, along its tread, and back.
         let (sin, cos) = turn.sin_cos();

@@ -24,9 +24,9 @@ const LANCET: usize = 9;
 
 const FINISHES: [Finish; 12] = [
     Finish::new("floor", Pattern::Slabs, 0.0).reflecting(0.5, 0.02).smoothed(0.1),
-    Finish::new("wall", Pattern::Limestone, 0.0).tinted(0.80, 0.80, 0.82),
+    Finish::new("wall", Pattern::Limestone, 0.0).tinted(0.95, 0.90, 0.80),
     Finish::new("pillar", Pattern::Limestone, 0.0),
-    Finish::new("vault", Pattern::Plaster, 0.0).tinted(0.85, 0.85, 0.88),
+    Finish::new("vault", Pattern::Stucco, 0.0).tinted(0.62, 0.60, 0.56),
     Finish::new("choir-floor", Pattern::Wood(Wood::Middle), 0.0).reflecting(0.35, 0.05).smoothed(0.1),
     Finish::new("pew", Pattern::Wood(Wood::Dark), 0.0).reflecting(0.12, 0.1).smoothed(0.3),
     Finish::new("altar", Pattern::Limestone, 0.0).tinted(1.0, 0.95, 0.88),
@@ -146,7 +146,7 @@ fn arcades() -> Vec<MeshBuilder> {
         }
         for k in 0..=BAYS {
             let foot = Vec3::new(x, 0.0, k as f32 * BAY_M);
-            let size = Column { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 32 };
+            let size = Column { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
             masonry::column(&mut stone, foot, &size);
             let shaft = Vec3::new(x.signum() * (NAVE_X - 0.02), ARCADE_SPRING - 0.02, foot.z);
             stone.cylinder(shaft, 0.14, NAVE_SPRING - ARCADE_SPRING, 16);

@@ -27,9 +27,9 @@ const NUMBER: usize = 14;
 
 const FINISHES: [Finish; 18] = [
     Finish::new("floor", Pattern::Terrazzo, 0.5).reflecting(0.5, 0.02).smoothed(0.3),
-    Finish::new("wall", Pattern::Plaster, 0.0),
+    Finish::new("wall", Pattern::Stucco, 0.0).tinted(0.95, 1.0, 0.92),
     Finish::new("dado", Pattern::Wood(Wood::Middle), 0.2).reflecting(0.2, 0.08).smoothed(0.3),
-    Finish::new("ceiling", Pattern::Plaster, 0.0),
+    Finish::new("ceiling", Pattern::Stucco, 0.0),
     Finish::new("door", Pattern::Wood(Wood::Dark), 0.15).reflecting(0.15, 0.08).smoothed(0.3),
     Finish::paint("trim", 0.62, 0.60, 0.55),
     Finish::paint("lamp", 1.0, 0.97, 0.90),
@@ -254,10 +254,13 @@ fn things() -> Vec<MeshBuilder> {
     }
     let mut exit = mesh("exit", EXIT);
     exit_face().picture(&mut exit, exit_rect(), 0.0);
+    let behind = Face::new([0.0, 0.0, exit_face().origin.z + 0.02], Vec3::NEG_X);
+    let mut back = mesh("exit-back", EXIT);
+    behind.picture(&mut back, around(-0.72, 2.42, 0.72, 0.24), 0.0);
     let mut rods = mesh("exit-rods", METAL);
     for a in [-0.28, 0.28] {
-        let top = exit_face().at(0.72 + a, HEIGHT, -0.012);
-        rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.02));
+        let top = exit_face().at(0.72 + a, HEIGHT, -0.005);
+        rods.cuboid(top - Vec3::new(0.01, HEIGHT - 2.5, 0.0), top + Vec3::new(0.01, 0.0, 0.01));
     }
     let mut bench = mesh("bench", DOOR);
     for (low, high, x) in [(0.0, 0.42, [0.92, 1.22]), (0.42, 0.47, [0.86, 1.27])] {
@@ -269,6 +272,6 @@ fn things() -> Vec<MeshBuilder> {
     let mut red = mesh("extinguisher", RED);
     red.cylinder(Vec3::new(-1.16, 0.35, 9.2), 0.085, 0.5, 24);
     red.sphere(Vec3::new(-1.16, 0.85, 9.2), 0.085, [24, 12]);
-    parts.extend([frames, exit, rods, bench, red]);
+    parts.extend([frames, exit, back, rods, bench, red]);
     parts
 }

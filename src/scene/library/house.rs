@@ -2,7 +2,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around};
-use super::street::{DARK_PANE, DOOR, LIT_PANE, SHOP_GLASS, TRIM};
+use super::street::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
 use crate::scene::pattern::unit;
 use glam::{IVec2, Vec3};
 
@@ -43,8 +43,8 @@ pub struct Front {
 }
 
 /// Names of a house's meshes.
-pub fn parts(name: &str) -> [String; 6] {
-    ["wall", "trim", "dark-panes", "lit-panes", "glass", "doors"].map(|part| format!("{name}-{part}"))
+pub fn parts(name: &str) -> [String; 7] {
+    ["wall", "trim", "dark-panes", "lit-panes", "shops", "doors", "glass"].map(|part| format!("{name}-{part}"))
 }
 
 /// An opening and what fills it.
@@ -57,6 +57,7 @@ struct Opening {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Filling {
     Pane,
+    Shop,
     Glass,
     Door,
 }
@@ -65,8 +66,8 @@ enum Filling {
 pub fn build(front: &Front) -> Vec<MeshBuilder> {
     let names = parts(front.name);
     let mut wall = front.wall.renamed(&names[0]);
-    let [mut trim, mut dark, mut lit, mut glass, mut doors] =
-        [(1, TRIM), (2, DARK_PANE), (3, LIT_PANE), (4, SHOP_GLASS), (5, DOOR)]
+    let [mut trim, mut dark, mut lit, mut shops, mut doors, mut glass] =
+        [(1, TRIM), (2, DARK_PANE), (3, LIT_PANE), (4, SHOP), (5, DOOR), (6, DARK_GLASS)]
             .map(|(k, material)| MeshBuilder::new(names[k].as_str(), material, 1.0));
     let face = front.face;
     let openings = openings(front);
@@ -85,8 +86,12 @@ pub fn build(front: &Front) -> Vec<MeshBuilder> {
                 let lintel = Rect::new([rect.min.x - 0.08, rect.max.x + 0.08], [rect.max.y, rect.max.y + 0.16]);
                 face.block(&mut trim, lintel, [-0.05, 0.04]);
             }
-            Filling::Glass => {
-                face.block(&mut glass, rect, [-RECESS_M - 0.02, -RECESS_M]);
+            Filling::Shop | Filling::Glass => {
+                if filling == Filling::Shop {
+                    face.picture(&mut shops, rect, -RECESS_M);
+                } else {
+                    face.block(&mut glass, rect, [-RECESS_M - 0.02, -RECESS_M]);
+                }
                 let middle = 0.5 * (rect.min.x + rect.max.x);
                 let bar = Rect::new([middle - 0.03, middle + 0.03], [rect.min.y, rect.max.y]);
                 face.block(&mut trim, bar, [-RECESS_M, -RECESS_M + 0.05]);
@@ -103,19 +108,15 @@ pub fn build(front: &Front) -> Vec<MeshBuilder> {
             }
         }
     }
+    // String course and cornice.
     let [from, to] = front.span;
-    for (y, height, out) in [
-        (0.0, 0.45, 0.04),
-        (GROUND_M - 0.12, 0.24, 0.12),
-        (front.height - 0.5, 0.22, 0.16),
-        (front.height - 0.28, 0.28, 0.34),
-    ] {
-        // The plinth ends at doors and windows; the bands run through.
-        if y > 0.0 {
-            face.block(&mut trim, Rect::new([from + 0.02, to - 0.02], [y, y + height]), [-0.05, out]);
-        }
+    let top = front.height;
+    for (y, out) in
+        [([GROUND_M - 0.12, GROUND_M + 0.12], 0.12), ([top - 0.5, top - 0.28], 0.16), ([top - 0.28, top], 0.34)]
+    {
+        face.block(&mut trim, Rect::new([from + 0.02, to - 0.02], y), [-0.05, out]);
     }
-    let mut meshes = vec![wall, trim, dark, lit, glass, doors];
+    let mut meshes = vec![wall, trim, dark, lit, shops, doors, glass];
     meshes.retain(|m| !m.is_empty());
     meshes
 }
@@ -137,7 +138,7 @@ fn openings(front: &Front) -> Vec<Opening> {
     for k in 0..count {
         match front.ground {
             Ground::Shops if k % 3 == 2 => add(above(middle(k), 1.1, [0.15, 2.75]), Filling::Door),
-            Ground::Shops => add(above(middle(k), pitch - 0.5, [0.65, 3.1]), Filling::Glass),
+            Ground::Shops => add(above(middle(k), pitch - 0.5, [0.65, 3.1]), Filling::Shop),
             Ground::Doors if k % 4 == 1 => add(above(middle(k), 1.15, [0.15, 2.75]), Filling::Door),
             Ground::Doors => add(window(k, 0.35), Filling::Pane),
             Ground::Cinema => {}

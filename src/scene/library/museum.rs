@@ -28,10 +28,10 @@ const PAINTING: usize = 12;
 
 const FINISHES: [Finish; 16] = [
     Finish::new("floor", Pattern::Marble, 0.5).reflecting(0.55, 0.02).smoothed(0.2),
-    Finish::new("wall", Pattern::Plaster, 0.0).tinted(0.72, 0.20, 0.15).reflecting(0.28, 0.03).smoothed(0.02),
-    Finish::new("ceiling", Pattern::Plaster, 0.0),
+    Finish::new("wall", Pattern::Stucco, 0.0).tinted(0.62, 0.17, 0.13).reflecting(0.2, 0.02).smoothed(0.0),
+    Finish::new("ceiling", Pattern::Stucco, 0.0),
     Finish::new("stone", Pattern::Limestone, 0.0),
-    Finish::new("bone", Pattern::Limestone, 0.0).tinted(1.0, 0.86, 0.62),
+    Finish::new("bone", Pattern::Stucco, 0.0).tinted(1.0, 0.86, 0.60),
     Finish::paint("gilt", 0.55, 0.38, 0.11).reflecting(0.3, 0.1),
     Finish::new("wood", Pattern::Wood(Wood::Dark), 0.0).reflecting(0.2, 0.06).smoothed(0.3),
     Finish::paint("lamp", 1.0, 0.95, 0.84),
@@ -90,14 +90,14 @@ pub fn scene() -> Scene {
         lens: thesis_lens(),
         views: vec![
             view("museum", [-4.3, 1.7, -8.0], [1.4, 1.0, 0.5]),
-            view("exit-sign", [-1.2, 1.65, -5.2], [4.6, 1.75, 2.4]),
-            view("paintings", [2.6, 1.5, -5.8], [-6.0, 0.9, -2.2]),
+            view("exit-sign", [2.9, 1.6, -3.2], [5.3, 1.9, 2.4]),
+            view("paintings", [-1.6, 1.5, -7.6], [-6.0, 0.9, -1.6]),
             view("second-hall", [-2.2, 1.6, 0.8], [0.6, 1.0, 9.0]),
         ],
         probes: vec![
             probe(
                 "first-hall",
-                [0.0, 1.8, -5.5],
+                [-2.6, 1.8, -5.5],
                 [-HALF_WIDTH, 0.0, ENDS_Z[0]],
                 [HALF_WIDTH, HEIGHT, PARTITION_Z - 0.5 * PARTITION_M],
             ),
@@ -109,7 +109,7 @@ pub fn scene() -> Scene {
             ),
             probe(
                 "second-hall",
-                [0.0, 1.8, 8.0],
+                [-1.8, 1.8, 8.6],
                 [-HALF_WIDTH, 0.0, PARTITION_Z + 0.5 * PARTITION_M],
                 [HALF_WIDTH, HEIGHT, ENDS_Z[1]],
             ),
@@ -238,7 +238,7 @@ fn hung() -> Vec<Hung> {
         (3, left, 0.6, 1.9, 1.2),
         (1, right, -6.0, 1.9, 2.4),
         (2, right, -2.4, 1.9, 1.8),
-        (1, partition(), 3.7, 1.9, 2.4),
+        (1, partition(), 3.2, 1.9, 2.1),
         (3, end_wall(), -3.2, 1.95, 1.3),
         (0, end_wall(), 0.6, 1.95, 3.0),
         (2, left, 8.0, 1.9, 2.4),
@@ -320,13 +320,13 @@ fn exhibits() -> Vec<MeshBuilder> {
     };
     let top = plinth(&mut stone, 0.4, 8.2, 0.9);
     let mut ring = mesh("ring", GILT);
-    ring.tube([24, 64], Vec3::Z, |t| {
+    ring.tube([20, 48], Vec3::Z, |t| {
         let (sin, cos) = (2.0 * PI * t).sin_cos();
         (top + Vec3::new(0.42 * cos, 0.56 + 0.42 * sin, 0.12 * (2.0 * PI * t).sin()), 0.12)
     });
     let top = plinth(&mut stone, 3.4, 10.6, 0.8);
     let mut ball = mesh("ball", METAL);
-    ball.sphere(top + 0.4 * Vec3::Y, 0.4, [48, 24]);
+    ball.sphere(top + 0.4 * Vec3::Y, 0.4, [40, 20]);
     for (x, z) in [(-4.4, 5.4), (4.4, 5.4)] {
         let column = Column { radius_m: 0.22, height_m: HEIGHT - 0.08, half_plinth_m: 0.36, sides: 28 };
         masonry::column(&mut stone, Vec3::new(x, 0.0, z), &column);
@@ -340,7 +340,7 @@ fn lamps() -> Vec<MeshBuilder> {
     let mut rods = mesh("lamp-rods", METAL);
     for [x, z] in LAMPS {
         let middle = Vec3::new(x, LAMP_Y, z);
-        globes.sphere(middle, LAMP_RADIUS, [24, 12]);
+        globes.sphere(middle, LAMP_RADIUS, [20, 10]);
         rods.cylinder(middle + LAMP_RADIUS * Vec3::Y, 0.015, HEIGHT - LAMP_Y - LAMP_RADIUS, 8);
         rods.cylinder(middle + (LAMP_RADIUS - 0.03) * Vec3::Y, 0.09, 0.05, 16);
     }
@@ -367,7 +367,7 @@ fn furniture() -> Vec<MeshBuilder> {
     for k in 0..corners.len() {
         let ((x, z), (u, w)) = (corners[k], corners[(k + 1) % corners.len()]);
         let (from, to) = (Vec3::new(x, 0.86, z), Vec3::new(u, 0.86, w));
-        ropes.tube([8, 12], Vec3::Y, |t| (from.lerp(to, t) - 0.9 * t * (1.0 - t) * Vec3::Y, 0.018));
+        ropes.tube([6, 10], Vec3::Y, |t| (from.lerp(to, t) - 0.9 * t * (1.0 - t) * Vec3::Y, 0.018));
     }
     let mut pots = mesh("pots", STONE);
     let mut leaves = mesh("plants", LEAF);
@@ -378,7 +378,7 @@ fn furniture() -> Vec<MeshBuilder> {
         for k in 0..11 {
             let (sin, cos) = (k as f32 * 2.4).sin_cos();
             let lean = 0.22 + 0.28 * (k % 4) as f32 / 3.0;
-            leaves.tube([6, 8], Vec3::new(sin, 0.0, -cos), |t| {
+            leaves.tube([5, 6], Vec3::new(sin, 0.0, -cos), |t| {
                 let out = lean * t * (0.6 + 0.4 * t);
                 let rise = 1.25 * t - lean * t * t;
                 let at = foot + Vec3::new(out * cos, 0.42 + rise, out * sin);

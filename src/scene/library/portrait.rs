@@ -9,7 +9,7 @@ use rayon::prelude::*;
 /// Samples along each side of a texel.
 const OVERSAMPLED: u32 = 2;
 /// Texels of a material's image that a sample averages at most, along each side.
-const FOOTPRINT_MAX: f32 = 8.0;
+const FOOTPRINT_MAX: f32 = 4.0;
 
 /// An impostor before it has its image.
 pub struct Frame {

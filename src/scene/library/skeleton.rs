@@ -26,7 +26,7 @@ pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
     bones.tube([8, 48], Vec3::X, |t| (spine(t), 0.02 + 0.05 * (PI * (0.12 + 0.76 * t)).sin()));
     for k in 0..34 {
         let t = (k as f32 + 0.5) / 34.0;
-        let size = 0.035 + 0.085 * (PI * (0.08 + 0.8 * t)).sin();
+        let size = 0.03 + 0.06 * (PI * (0.08 + 0.8 * t)).sin();
         bones.sphere(spine(t), size, [8, 6]);
         let thorn = Vec3::new(0.0, 2.1 * size, -0.6 * size);
         bone(bones, spine(t), spine(t) + thorn, [0.35 * size, 0.2 * size]);
@@ -45,12 +45,14 @@ pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
     skull(bones, spine(1.0));
 }
 
-/// A bone that bulges a little at both ends.
+/// A bone that bulges a little at both ends and is closed there.
 fn bone(bones: &mut MeshBuilder, from: Vec3, to: Vec3, [thick, thin]: [f32; 2]) {
     let across = (to - from).normalize_or(Vec3::Y).any_orthonormal_vector();
-    bones.tube([8, 4], across, |t| {
+    bones.tube([7, 8], across, |t| {
         let waist = thick + (thin - thick) * t;
-        (from.lerp(to, t), waist * (0.75 + 0.25 * (2.0 * t - 1.0).powi(2)))
+        let from_middle = 2.0 * t.clamp(0.0, 1.0) - 1.0;
+        let closed = (1.0 - from_middle.powi(8)).sqrt();
+        (from.lerp(to, t), waist * closed * (0.75 + 0.25 * from_middle.powi(2)))
     });
 }
 

@@ -20,7 +20,7 @@ const STONE: usize = 6;
 pub const TRIM: usize = 7;
 pub const DARK_PANE: usize = 8;
 pub const LIT_PANE: usize = 9;
-pub const SHOP_GLASS: usize = 10;
+pub const SHOP: usize = 10;
 pub const DOOR: usize = 11;
 const METAL: usize = 12;
 const LAMP: usize = 13;
@@ -28,7 +28,8 @@ const LAMP: usize = 13;
 const NEON_PAINT: usize = 14;
 const RED_PAINT: usize = 16;
 const BLUE_PAINT: usize = 17;
-const CAR_GLASS: usize = 18;
+/// Of cars and the cinema's doors.
+pub const DARK_GLASS: usize = 18;
 const RUBBER: usize = 19;
 const TAIL_LAMP: usize = 20;
 const LINE: usize = 21;
@@ -50,7 +51,7 @@ const FINISHES: [Finish; 28] = [
     Finish::paint("trim", 0.46, 0.44, 0.40),
     Finish::picture("dark-pane", Picture::Pane { lit: false }).reflecting(0.35, 0.0),
     Finish::picture("lit-pane", Picture::Pane { lit: true }).reflecting(0.1, 0.0),
-    Finish::paint("shop-glass", 0.05, 0.055, 0.06).reflecting(0.6, 0.0),
+    Finish::picture("shop", Picture::Shop).reflecting(0.3, 0.0),
     Finish::new("door", Pattern::Wood(Wood::Dark), 0.0).reflecting(0.1, 0.1),
     Finish::paint("metal", 0.05, 0.055, 0.06).reflecting(0.25, 0.08),
     Finish::paint("lamp", 1.0, 0.93, 0.74),
@@ -58,7 +59,7 @@ const FINISHES: [Finish; 28] = [
     Finish::paint("neon-cyan", 0.22, 0.90, 1.0),
     Finish::paint("red-paint", 0.45, 0.02, 0.02).reflecting(0.35, 0.03),
     Finish::paint("blue-paint", 0.03, 0.07, 0.26).reflecting(0.35, 0.03),
-    Finish::paint("car-glass", 0.02, 0.024, 0.028).reflecting(0.6, 0.0),
+    Finish::paint("dark-glass", 0.02, 0.024, 0.028).reflecting(0.6, 0.0),
     Finish::paint("rubber", 0.02, 0.02, 0.021),
     Finish::paint("tail-lamp", 0.62, 0.02, 0.02).reflecting(0.2, 0.02),
     Finish::paint("line", 0.55, 0.54, 0.50).reflecting(0.25, 0.08),
@@ -113,7 +114,7 @@ const TOP: f32 = 14.2;
 const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
 /// Street lamps: x and z of their posts, and how high and how far over the road their globes hang.
-const LAMPS: [[f32; 2]; 6] = [[-4.4, 1.5], [4.4, 7.0], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
+const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
 const GLOBE: [f32; 2] = [4.3, 0.55];
 const GLOBE_RADIUS: f32 = 0.19;
 /// The cinema's canopy along the houses' front, its heights, and how far it stands out.
@@ -157,7 +158,7 @@ fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
 }
 
 fn car_materials(paint: usize) -> car::Materials {
-    car::Materials { paint, glass: CAR_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
+    car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
 }
 
 /// The houses at −x; along it, `a` is z.
@@ -208,8 +209,8 @@ fn lights() -> Vec<Light> {
         point(5.6, 8.1, 10.7, 3.0),
         point(5.6, 6.3, 10.7, 3.0),
         point(-5.6, 3.2, 1.9, 2.0),
-        point(5.4, 3.6, 2.6, 3.0),
-        point(5.4, 3.6, 5.0, 2.0),
+        point(5.3, 3.4, 2.9, 3.0),
+        point(5.3, 3.4, 4.7, 2.0),
     ]);
     all
 }
@@ -330,7 +331,7 @@ fn blades() -> [Blade; 2] {
 }
 
 fn cafe_rect() -> Rect {
-    around(-3.8, 3.66, 3.0, 3.0 * 128.0 / 448.0)
+    around(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
 /// The signs on the houses; those across the street have a back of their own.
@@ -356,7 +357,7 @@ fn signs() -> Vec<MeshBuilder> {
     let mut cafe = mesh("cafe-sign", CAFE);
     right().picture(&mut cafe, cafe_rect(), 0.08);
     let mut board = mesh("cafe-board", METAL);
-    right().block(&mut board, around(-3.8, 3.66, 2.7, 0.7), [-0.05, 0.07]);
+    right().block(&mut board, around(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
     parts.extend([rods, cafe, board]);
     parts
 }
@@ -388,7 +389,7 @@ fn add_impostors(scene: &mut Scene) {
         let names = house::parts(front.name);
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let rect = Rect::new(front.span, [0.0, front.height]);
-        portrait::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 512));
+        portrait::add(scene, &names, &front.face.portrait(front.name, rect, 0.0, 320));
     }
     for (name, rect) in POSTERS.into_iter().zip(poster_rects()) {
         portrait::add(scene, &[name], &left().portrait(name, rect, 0.03, 192));

@@ -127,6 +127,12 @@ pub fn plaster(at: Vec2) -> Sample {
     Sample { height_m: 0.006 * strokes, albedo }
 }
 
+/// Plaster that was smoothed and painted evenly.
+pub fn stucco(at: Vec2) -> Sample {
+    let strokes = grain(at, [10, 10], 4, 223);
+    Sample { height_m: 0.003 * strokes, albedo: Vec3::new(0.51, 0.49, 0.45) * (0.94 + 0.12 * strokes) }
+}
+
 /// Woven cloth of one colour with a lozenge ornament in a paler one.
 pub fn cloth(at: Vec2, dye: Vec3) -> Sample {
     let threads = 64.0;
@@ -196,16 +202,16 @@ pub fn marble(at: Vec2, size_m: f32) -> Sample {
 /// Terrazzo: chips of three stones in grey cement, brass strips between the fields.
 pub fn terrazzo(at: Vec2, size_m: f32) -> Sample {
     const CHIPS: [Vec3; 4] = [
-        Vec3::new(0.46, 0.43, 0.38),
-        Vec3::new(0.10, 0.10, 0.10),
-        Vec3::new(0.36, 0.20, 0.13),
-        Vec3::new(0.30, 0.30, 0.27),
+        Vec3::new(0.30, 0.27, 0.22),
+        Vec3::new(0.08, 0.08, 0.08),
+        Vec3::new(0.22, 0.12, 0.08),
+        Vec3::new(0.17, 0.17, 0.15),
     ];
-    let grid = IVec2::new(90, 90);
+    let grid = IVec2::new(140, 140);
     let cell = cells(at * grid.as_vec2(), Vec2::ONE, grid, 0.95, 197);
     let chip = CHIPS[(unit(cell.id, 199) * 4.0) as usize % 4];
-    let cement = Vec3::new(0.30, 0.29, 0.27) * (0.9 + 0.2 * grain(at, [20, 20], 3, 211));
-    let stone = cement.lerp(chip, smoothstep(0.06, 0.16, cell.border));
+    let cement = Vec3::new(0.19, 0.185, 0.17) * (0.9 + 0.2 * grain(at, [20, 20], 3, 211));
+    let stone = cement.lerp(chip, smoothstep(0.08, 0.2, cell.border));
     let edge = (0.5 - ((at * 2.0).fract_gl() - 0.5).abs()).min_element() * 0.5 * size_m;
     let strip = smoothstep(0.006, 0.003, edge);
     Sample { height_m: 0.0005 * strip, albedo: stone.lerp(Vec3::new(0.36, 0.26, 0.10), strip) }

@@ -70,6 +70,8 @@ pub enum Pattern {
     Limestone,
     /// Plaster with stains.
     Plaster,
+    /// Even plaster without stains.
+    Stucco,
     /// Woven cloth with an ornament.
     Cloth(Dye),
     /// Leaves.
@@ -86,7 +88,7 @@ impl Pattern {
     /// How many metres of surface one image covers, for texture coordinates in true scale.
     pub fn size_m(self) -> f32 {
         match self {
-            Self::Stones | Self::Slabs | Self::Plaster | Self::Marble | Self::Terrazzo => 2.4,
+            Self::Stones | Self::Slabs | Self::Plaster | Self::Stucco | Self::Marble | Self::Terrazzo => 2.4,
             Self::Tiles | Self::Wood(_) | Self::Limestone => 1.6,
             Self::Bricks => 1.5,
             Self::Cloth(_) | Self::Foliage => 0.8,
@@ -105,6 +107,7 @@ impl Pattern {
             Self::Wood(wood) => designs::wood(at, size_m, wood.tone()),
             Self::Limestone => designs::limestone(at),
             Self::Plaster => designs::plaster(at),
+            Self::Stucco => designs::stucco(at),
             Self::Cloth(dye) => designs::cloth(at, dye.albedo()),
             Self::Foliage => designs::foliage(at, size_m),
             Self::Asphalt => designs::asphalt(at),
@@ -132,6 +135,7 @@ impl Pattern {
             Self::Wood(Wood::Dark) => "wood-dark",
             Self::Limestone => "limestone",
             Self::Plaster => "plaster",
+            Self::Stucco => "stucco",
             Self::Cloth(Dye::Red) => "cloth-red",
             Self::Cloth(Dye::Green) => "cloth-green",
             Self::Cloth(Dye::Blue) => "cloth-blue",
@@ -293,7 +297,7 @@ mod tests {
     use super::*;
     use std::sync::LazyLock;
 
-    const ALL: [Pattern; 16] = [
+    const ALL: [Pattern; 17] = [
         Pattern::Stones,
         Pattern::Tiles,
         Pattern::Slabs,
@@ -303,6 +307,7 @@ mod tests {
         Pattern::Wood(Wood::Dark),
         Pattern::Limestone,
         Pattern::Plaster,
+        Pattern::Stucco,
         Pattern::Cloth(Dye::Red),
         Pattern::Cloth(Dye::Green),
         Pattern::Cloth(Dye::Blue),

@@ -18,6 +18,8 @@ pub enum Picture {
         /// Whether somebody is at home.
         lit: bool,
     },
+    /// A shop window: shelves with goods in warm light, a counter on the right.
+    Shop,
     /// A church window that ends in a pointed arch; transparent outside it.
     Lancet {
         /// Which of the designs, for the colours of its glass.
@@ -76,8 +78,9 @@ impl Picture {
             Self::Painting(Painting::Portrait) => [256, 320],
             Self::Painting(_) => [384, 256],
             Self::Pane { .. } => [128, 192],
-            Self::Lancet { .. } => [192, 512],
-            Self::Rose => [512, 512],
+            Self::Shop => [256, 320],
+            Self::Lancet { .. } => [144, 384],
+            Self::Rose => [384, 384],
         }
     }
 
@@ -92,6 +95,7 @@ impl Picture {
             Self::Sign(sign) => sign.sample(at),
             Self::Painting(painting) => painting.sample(at).extend(1.0),
             Self::Pane { lit } => pane(at, lit).extend(1.0),
+            Self::Shop => shop(at).extend(1.0),
             Self::Lancet { design } => lancet(at, design),
             Self::Rose => rose(at),
         }
@@ -103,6 +107,7 @@ impl Picture {
             Self::Sign(sign) => format!("sign {}", sign.text.letters),
             Self::Painting(painting) => format!("painting {painting:?}"),
             Self::Pane { lit } => format!("pane {}", if lit { "lit" } else { "dark" }),
+            Self::Shop => "shop".to_owned(),
             Self::Lancet { design } => format!("lancet {design}"),
             Self::Rose => "rose".to_owned(),
         }
@@ -113,12 +118,12 @@ impl Sign {
     fn sample(&self, at: Vec2) -> Vec4 {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
         let p = at * size;
-        let rim = self.to_rim(p, size);
+        let rim = self.rim_distance(p, size);
         // Letters fill the plate but for a margin; an arrow's tip is left free.
         let free = match self.cut {
             Cut::Plate => size,
             Cut::Arrow => size - Vec2::new(0.45, 0.0),
-            Cut::Slant => size - Vec2::new(0.0, 0.35),
+            Cut::Slant => size - Vec2::new(0.0, 0.45),
         };
         let text = self.text.size();
         let margin = if self.bulbs { 0.4 } else { 0.28 };
@@ -140,7 +145,7 @@ impl Sign {
     }
 
     /// Distance from the sign's edge inwards, in units of its shorter side.
-    fn to_rim(&self, p: Vec2, size: Vec2) -> f32 {
+    fn rim_distance(&self, p: Vec2, size: Vec2) -> f32 {
         let half = 0.5 * size;
         let plate = |half: Vec2, at: Vec2| {
             let q = at.abs() - half + 0.08;
@@ -272,6 +277,27 @@ fn pane(at: Vec2, lit: bool) -> Vec3 {
     over(over(glass, frame, 0.028 - bars), frame, 0.055 - edge).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
+/// Shelves with goods on the left, a counter with a lamp on the right.
+fn shop(at: Vec2) -> Vec3 {
+    let lamp = Vec2::new(0.74, 0.30);
+    let room = Vec3::new(0.62, 0.40, 0.20) * (0.25 + 0.75 * smoothstep(0.75, 0.0, at.distance(lamp)));
+    let mut c = over(room, Vec3::new(0.10, 0.06, 0.035), at.y - 0.86);
+    let rows = Vec2::new(at.x * 14.0, (at.y - 0.16) * 6.0);
+    let (id, inside) = (rows.floor().as_ivec2(), rows - rows.floor());
+    let on_shelves = at.x > 0.06 && at.x < 0.50 && at.y > 0.16 && at.y < 0.83;
+    if on_shelves {
+        let goods = Vec3::new(unit(id, 479), unit(id, 487), unit(id, 491)) * Vec3::new(0.8, 0.55, 0.4) + 0.05;
+        let box_ = (0.42 - (inside.x - 0.5).abs()).min(inside.y - (0.25 + 0.5 * unit(id, 499)));
+        c = over(Vec3::new(0.13, 0.075, 0.04), goods * (0.5 + 0.7 * at.x), 0.1 * box_);
+        c = over(c, Vec3::new(0.34, 0.20, 0.10), 0.015 * (inside.y - 0.92) * 10.0);
+    }
+    c = over(c, Vec3::new(0.30, 0.14, 0.06), (at.y - 0.62).min(at.x - 0.60).min(0.96 - at.x).min(0.88 - at.y));
+    c = over(c, Vec3::new(0.75, 0.60, 0.40), (0.012 - (at.y - 0.62).abs()).min(at.x - 0.58).min(0.98 - at.x));
+    c = over(c, Vec3::new(0.02, 0.02, 0.02), (0.004 - (at.x - lamp.x).abs()).min(lamp.y - at.y));
+    over(c, Vec3::new(1.0, 0.92, 0.70), ellipse(at, lamp, Vec2::new(0.10, 0.045)).min(lamp.y + 0.02 - at.y))
+        .clamp(Vec3::ZERO, Vec3::ONE)
+}
+
 /// Pieces of coloured glass in lead; `tone` 0…1 runs from blue through red and gold to green.
 fn glass(at: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
     const COLOURS: [Vec3; 5] = [
@@ -294,23 +320,23 @@ fn lancet(at: Vec2, design: u32) -> Vec4 {
     // The arch: inside two circles round the opposite springs (y = 1.3), straight below.
     let sides = 0.75 - p.x.abs();
     let rim = if p.y < 1.3 { 1.5 - Vec2::new(p.x.abs() + 0.75, p.y - 1.3).length() } else { sides }.min(4.0 - p.y);
-    let ground = glass(Vec2::new(p.x + 2.0, p.y) * 4.2, IVec2::new(64, 64), |id| 0.39 * unit(id, 443 + design), 439);
-    let shade = |id: IVec2| match design % 3 {
-        0 => 0.41 + 0.18 * unit(id, 449),
-        1 => 0.61 + 0.18 * unit(id, 449),
-        _ => 0.81 + 0.18 * unit(id, 449),
-    };
-    let cloak = glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::new(64, 64), shade, 457 + design);
-    let mut c = over(ground, Vec3::new(1.0, 0.78, 0.2), ellipse(p, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30)));
     let figure = polygon(p, &[(-0.05, 1.3), (0.36, 1.9), (0.46, 3.5), (-0.48, 3.5), (-0.38, 1.9)]);
-    c = over(over(c, Vec3::splat(0.012), figure + 0.03), cloak, figure);
+    let lead = Vec3::splat(0.012);
+    let mut c = if figure > 0.0 {
+        let shade = |id: IVec2| 0.41 + 0.2 * (design % 3) as f32 + 0.18 * unit(id, 449);
+        over(lead, glass(Vec2::new(p.x + 2.0, p.y) * 3.1, IVec2::splat(64), shade, 457 + design), figure - 0.01)
+    } else {
+        let ground = glass(Vec2::new(p.x + 2.0, p.y) * 4.2, IVec2::splat(64), |id| 0.39 * unit(id, 443 + design), 439);
+        let halo = ellipse(p, Vec2::new(-0.05, 1.25), Vec2::new(0.30, 0.30));
+        over(over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
+    };
     c = over(c, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
     // A staff in one hand: the figure has a left and a right.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
     c = over(c, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
-    let lead = over(c, Vec3::splat(0.012), 0.012 - ((p.y - 3.55).abs()));
+    c = over(c, lead, 0.012 - (p.y - 3.55).abs());
     let stone = Vec3::new(0.42, 0.38, 0.31);
-    over(lead, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
+    over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
 
 /// Twelve petals round a flower, their colours running round the circle once.
@@ -333,4 +359,69 @@ fn rose(at: Vec2) -> Vec4 {
         .max(0.075 - lobe.length())
         .max(0.19 - r * (1.0 + 0.12 * (6.0 * turn * TAU + FRAC_PI_2).sin()));
     over(stone, c, open).extend(smoothstep(-0.005, 0.005, 0.985 - r))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIGN: Sign = Sign {
+        text: Text { letters: "CINEMA", stacked: false },
+        cut: Cut::Arrow,
+        ink: Vec3::ONE,
+        ground: Vec3::ZERO,
+        bulbs: false,
+        size: [384, 96],
+    };
+
+    fn all() -> Vec<Picture> {
+        let mut all = vec![Picture::Sign(&SIGN), Picture::Shop, Picture::Rose];
+        all.extend([Painting::Landscape, Painting::Ship, Painting::Fields, Painting::Portrait].map(Picture::Painting));
+        all.extend([true, false].map(|lit| Picture::Pane { lit }));
+        all.extend([0, 1, 2].map(|design| Picture::Lancet { design }));
+        all
+    }
+
+    fn mean(of: impl Fn(Vec2) -> f32) -> f32 {
+        let at = |k: u32| (Vec2::new((k % 48) as f32, (k / 48) as f32) + 0.5) / 48.0;
+        (0..48 * 48).map(|k| of(at(k))).sum::<f32>() / (48.0 * 48.0)
+    }
+
+    #[test]
+    fn no_picture_is_its_own_mirror_image() {
+        for picture in all() {
+            let flipped = |at: Vec2, x: bool| if x { Vec2::new(1.0 - at.x, at.y) } else { Vec2::new(at.x, 1.0 - at.y) };
+            for x in [true, false] {
+                let difference =
+                    mean(|at| (picture.sample(at) - picture.sample(flipped(at, x))).truncate().abs().element_sum());
+                assert!(difference > 0.012, "{picture:?}, x {x}: {difference}");
+            }
+        }
+    }
+
+    #[test]
+    fn colours_and_coverage_lie_between_0_and_1_and_only_cut_pictures_are_transparent() {
+        for picture in all() {
+            let outside = mean(|at| {
+                let sample = picture.sample(at);
+                assert!(sample.min_element() >= 0.0 && sample.max_element() <= 1.001, "{picture:?} {at}: {sample}");
+                1.0 - sample.w
+            });
+            assert_eq!(outside > 0.0, picture.has_alpha(), "{picture:?}: {outside}");
+            assert!(outside < 0.4, "{picture:?}: {outside}");
+        }
+    }
+
+    #[test]
+    fn letters_stand_where_they_should() {
+        // The upright of an L is on its left, its foot below.
+        let text = Text { letters: "LX", stacked: false };
+        assert_eq!(text.size(), Vec2::new(9.9, 6.0));
+        assert!(text.distance(Vec2::new(0.0, 3.0)) < 1e-6 && text.distance(Vec2::new(2.0, 6.0)) < 1e-6);
+        assert!(text.distance(Vec2::new(3.0, 2.0)) > 2.0);
+        assert!(text.distance(Vec2::new(7.9, 3.0)) < 1e-5, "the middle of the X");
+        let stacked = Text { letters: "LX", stacked: true };
+        assert_eq!(stacked.size(), Vec2::new(4.0, 14.1));
+        assert!(stacked.distance(Vec2::new(2.0, 11.1)) < 1e-5);
+    }
 }
