@@ -17,7 +17,7 @@ use ssct::study::{Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [64, 48];
 /// Directions along each side of the grid.
-const SIDE: u32 = 40;
+const SIDE: u32 = 28;
 const RADIANCE: Vec3 = Vec3::new(1.0, 0.5, 2.0);
 
 /// Whether a ray from a point meets a light from the side on which it shines.
@@ -33,7 +33,7 @@ fn meets(shape: &AreaShape, from: DVec3, direction: DVec3) -> bool {
                 (p - direction * p.dot(direction).max(0.0)).length()
             };
             let (mut low, mut high, golden) = (0.0, 1.0, 0.5 * (5_f64.sqrt() - 1.0));
-            for _ in 0..24 {
+            for _ in 0..16 {
                 let (x, y) = (high - golden * (high - low), low + golden * (high - low));
                 if distance(x) < distance(y) { high = y } else { low = x }
             }

@@ -89,9 +89,9 @@ fn a_mirror_shows_what_its_rays_meet() {
                 assert!(truth.max_element() == 0.0 || texel[0] < 0.9 || truth.x > 0.8, "the board behind the mirror");
             }
             println!("{variant:?}, {planes}: {alike} of {of_mirror} pixels alike, {lit} not black");
-            assert!(of_mirror > 8_000 && lit > of_mirror / 2, "{of_mirror}, {lit}");
+            assert!(of_mirror > 8_000 && lit > of_mirror / 3, "{of_mirror}, {lit}");
             // What differs are edges, and hits of the other mirror, which a mirror shows black as well.
-            assert!(f64::from(alike) > 0.985 * f64::from(of_mirror), "{variant:?}: {alike} of {of_mirror}");
+            assert!(f64::from(alike) > 0.99 * f64::from(of_mirror), "{variant:?}: {alike} of {of_mirror}");
             images.push(reflection.values);
         }
     }

@@ -65,7 +65,7 @@ vec3 IntersectTriangle(in vec3 rayOrigin, in vec3 rayDirect, in vec3 vert0, in v
 
     vec3 pvec = cross(rayDirect, edge1);
 
-    // Kept: 0 for a ray along the plane; what follows is then no number, and no comparison holds.
+    // Kept (erratum B8): 0 for a ray along the plane.
     det = dot(edge0, pvec);
     inv_det = 1.0 / det;
 
