@@ -236,7 +236,12 @@ impl<'a> Reflection<'a> {
                 continue;
             }
             let Some(binding) = self.decoration(id, Decoration::Binding) else { continue };
-            let definition = self.definition(pointee).ok_or("no type")?;
+            let mut definition = self.definition(pointee).ok_or("no type")?;
+            let mut count = 1;
+            if class == StorageClass::UniformConstant && definition.class.opcode == Op::TypeArray {
+                count = self.constant_u32(self.operand_id(pointee, 1)?)?;
+                definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
+            }
             let kind = match (class, definition.class.opcode) {
                 (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
                 (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
@@ -246,7 +251,7 @@ impl<'a> Reflection<'a> {
             };
             let own = self.names.get(&id).filter(|n| !n.is_empty());
             let name = own.or_else(|| self.names.get(&pointee)).cloned().unwrap_or_default();
-            bindings.push((binding, name, kind));
+            bindings.push((binding, name, kind, count));
         }
         bindings.sort();
         let [x, y, z] = match self.local_size {
@@ -260,9 +265,11 @@ impl<'a> Reflection<'a> {
             constant_name(self.name),
             self.name
         );
-        for (binding, name, kind) in bindings {
-            let _ =
-                writeln!(text, "        Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind} }},");
+        for (binding, name, kind, count) in bindings {
+            let _ = writeln!(
+                text,
+                "        Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }},"
+            );
         }
         text.push_str("    ],\n};\n");
         Ok(text)

@@ -76,7 +76,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (
             aimed(&["--method", "magic"]),
             2,
-            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, environment",
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, \
+             billboard, planar, area-light, environment, unified",
         ),
         (
             aimed(&["--method", "pccm", "--fallback", "pccm"]),

@@ -73,6 +73,18 @@ fn every_method_in_every_mode_is_valid() {
             }
         }
     }
+    // And each of its settings: variants that are off by default.
+    for method in METHODS {
+        for setup in (method.settings)(Setup::new([127, 61])) {
+            let camera = clutter_camera(setup.extent);
+            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+            for mode in [Mode::Plain, Mode::Plain, Mode::Timed] {
+                stage.run(&shot, mode).unwrap();
+                gpu.check_validation().unwrap_or_else(|e| panic!("{}, {setup:?}, {mode:?}: {e}", method.name));
+                frames += 1;
+            }
+        }
+    }
     println!("{frames} frames without a message");
     // With all resources gone.
     drop(stage);

@@ -3,6 +3,8 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod area_light;
+pub mod billboard;
 pub mod classify;
 pub mod color_chain;
 pub mod composite;
@@ -17,6 +19,7 @@ pub mod lighting;
 pub mod linear_trace;
 pub mod mask_chain;
 pub mod pccm;
+pub mod planar;
 pub mod pyramid;
 pub mod resolution;
 pub mod scene_data;
