@@ -12,9 +12,9 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::methods::{self, Input, Setup, unified};
 use ssct::metrics::hits::HitAgreement;
-use ssct::passes::PathCode;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
+use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct::reference::random::Stream;
 use ssct::reference::unified::{Code, Parameters, Traversal};
 use ssct::reference::{Hierarchy, MissReason, Outcome};
@@ -272,8 +272,41 @@ fn a_frame_records_what_its_materials_need() {
     {
         let (recorded, skipped, reflects, is_lit) = passes(globals);
         assert!(recorded.iter().any(|p| p == traced) && !recorded.iter().any(|p| p == left_out), "{recorded:?}");
-        assert_eq!(skipped, [left_out]);
+        assert_eq!(skipped, [left_out], "some of the clutter is matt");
+        assert!(recorded.iter().any(|p| p == "classify/tiles"));
         assert!(reflects && !is_lit);
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn every_way_to_draw_the_trace_makes_the_same_image() {
+    // Whole, in a frame of mirrors; over lists, if some surface is matt; with hits beside.
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let extent = [127, 61];
+    let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, view);
+    let mut images = |split: bool, known: bool| {
+        let setup = Setup { split, ..Setup::new(extent) };
+        let camera = timing::camera(&scene, view, extent);
+        let shot = Shot::new(&gpu, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+        let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
+        assert_eq!(report.recorded.iter().any(|p| p == "composite"), split, "{:?}", report.recorded);
+        let method = (unified::INFO.create)(&gpu, &setup).unwrap();
+        let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
+        assert!(drawn.reflectors.everywhere && !drawn.reflectors.glossy);
+        let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
+        let mut frame = stage.context.begin(Mode::Plain).unwrap();
+        let output = method.record(&mut frame, &gbuffer, &camera).unwrap();
+        frame.finish().unwrap();
+        [output.composite, output.reflection.unwrap().0].map(|i| stage.context.read(i.all()).unwrap())
+    };
+    let whole = images(false, true);
+    assert!(whole[1].values.iter().any(|v| *v > 0.1));
+    for (split, known) in [(true, true), (false, false), (true, false)] {
+        assert!(images(split, known) == whole, "hits: {split}, materials known: {known}");
     }
     gpu.check_validation().unwrap();
 }

@@ -226,10 +226,15 @@ impl GBufferPass {
 /// reflectivity.
 fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     let stored = |v: f32| half::f16::from_f32(v).to_f32();
-    let reflects = |m: &&Material| m.surface == Surface::Lit && stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
-    materials.filter(reflects).fold(Reflectors::default(), |r, m| Reflectors {
-        mirrors: r.mirrors || stored(m.roughness) <= 0.0,
-        glossy: r.glossy || stored(m.roughness) > 0.0,
+    let start = Reflectors { everywhere: true, ..Reflectors::default() };
+    materials.filter(|m| m.surface == Surface::Lit).fold(start, |r, m| {
+        let reflects = stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
+        let mirror = stored(m.roughness) <= 0.0;
+        Reflectors {
+            mirrors: r.mirrors || (reflects && mirror),
+            glossy: r.glossy || (reflects && !mirror),
+            everywhere: r.everywhere && reflects && m.reflectivity_map.is_none(),
+        }
     })
 }
 

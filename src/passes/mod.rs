@@ -60,11 +60,13 @@ pub struct Reflectors {
     pub mirrors: bool,
     /// Whether there may be glossy surfaces: that reflect with more.
     pub glossy: bool,
+    /// Whether every surface that is lit reflects: where the image shows no sky, all of it does.
+    pub everywhere: bool,
 }
 
 impl Reflectors {
     /// Nothing is known: there may be both.
-    pub const UNKNOWN: Self = Self { mirrors: true, glossy: true };
+    pub const UNKNOWN: Self = Self { mirrors: true, glossy: true, everywhere: false };
 
     /// Whether anything may reflect.
     pub fn any(self) -> bool {
