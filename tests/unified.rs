@@ -291,7 +291,7 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
     let mut images = |split: bool, known: bool| {
         let setup = Setup { split, ..Setup::new(extent) };
         let camera = timing::camera(&scene, view, extent);
-        let shot = Shot::new(&gpu, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+        let shot = Shot::new(&mut stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
         let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
         assert_eq!(report.recorded.iter().any(|p| p == "composite"), split, "{:?}", report.recorded);
         let method = (unified::INFO.create)(&gpu, &setup).unwrap();
@@ -299,9 +299,9 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
         assert!(drawn.reflectors.everywhere && !drawn.reflectors.glossy);
         let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
         let mut frame = stage.context.begin(Mode::Plain).unwrap();
-        let output = method.record(&mut frame, &gbuffer, &camera).unwrap();
+        let output = method.record(&mut frame, &Input { gbuffer, camera: &camera, scene: None }).unwrap();
         frame.finish().unwrap();
-        [output.composite, output.reflection.unwrap().0].map(|i| stage.context.read(i.all()).unwrap())
+        [output.composite.unwrap(), output.reflection.unwrap().0].map(|i| stage.context.read(i.all()).unwrap())
     };
     let whole = images(false, true);
     assert!(whole[1].values.iter().any(|v| *v > 0.1));

@@ -14,6 +14,7 @@ layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, lin
 #include "unified/ray.glsl"
 #include "unified/traverse.glsl"
 #include "unified/fade.glsl"
+#include "unified/sound.glsl"
 
 struct Mirror {
     vec4 reflection; // colour, and fade in a; a miss is 0
@@ -44,8 +45,9 @@ Mirror TraceMirror(ivec2 pixel) {
     mirror.hit = Traverse(mirror.ray);
     if (mirror.hit.code == HIT_SURFACE && faces) {
         vec2 uv = mirror.hit.position * unified.pixel_to_clip;
-        mirror.reflection = vec4(textureLod(color_buffer, uv, 0.0).rgb, Fade(uv));
-        mirror.composite.rgb += material.x * mirror.reflection.a * mirror.reflection.rgb;
+        mirror.reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), Fade(uv));
+        vec3 seen = mirror.composite.rgb + material.x * mirror.reflection.a * mirror.reflection.rgb;
+        mirror.composite.rgb = min(seen, GREATEST);
     }
     return mirror;
 }
