@@ -87,7 +87,8 @@ impl UnifiedTracePass {
     }
 
     /// Passes "composite", which takes the lit colour over, and one of "trace/…" for each list. At least
-    /// one list is needed. One list everywhere needs no "composite": the trace draws it whole.
+    /// one list is needed. One list everywhere is a single pass,
+    /// "trace+composite".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -107,10 +108,9 @@ impl UnifiedTracePass {
             composite: &self.composite,
             hits: self.hits.as_ref().map(Hits),
         };
-        if let (None, [list], Some(whole)) = (input.tiles, lists, &self.whole) {
+        if let (None, [_], Some(whole)) = (input.tiles, lists, &self.whole) {
             let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
-            frame.skip("composite", "the trace draws every pixel of it");
-            frame.fullscreen(pass_name(*list), whole, &targets, &resources, &[])?;
+            frame.fullscreen("trace+composite", whole, &targets, &resources, &[])?;
             return Ok(traced);
         }
         resources.extend(input.tiles.map(|tiles| ("Tiles", Resource::ReadBuffer(tiles.lists))));
