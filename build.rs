@@ -31,8 +31,9 @@ fn run() -> Result<(), String> {
         let file = format!("{}.spv", name.replace('/', "."));
         let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
         std::fs::write(out.join(&file), bytes).map_err(|e| format!("{file}: {e}"))?;
+        let (words, local_size) = take_local_size_ids(words);
         let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
-        let reflection = Reflection::new(&module, &name);
+        let reflection = Reflection::new(&module, &name, local_size);
         reflection.collect_structs(&mut structs)?;
         shaders.push_str(&reflection.constant(&file)?);
     }
@@ -88,6 +89,27 @@ fn compile(compiler: &shaderc::Compiler, path: &Path) -> Result<Vec<u32>, String
         .map_err(|e| e.to_string())
 }
 
+/// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
+/// LocalSizeId; returned are the ids of the three constants.
+fn take_local_size_ids(words: Vec<u32>) -> (Vec<u32>, Option<[Word; 3]>) {
+    const HEADER: usize = 5;
+    let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
+    let mut at = HEADER;
+    while at < words.len() {
+        let instruction = &words[at..at + (words[at] >> 16).max(1) as usize];
+        at += instruction.len();
+        match *instruction {
+            [head, _, mode, x, y, z]
+                if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
+            {
+                found = Some([x, y, z]);
+            }
+            _ => kept.extend_from_slice(instruction),
+        }
+    }
+    (kept, found)
+}
+
 /// A block's Rust twin.
 #[derive(PartialEq, Clone)]
 struct Block {
@@ -127,12 +149,14 @@ impl Block {
 struct Reflection<'a> {
     module: &'a Module,
     name: &'a str,
+    /// Ids of the workgroup's three sides.
+    local_size: Option<[Word; 3]>,
     names: HashMap<Word, String>,
     member_names: HashMap<(Word, u32), String>,
 }
 
 impl<'a> Reflection<'a> {
-    fn new(module: &'a Module, name: &'a str) -> Self {
+    fn new(module: &'a Module, name: &'a str, local_size: Option<[Word; 3]>) -> Self {
         let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
         for i in &module.debug_names {
             match (i.class.opcode, i.operands.as_slice()) {
@@ -145,7 +169,7 @@ impl<'a> Reflection<'a> {
                 _ => {}
             }
         }
-        Self { module, name, names, member_names }
+        Self { module, name, local_size, names, member_names }
     }
 
     fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
@@ -225,7 +249,11 @@ impl<'a> Reflection<'a> {
             bindings.push((binding, name, kind));
         }
         bindings.sort();
-        let local = self.module.execution_modes_of(ExecutionMode::LocalSize);
+        let [x, y, z] = match self.local_size {
+            Some([x, y, z]) => [self.constant_u32(x)?, self.constant_u32(y)?, self.constant_u32(z)?],
+            None => [1; 3],
+        };
+        let local = [x, y, z];
         let mut text = format!(
             "/// `{ROOT}/{}`.\npub static {}: Shader = Shader {{\n    name: {:?},\n    spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{file}\")),\n    push_constant_size: {push_size},\n    local_size: {local:?},\n    bindings: &[\n",
             self.name,
@@ -330,28 +358,6 @@ impl<'a> Reflection<'a> {
             }
             _ => return Err(wrong()),
         })
-    }
-}
-
-trait ExecutionModes {
-    fn execution_modes_of(&self, wanted: ExecutionMode) -> [u32; 3];
-}
-
-impl ExecutionModes for Module {
-    /// The literal operands of an execution mode; 1, 1, 1 where it is not set.
-    fn execution_modes_of(&self, wanted: ExecutionMode) -> [u32; 3] {
-        for i in &self.execution_modes {
-            if i.operands.get(1) == Some(&Operand::ExecutionMode(wanted)) {
-                let v: Vec<u32> = i.operands[2..]
-                    .iter()
-                    .filter_map(|o| if let Operand::LiteralBit32(v) = o { Some(*v) } else { None })
-                    .collect();
-                if let [x, y, z] = v[..] {
-                    return [x, y, z];
-                }
-            }
-        }
-        [1, 1, 1]
     }
 }
 

@@ -6,6 +6,7 @@ pub mod effect;
 pub mod hzct;
 pub mod ssct;
 pub mod thesis;
+pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -155,7 +156,7 @@ impl MethodInfo {
 }
 
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO, unified::INFO];
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

@@ -8,9 +8,11 @@ pub mod composite;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+pub mod pyramid;
 pub mod resolution;
 pub mod scene_data;
 pub mod thesis_trace;
+pub mod unified_trace;
 pub mod visibility;
 
 use crate::gpu::Image;
@@ -37,6 +39,11 @@ pub struct GBuffer<'a> {
 /// Standard depth, minimum in R and maximum in G, full chain. RG32F.
 #[derive(Clone, Copy)]
 pub struct HiZ<'a>(pub &'a Image);
+
+/// Reversed depth of the nearest front (R) and the farthest back (G) in each cell, all levels in one
+/// image (`shaders-glsl/unified/pyramid.glsl`). RG32F.
+#[derive(Clone, Copy)]
+pub struct Pyramid<'a>(pub &'a Image);
 
 /// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
 #[derive(Clone, Copy)]
