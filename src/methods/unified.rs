@@ -1,10 +1,11 @@
 //! `unified`: this project's own method.
 
-use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
+use super::{Input, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu};
 use crate::passes::pyramid::{self, PyramidPass};
+use crate::passes::unified_gloss::{Lobes, UnifiedGlossPass};
 use crate::passes::unified_trace::UnifiedTracePass;
 use crate::scene::Camera;
 
@@ -22,6 +23,7 @@ pub const INFO: MethodInfo = MethodInfo {
 pub struct UnifiedMethod {
     pyramid: PyramidPass,
     trace: UnifiedTracePass,
+    gloss: UnifiedGlossPass,
     fade: bool,
     composite: bool,
 }
@@ -32,6 +34,7 @@ impl UnifiedMethod {
         Ok(Self {
             pyramid: PyramidPass::new(gpu, setup.extent)?,
             trace: UnifiedTracePass::new(gpu, setup.extent, setup.split)?,
+            gloss: UnifiedGlossPass::new(gpu, setup.extent)?,
             fade: setup.fade,
             composite: setup.composite,
         })
@@ -43,6 +46,15 @@ impl Method for UnifiedMethod {
         let gbuffer = &input.gbuffer;
         let parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let pyramid = self.pyramid.record(frame, gbuffer, &parameters)?;
+        let roughness = |scene: SceneInput| scene.materials.iter().map(|m| m.roughness).collect::<Vec<_>>();
+        // Without a scene only the G-buffer knows what there is.
+        let roughness = input.scene.map_or(vec![0.0, 1.0], roughness);
+        if roughness.iter().any(|r| *r > 0.0) {
+            let lobes = Lobes::of(roughness);
+            let glossy = self.gloss.record(frame, gbuffer, pyramid, &parameters, lobes)?;
+            let composite = self.composite.then_some(glossy.composite);
+            return Ok(Traced { composite, ..Traced::new(glossy.reflection) });
+        }
         let traced = self.trace.record(frame, gbuffer, pyramid, &parameters)?;
         let composite = self.composite.then_some(traced.composite);
         Ok(Traced { composite, hits: traced.hits, ..Traced::new(traced.reflection) })

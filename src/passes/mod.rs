@@ -12,6 +12,7 @@ pub mod pyramid;
 pub mod resolution;
 pub mod scene_data;
 pub mod thesis_trace;
+pub mod unified_gloss;
 pub mod unified_trace;
 pub mod visibility;
 
