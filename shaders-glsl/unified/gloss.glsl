@@ -2,16 +2,21 @@
 // Needs parameters.glsl and ray.glsl.
 //
 // Interleaved sampling (Keller and Heidrich 2001): the directions of one stratified pattern over the
-// lobe are dealt out to the pixels of a block, a ray each, always the same. A pixel then gathers its
-// neighbours' hits as samples of its own lobe: a ratio estimator with the weights
+// lobe are dealt out to the pixels, a ray each, always the same. A pixel then gathers its neighbours'
+// hits as samples of its own lobe: a ratio estimator with the weights
 // lobe(from here to that hit) / density(that was sampled there) (Stachowiak 2015; Heitz et al. 2018
 // for the estimator). There is nothing random, and nothing of earlier frames.
+//
+// The pattern has as many directions as the gathered neighbourhood has pixels, dealt out so that the
+// neighbourhood of every pixel holds each direction once: a cross of 5 pixels with the direction
+// (x + 2 y) mod 5, a diamond of 13 with (x + 5 y) mod 13. (Both shapes tile the plane in a lattice.)
+// So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
 
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
 
-// Of a roughness above this, rays are traced at half resolution, and gathered over a wider window:
-// with wider lobes more rays are needed for a pixel, and a farther neighbour's fits.
+// Of a roughness above this, one ray for 2 x 2 pixels is traced, and the diamond is gathered: a wider
+// lobe needs more rays, and those of farther neighbours fit it.
 #define COARSE_ABOVE 0.2
 
 // alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
@@ -54,4 +59,10 @@ vec3 ViewPoint(vec2 position, float depth) {
 vec3 MirrorDirection(vec3 point, vec3 normal) {
     vec3 unit = normalize(normal);
     return normalize(reflect(normalize(point), unit));
+}
+
+// How pixels of a direction's index share a pattern of n: point i of the rank-1 lattice with the
+// generator (1, g), in the middle of its stratum.
+vec2 LatticePoint(int i, int g, int n) {
+    return (vec2(i, (i * g) % n) + 0.5) / float(n);
 }

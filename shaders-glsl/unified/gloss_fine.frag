@@ -1,5 +1,5 @@
 #version 460
-// A ray a pixel for mirrors and narrow lobes: four directions, one a pixel of a 2 x 2 block.
+// A ray a pixel for mirrors and narrow lobes: five directions.
 
 #include "unified/parameters.glsl"
 #include "unified/gloss_trace.glsl"
@@ -17,10 +17,8 @@ void main() {
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     if (!(material.r > REFLECTS_ABOVE) || material.g > COARSE_ABOVE || !(texelFetch(pyramid, pixel, 0).r > 0.0))
         return;
-    // Hammersley's four points, neighbours far apart.
-    int i = ((pixel.x ^ pixel.y) & 1) * 2 + (pixel.y & 1);
-    vec2 u = vec2((float(i) + 0.5) * 0.25, (float((i & 1) * 2 + (i >> 1)) + 0.5) * 0.25);
-    Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 0.25);
+    vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5);
+    Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 0.2);
     out_place = seen.place;
     out_color = seen.color;
 }

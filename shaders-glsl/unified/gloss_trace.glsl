@@ -32,9 +32,15 @@ Seen Look(ivec2 pixel, float roughness, vec2 u, float share) {
     float density = power * exp2((power - 1.0) / power * log2(1.0 - u.x));
     seen.place = vec4(direction, -density);
     // Below the surface there is nothing to see, and it counts (DEFINITIONS, "Surfaces").
-    if (!(dot(direction, normal) > 0.0))
+    bool faces;
+    Ray ray = MirrorRay(pixel, depth, normal, faces);
+    if (roughness > 0.0) {
+        ray = RayAlong(pixel, depth, direction);
+        faces = dot(direction, normal) > 0.0;
+    }
+    if (!faces)
         return seen;
-    Hit hit = Traverse(RayAlong(pixel, depth, direction));
+    Hit hit = Traverse(ray);
     if (hit.code != HIT_SURFACE)
         return seen;
     vec3 there = ViewPoint(hit.position, hit.depth);

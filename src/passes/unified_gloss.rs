@@ -5,7 +5,8 @@
 use super::{GBuffer, Pyramid, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_COARSE_COMP, UNIFIED_GLOSS_FINE_FRAG, UNIFIED_GLOSS_RESOLVE_FRAG, UnifiedBlock,
+    UNIFIED_GLOSS_CELLS_COMP, UNIFIED_GLOSS_COARSE_COMP, UNIFIED_GLOSS_FINE_FRAG, UNIFIED_GLOSS_RESOLVE_COMP,
+    UnifiedBlock,
 };
 use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
 use ash::vk;
@@ -13,19 +14,45 @@ use ash::vk;
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// The coarsest level of the colour that a ray's footprint can ask for: a texel of 32 pixels.
-const COARSEST_COLOR: u32 = 5;
+/// Roughness above which rays are traced at half resolution (`shaders-glsl/unified/gloss.glsl`).
+pub const COARSE_ABOVE: f32 = 0.2;
+
+/// Cells along a side of a workgroup of `gloss_coarse.comp`.
+const TILE: u32 = 13;
 
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
     fine: GraphicsPipeline,
     coarse: ComputePipeline,
-    resolve: GraphicsPipeline,
-    /// Where each ray ended, and what it saw; a ray a pixel, then a ray for four.
+    cells: ComputePipeline,
+    resolve: ComputePipeline,
+    /// Where each pixel's ray ended, and what it saw.
     fine_seen: [Image; 2],
+    /// The same of each cell of 2 × 2 pixels.
     coarse_seen: [Image; 2],
+    /// Each cell's reflection, and the surface that it is of.
+    resolved: [Image; 2],
     reflection: Image,
     composite: Image,
+}
+
+/// Which lobes a frame may show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Lobes {
+    /// Roughness up to [`COARSE_ABOVE`], mirrors too.
+    pub narrow: bool,
+    /// Roughness above it.
+    pub wide: bool,
+}
+
+impl Lobes {
+    /// Of some roughness values.
+    pub fn of(roughness: impl IntoIterator<Item = f32>) -> Self {
+        roughness.into_iter().fold(Self { narrow: false, wide: false }, |lobes, r| Self {
+            narrow: lobes.narrow || r <= COARSE_ABOVE,
+            wide: lobes.wide || r > COARSE_ABOVE,
+        })
+    }
 }
 
 /// What the pass made.
@@ -45,26 +72,31 @@ impl UnifiedGlossPass {
             let usage = usage | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let half = extent.map(|n| n.div_ceil(2));
+        let cells = extent.map(|n| n.div_ceil(2));
         Ok(Self {
             fine: GraphicsPipeline::fullscreen(gpu, &UNIFIED_GLOSS_FINE_FRAG, &[PLACE, COLOR])?,
             coarse: ComputePipeline::new(gpu, &UNIFIED_GLOSS_COARSE_COMP)?,
-            resolve: GraphicsPipeline::fullscreen(gpu, &UNIFIED_GLOSS_RESOLVE_FRAG, &[COLOR, COLOR])?,
+            cells: ComputePipeline::new(gpu, &UNIFIED_GLOSS_CELLS_COMP)?,
+            resolve: ComputePipeline::new(gpu, &UNIFIED_GLOSS_RESOLVE_COMP)?,
             fine_seen: [
-                image("fine place", PLACE, extent, U::COLOR_ATTACHMENT)?,
-                image("fine color", COLOR, extent, U::COLOR_ATTACHMENT)?,
+                image("fine place", PLACE, extent, U::COLOR_ATTACHMENT | U::STORAGE)?,
+                image("fine color", COLOR, extent, U::COLOR_ATTACHMENT | U::STORAGE)?,
             ],
             coarse_seen: [
-                image("coarse place", PLACE, half, U::STORAGE)?,
-                image("coarse color", COLOR, half, U::STORAGE)?,
+                image("coarse place", PLACE, cells, U::STORAGE)?,
+                image("coarse color", COLOR, cells, U::STORAGE)?,
             ],
-            reflection: image("reflection", COLOR, extent, U::COLOR_ATTACHMENT)?,
-            composite: image("composite", COLOR, extent, U::COLOR_ATTACHMENT)?,
+            resolved: [
+                image("cell reflection", COLOR, cells, U::STORAGE)?,
+                image("cell surface", COLOR, cells, U::STORAGE)?,
+            ],
+            reflection: image("reflection", COLOR, extent, U::STORAGE)?,
+            composite: image("composite", COLOR, extent, U::STORAGE)?,
         })
     }
 
-    /// Passes "color/1" …, "trace fine", "trace coarse" and "resolve"; of the traces, those that
-    /// `lobes` needs.
+    /// Passes "color/1" …, "trace fine", "trace coarse", "cells" and "resolve"; of the middle ones those
+    /// that `lobes` needs.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -74,73 +106,53 @@ impl UnifiedGlossPass {
         lobes: Lobes,
     ) -> Result<Glossy<'a>> {
         let color = gbuffer.color;
-        for level in 1..color.levels().min(COARSEST_COLOR + 1) {
+        for level in 1..color.levels() {
             frame.blit(&format!("color/{level}"), color.level(level - 1), color.level(level))?;
         }
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
-        let traced = [
-            block,
-            ("pyramid", Resource::nearest(pyramid.0.all())),
-            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-            ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ("color_buffer", Resource::trilinear(color.all())),
-        ];
-        let [fine, coarse] = [&self.fine_seen, &self.coarse_seen];
+        let depth = ("depth_buffer", Resource::nearest(gbuffer.depth.all()));
+        let normal = ("normal_buffer", Resource::nearest(gbuffer.normal.all()));
+        let material = ("material_buffer", Resource::nearest(gbuffer.material.all()));
+        let storage = |name, image: &'a Image| (name, Resource::Storage(image.all()));
+        let pyramid = ("pyramid", Resource::nearest(pyramid.0.all()));
+        let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];
+
         if lobes.narrow {
-            let targets = [0, 1].map(|i| Target::overwrite(fine[i].all()));
+            let targets = [0, 1].map(|i| Target::overwrite(self.fine_seen[i].all()));
             frame.fullscreen("trace fine", &self.fine, &targets, &traced, &[])?;
         }
+        let places = storage("place_image", &self.coarse_seen[0]);
+        let colors = storage("seen_image", &self.coarse_seen[1]);
+        let cell_reflection = storage("cell_reflection", &self.resolved[0]);
+        let cell_surface = storage("cell_surface", &self.resolved[1]);
         if lobes.wide {
-            let stored = [
-                ("place_image", Resource::Storage(coarse[0].all())),
-                ("seen_image", Resource::Storage(coarse[1].all())),
-            ];
-            let resources: Vec<_> = traced.into_iter().chain(stored).collect();
-            let [width, height] = coarse[0].extent();
-            // A workgroup of 256 threads has 16 × 16 cells.
-            let threads = [width.div_ceil(16) * 256, height.div_ceil(16), 1];
+            let [width, height] = self.resolved[0].extent();
+            let resources: Vec<_> = traced.into_iter().chain([depth, places, colors]).collect();
+            let threads = [width.div_ceil(TILE) * TILE * TILE, height.div_ceil(TILE), 1];
             frame.compute("trace coarse", &self.coarse, &resources, &[], threads)?;
+            let resources = [block, depth, normal, material, places, colors, cell_reflection, cell_surface];
+            frame.compute("cells", &self.cells, &resources, &[], [width, height, 1])?;
         }
-        let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
-        frame.fullscreen(
+        let [width, height] = self.reflection.extent();
+        frame.compute(
             "resolve",
             &self.resolve,
-            &targets,
             &[
                 block,
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                depth,
+                normal,
+                material,
                 ("color_buffer", Resource::nearest(color.level(0))),
-                ("fine_place", Resource::nearest(fine[0].all())),
-                ("fine_color", Resource::nearest(fine[1].all())),
-                ("coarse_place", Resource::nearest(coarse[0].all())),
-                ("coarse_color", Resource::nearest(coarse[1].all())),
+                storage("fine_place", &self.fine_seen[0]),
+                storage("fine_color", &self.fine_seen[1]),
+                cell_reflection,
+                cell_surface,
+                storage("reflection_image", &self.reflection),
+                storage("composite_image", &self.composite),
             ],
             &[],
+            [width, height, 1],
         )?;
         Ok(Glossy { reflection: Reflection(&self.reflection), composite: &self.composite })
-    }
-}
-
-/// Which lobes a frame may show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lobes {
-    /// Roughness up to [`COARSE_ABOVE`], mirrors too.
-    pub narrow: bool,
-    /// Roughness above it.
-    pub wide: bool,
-}
-
-/// Roughness from which on rays are traced at half resolution (`shaders-glsl/unified/gloss.glsl`).
-pub const COARSE_ABOVE: f32 = 0.2;
-
-impl Lobes {
-    /// Of some roughness values.
-    pub fn of(roughness: impl IntoIterator<Item = f32>) -> Self {
-        roughness.into_iter().fold(Self { narrow: false, wide: false }, |lobes, r| Self {
-            narrow: lobes.narrow || r <= COARSE_ABOVE,
-            wide: lobes.wide || r > COARSE_ABOVE,
-        })
     }
 }
