@@ -17,9 +17,6 @@ const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 /// Roughness above which rays are traced at half resolution (`shaders-glsl/unified/gloss.glsl`).
 pub const COARSE_ABOVE: f32 = 0.2;
 
-/// Cells along a side of a workgroup of `gloss_coarse.comp`.
-const TILE: u32 = 13;
-
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
     fine: GraphicsPipeline,
@@ -128,8 +125,7 @@ impl UnifiedGlossPass {
         if lobes.wide {
             let [width, height] = self.resolved[0].extent();
             let resources: Vec<_> = traced.into_iter().chain([depth, places, colors]).collect();
-            let threads = [width.div_ceil(TILE) * TILE * TILE, height.div_ceil(TILE), 1];
-            frame.compute("trace coarse", &self.coarse, &resources, &[], threads)?;
+            frame.compute("trace coarse", &self.coarse, &resources, &[], [width, height, 1])?;
             let resources = [block, depth, normal, material, places, colors, cell_reflection, cell_surface];
             frame.compute("cells", &self.cells, &resources, &[], [width, height, 1])?;
         }
