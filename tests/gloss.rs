@@ -17,12 +17,12 @@ use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
-fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, aside_m: f32) -> GBufferData {
+fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
     let scene = library::scene("rooms").unwrap();
     let view = scene.view(view).unwrap();
     let right = Vec3::Y.cross(view.look_at - view.eye).normalize() * aside_m;
     let view = View { eye: view.eye + right, look_at: view.look_at + right, ..view.clone() };
-    let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+    let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
     let mut stage = Stage::new(gpu, &scene).unwrap();
     let (materials, camera) = (globals.materials(&scene, &view), camera(&scene, &view, extent));
     let shot = Shot::new(&mut stage, methods::find("hzct").unwrap(), &Setup::new(extent), camera, materials).unwrap();
@@ -53,7 +53,7 @@ fn its_error_is_a_fraction_of_the_thesis_method_s() {
     // Issue 5, "Image", asks for at most 0.65 on any view.
     let gpu = gpu();
     for (view, roughness) in [("corridor", 0.05), ("corridor", 0.1), ("ceiling", 0.3), ("ceiling", 0.6)] {
-        let data = gbuffer(&gpu, view, [321, 181], roughness, 0.0);
+        let data = gbuffer(&gpu, view, [321, 181], roughness, 1.0, 0.0);
         let (truth, mask) = (reference(&data, 48), mask(&data));
         let [ours, thesis] =
             ["unified", "ssct"].map(|m| masked_rmse(&truth, &colors(&reflection(&gpu, &data, m)), &mask));
@@ -67,12 +67,13 @@ fn its_error_is_a_fraction_of_the_thesis_method_s() {
 fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
     let gpu = gpu();
     let values = [0.0, 0.1, 0.5];
-    let even = values.map(|r| gbuffer(&gpu, "cylinder", [195, 121], r, 0.0));
+    let even = values.map(|r| gbuffer(&gpu, "cylinder", [195, 121], r, 1.0, 0.0));
     let mut varied = even[0].clone();
     let stripe = |x: u32| (x / 65) as usize;
     for y in 0..121 {
         for x in 0..195 {
-            varied.roughness[varied.index(x, y)] = even[stripe(x)].roughness[varied.index(x, y)];
+            let i = varied.index(x, y);
+            varied.roughness[i] = even[stripe(x)].roughness[i];
         }
     }
     let expected = even.each_ref().map(|data| reflection(&gpu, data, "unified"));
@@ -95,8 +96,9 @@ fn a_small_move_of_the_camera_changes_little() {
     // A pattern that stands on the screen while the scene moves under it shimmers. The reference's
     // change is the scene's own; its samples are those of the pixel, so that their noise stays.
     let gpu = gpu();
-    for roughness in [0.1, 0.4] {
-        let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, aside));
+    let mut worst = 0.0_f64;
+    for roughness in [0.05, 0.1, 0.4] {
+        let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));
         // What is one surface in both.
         let still: Vec<bool> = (0..a.depth.len())
             .map(|i| {
@@ -109,6 +111,7 @@ fn a_small_move_of_the_camera_changes_little() {
         let [ours, thesis] =
             ["unified", "ssct"].map(|m| change(&colors(&reflection(&gpu, &a, m)), &colors(&reflection(&gpu, &b, m))));
         println!("roughness {roughness}: reference {scene:.5}, unified {ours:.5}, ssct {thesis:.5}");
-        assert!(ours < 1.5 * scene, "roughness {roughness}: {ours} against {scene}");
+        worst = worst.max(ours / scene);
     }
+    assert!(worst < 1.5, "{worst}");
 }

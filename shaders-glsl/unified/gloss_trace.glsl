@@ -1,6 +1,6 @@
 // One ray of the pattern from a pixel, and what it saw. Needs parameters.glsl.
 
-layout(binding = 1) uniform sampler2D pyramid;         // front and back depths
+layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear, with its coarser levels
@@ -21,7 +21,7 @@ struct Seen {
 // The ray of pattern point u, which stands for a share of the lobe.
 Seen Look(ivec2 pixel, float roughness, vec2 u, float share) {
     Seen seen = Seen(vec4(0.0), vec4(0.0));
-    float depth = texelFetch(pyramid, pixel, 0).r;
+    float depth = imageLoad(pyramid, pixel).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     vec3 mirror = MirrorDirection(point, normal);

@@ -1,5 +1,5 @@
 #version 460
-// Mirrors: trace and composite in one pass, over the whole image.
+// Mirrors: trace and composite in one pass, over the tiles of a list.
 
 #include "unified/parameters.glsl"
 #include "unified/mirror.glsl"

@@ -177,7 +177,10 @@ pub struct RenderOptions {
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Print what was drawn and recorded, as JSON.
+    /// Print which passes were recorded, and which were not and why.
+    #[arg(long, conflicts_with = "json")]
+    pub explain: bool,
+    /// Print what was drawn, recorded and skipped, as JSON.
     #[arg(long)]
     pub json: bool,
 }

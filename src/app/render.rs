@@ -47,12 +47,24 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let summary = serde_json::json!({
             "kind": "render", "definitions": crate::study::record::DEFINITIONS, "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
-            "drawn": rendered.drawn, "recorded": rendered.report.recorded,
+            "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
             "validation": common.device.validation.then(|| gpu.validation().len()),
         });
         writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
     }
+    if options.explain {
+        std::io::stdout().write_all(explain(&rendered).as_bytes())?;
+    }
     drop((shot, stage));
     gpu.check_validation()?;
     Ok(())
+}
+
+/// What the frame did and what it left out, a pass a line.
+fn explain(rendered: &image::RenderedImage) -> String {
+    let drawn = &rendered.drawn;
+    let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);
+    text.extend(rendered.report.recorded.iter().map(|pass| format!("recorded  {pass}\n")));
+    text.extend(rendered.report.skipped.iter().map(|s| format!("skipped   {}: {}\n", s.pass, s.why)));
+    text
 }

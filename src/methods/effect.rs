@@ -69,14 +69,17 @@ impl Effect {
             Some((downsample, upsample)) => {
                 let gbuffer = downsample.record(frame, &input.gbuffer)?;
                 let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
-                let reflection = upsample.record(frame, &input.gbuffer, input.camera, small.reflection)?;
+                let mut full = |small| upsample.record(frame, &input.gbuffer, input.camera, small);
+                let reflection = small.reflection.map(&mut full).transpose()?;
                 // The hits are of the smaller pixels; nothing at full size compares with them.
                 Traced { reflection, hits: None, ..small }
             }
         };
-        let composite = match traced.composite {
-            Some(made) => made,
-            None => self.composite.record(frame, &input.gbuffer, traced.reflection)?,
+        let composite = match (traced.composite, traced.reflection) {
+            (Some(made), _) => made,
+            (None, Some(reflection)) => self.composite.record(frame, &input.gbuffer, reflection)?,
+            // Where nothing reflects, the lit colour is the image.
+            (None, None) => input.gbuffer.color,
         };
         Ok(Output { traced, composite })
     }

@@ -94,8 +94,8 @@ pub struct Intermediate<'a> {
 /// What a method made in a frame.
 #[derive(Clone)]
 pub struct Traced<'a> {
-    /// Reflection colour and fade.
-    pub reflection: Reflection<'a>,
+    /// Reflection colour and fade; `None` where nothing reflects, and the lit colour is the image.
+    pub reflection: Option<Reflection<'a>>,
     /// The finished image, linear, if the method made it along the way.
     pub composite: Option<&'a Image>,
     /// Where each ray ended.
@@ -107,7 +107,7 @@ pub struct Traced<'a> {
 impl<'a> Traced<'a> {
     /// A reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
-        Self { reflection, composite: None, hits: None, intermediates: Vec::new() }
+        Self { reflection: Some(reflection), composite: None, hits: None, intermediates: Vec::new() }
     }
 }
 

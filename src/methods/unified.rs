@@ -1,12 +1,58 @@
-//! `unified`: this project's own method.
+//! `unified`: this project's own method. One exact traversal for every ray, and only the work that the
+//! frame needs.
+//!
+//! # The idea
+//!
+//! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth
+//! and whose back lies a thickness T behind it. A reflection ray, projected, is a straight line over
+//! this field. The truth of screen space ([`oracle`](crate::reference::oracle)) is the first block on
+//! the line that the ray's depth meets. Walking every pixel finds it, in hundreds of steps. The thesis
+//! and the engines that followed it skip, and lose hits on the way: at odd sizes, towards the camera,
+//! behind objects, far away. This method skips and loses none.
+//!
+//! **The ray** is followed in (pixel x, pixel y, reversed depth), where it is straight and the frustum is
+//! a box. Its direction there is the exact derivative of the projection. For a mirror it has a form in
+//! which nothing cancels: the direction v in which the pixel is seen projects to a point and drops out,
+//! and of the reflected direction v + a n only the normal's share remains (`ray.glsl`). Reversed depth
+//! in f32 keeps its precision at any ratio of near to far.
+//!
+//! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
+//! back to the nearest front of its blocks. Sides are padded so that cell = pixel >> n at every size.
+//! T follows the slope of the surface (DEFINITIONS, "Oracle", item 3). As depth plus a constant is
+//! proportional to 1 / z, the back is found from differences of stored depths (`pyramid.comp`).
+//!
+//! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval,
+//! whichever way it runs. Where the two intervals don't meet, the ray leaves the cell at once: before
+//! objects, behind them, away from the camera or towards it. Where they meet it goes down a level, and
+//! in a pixel that is a hit. Cells are integers, the side by which the ray leaves is crossed exactly, and
+//! each step goes forward or down, so that no ray can run out of steps.
+//!
+//! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
+//! the image. If all are mirrors, [`classify`](crate::passes::classify) lists the tiles that hold them, and
+//! the list is drawn indirectly; trace and composite are one pass.
+//!
+//! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) is a ray a pixel for narrow lobes, and one
+//! for 2 × 2 pixels for wide ones, in directions that neighbours have dealt out among them: each pixel
+//! gathers the rays around it as samples of its own lobe. There is no randomness and no history.
+//!
+//! # What was measured (lavapipe, CPU time of the effect, against the same walk)
+//!
+//! A walk waits for its fetches. Loading the pyramid as a storage image instead of through a sampler
+//! makes the effect 12 to 19 % faster, work moved out of the loop 9 %. A texel that also holds
+//! the cell above saves a fifth of the steps and costs more than that; starting at a coarser level, and
+//! advancing to the front before going down, gain nothing. Over 8 × 8 tiles a compute shader's effect is
+//! 17 to 24 % slower than a fragment shader's over the whole image where nearly all reflects, and quads
+//! are slower still, since blocks on their diagonals are shaded twice.
 
-use super::{Input, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu};
+use crate::passes::TileList;
+use crate::passes::classify::ClassifyPass;
 use crate::passes::pyramid::{self, PyramidPass};
-use crate::passes::unified_gloss::{Lobes, UnifiedGlossPass};
-use crate::passes::unified_trace::UnifiedTracePass;
+use crate::passes::unified_gloss::UnifiedGlossPass;
+use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -22,9 +68,11 @@ pub const INFO: MethodInfo = MethodInfo {
 /// The passes in their order.
 pub struct UnifiedMethod {
     pyramid: PyramidPass,
+    classify: ClassifyPass,
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
     fade: bool,
+    split: bool,
     composite: bool,
 }
 
@@ -33,9 +81,11 @@ impl UnifiedMethod {
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         Ok(Self {
             pyramid: PyramidPass::new(gpu, setup.extent)?,
+            classify: ClassifyPass::new(gpu, setup.extent)?,
             trace: UnifiedTracePass::new(gpu, setup.extent, setup.split)?,
             gloss: UnifiedGlossPass::new(gpu, setup.extent)?,
             fade: setup.fade,
+            split: setup.split,
             composite: setup.composite,
         })
     }
@@ -44,20 +94,37 @@ impl UnifiedMethod {
 impl Method for UnifiedMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
+        let reflectors = gbuffer.reflectors;
+        if !reflectors.any() {
+            for pass in ["pyramid", "trace", "composite"] {
+                frame.skip(pass, "no material that is drawn reflects");
+            }
+            return Ok(Traced { reflection: None, composite: None, hits: None, intermediates: Vec::new() });
+        }
         let parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let pyramid = self.pyramid.record(frame, gbuffer, &parameters)?;
-        let roughness = |scene: SceneInput| scene.materials.iter().map(|m| m.roughness).collect::<Vec<_>>();
-        // Without a scene only the G-buffer knows what there is.
-        let roughness = input.scene.map_or(vec![0.0, 1.0], roughness);
-        if roughness.iter().any(|r| *r > 0.0) {
-            let lobes = Lobes::of(roughness);
-            let glossy = self.gloss.record(frame, gbuffer, pyramid, &parameters, lobes)?;
-            let composite = self.composite.then_some(glossy.composite);
-            return Ok(Traced { composite, ..Traced::new(glossy.reflection) });
+        let mut hits = None;
+        if self.split || !reflectors.glossy() {
+            let tiles = self.classify.record(frame, gbuffer, &parameters)?;
+            let traced = UnifiedTraceInput { gbuffer: *gbuffer, pyramid, tiles };
+            let traced = self.trace.record(frame, &traced, &parameters, &[TileList::Mirrors])?;
+            if !reflectors.glossy() {
+                for pass in ["color", "trace/narrow", "trace/wide", "resolve"] {
+                    frame.skip(pass, "no material that is drawn is glossy");
+                }
+                let composite = self.composite.then_some(traced.composite);
+                return Ok(Traced { composite, hits: traced.hits, ..Traced::new(traced.reflection) });
+            }
+            hits = traced.hits;
+        } else {
+            frame.skip(
+                "trace/mirrors",
+                if reflectors.mirrors { "trace/narrow has them" } else { "no material that is drawn is a mirror" },
+            );
         }
-        let traced = self.trace.record(frame, gbuffer, pyramid, &parameters)?;
-        let composite = self.composite.then_some(traced.composite);
-        Ok(Traced { composite, hits: traced.hits, ..Traced::new(traced.reflection) })
+        let glossy = self.gloss.record(frame, gbuffer, pyramid, &parameters)?;
+        let composite = self.composite.then_some(glossy.composite);
+        Ok(Traced { composite, hits, ..Traced::new(glossy.reflection) })
     }
 }
 

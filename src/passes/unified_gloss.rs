@@ -5,51 +5,30 @@
 use super::{GBuffer, Pyramid, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_CELLS_COMP, UNIFIED_GLOSS_COARSE_COMP, UNIFIED_GLOSS_FINE_FRAG, UNIFIED_GLOSS_RESOLVE_COMP,
-    UnifiedBlock,
+    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_BOTH_FRAG,
+    UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
 };
-use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
 use ash::vk;
 
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Roughness above which rays are traced at half resolution (`shaders-glsl/unified/gloss.glsl`).
-pub const COARSE_ABOVE: f32 = 0.2;
-
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
-    fine: GraphicsPipeline,
-    coarse: ComputePipeline,
-    cells: ComputePipeline,
-    resolve: ComputePipeline,
+    narrow: GraphicsPipeline,
+    wide: GraphicsPipeline,
+    cells: GraphicsPipeline,
+    /// For narrow lobes, for wide ones, and for both.
+    resolve: [GraphicsPipeline; 3],
     /// Where each pixel's ray ended, and what it saw.
-    fine_seen: [Image; 2],
+    seen: [Image; 2],
     /// The same of each cell of 2 × 2 pixels.
-    coarse_seen: [Image; 2],
+    cells_seen: [Image; 2],
     /// Each cell's reflection, and the surface that it is of.
     resolved: [Image; 2],
     reflection: Image,
     composite: Image,
-}
-
-/// Which lobes a frame may show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Lobes {
-    /// Roughness up to [`COARSE_ABOVE`], mirrors too.
-    pub narrow: bool,
-    /// Roughness above it.
-    pub wide: bool,
-}
-
-impl Lobes {
-    /// Of some roughness values.
-    pub fn of(roughness: impl IntoIterator<Item = f32>) -> Self {
-        roughness.into_iter().fold(Self { narrow: false, wide: false }, |lobes, r| Self {
-            narrow: lobes.narrow || r <= COARSE_ABOVE,
-            wide: lobes.wide || r > COARSE_ABOVE,
-        })
-    }
 }
 
 /// What the pass made.
@@ -65,42 +44,37 @@ impl UnifiedGlossPass {
     /// For images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let image = |name, format, extent, usage| {
-            let usage = usage | U::SAMPLED | U::TRANSFER_SRC;
+        let image = |name, format, extent| {
+            let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
+        let pipeline = |shader, formats: [vk::Format; 2]| GraphicsPipeline::fullscreen(gpu, shader, &formats);
         let cells = extent.map(|n| n.div_ceil(2));
         Ok(Self {
-            fine: GraphicsPipeline::fullscreen(gpu, &UNIFIED_GLOSS_FINE_FRAG, &[PLACE, COLOR])?,
-            coarse: ComputePipeline::new(gpu, &UNIFIED_GLOSS_COARSE_COMP)?,
-            cells: ComputePipeline::new(gpu, &UNIFIED_GLOSS_CELLS_COMP)?,
-            resolve: ComputePipeline::new(gpu, &UNIFIED_GLOSS_RESOLVE_COMP)?,
-            fine_seen: [
-                image("fine place", PLACE, extent, U::COLOR_ATTACHMENT | U::STORAGE)?,
-                image("fine color", COLOR, extent, U::COLOR_ATTACHMENT | U::STORAGE)?,
+            narrow: pipeline(&UNIFIED_GLOSS_NARROW_FRAG, [PLACE, COLOR])?,
+            wide: pipeline(&UNIFIED_GLOSS_WIDE_FRAG, [PLACE, COLOR])?,
+            cells: pipeline(&UNIFIED_GLOSS_CELLS_FRAG, [COLOR; 2])?,
+            resolve: [
+                pipeline(&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, [COLOR; 2])?,
+                pipeline(&UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, [COLOR; 2])?,
+                pipeline(&UNIFIED_GLOSS_RESOLVE_BOTH_FRAG, [COLOR; 2])?,
             ],
-            coarse_seen: [
-                image("coarse place", PLACE, cells, U::STORAGE)?,
-                image("coarse color", COLOR, cells, U::STORAGE)?,
-            ],
-            resolved: [
-                image("cell reflection", COLOR, cells, U::STORAGE)?,
-                image("cell surface", COLOR, cells, U::STORAGE)?,
-            ],
-            reflection: image("reflection", COLOR, extent, U::STORAGE)?,
-            composite: image("composite", COLOR, extent, U::STORAGE)?,
+            seen: [image("seen place", PLACE, extent)?, image("seen color", COLOR, extent)?],
+            cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", COLOR, cells)?],
+            resolved: [image("cell reflection", COLOR, cells)?, image("cell surface", COLOR, cells)?],
+            reflection: image("reflection", COLOR, extent)?,
+            composite: image("composite", COLOR, extent)?,
         })
     }
 
-    /// Passes "color/1" …, "trace fine", "trace coarse", "cells" and "resolve"; of the middle ones those
-    /// that `lobes` needs.
+    /// Passes "color/1" …, "trace/narrow", "trace/wide", "cells" and "resolve"; of the middle ones those
+    /// that the frame's materials need.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         pyramid: Pyramid,
         parameters: &UnifiedBlock,
-        lobes: Lobes,
     ) -> Result<Glossy<'a>> {
         let color = gbuffer.color;
         for level in 1..color.levels() {
@@ -110,45 +84,42 @@ impl UnifiedGlossPass {
         let depth = ("depth_buffer", Resource::nearest(gbuffer.depth.all()));
         let normal = ("normal_buffer", Resource::nearest(gbuffer.normal.all()));
         let material = ("material_buffer", Resource::nearest(gbuffer.material.all()));
-        let storage = |name, image: &'a Image| (name, Resource::Storage(image.all()));
-        let pyramid = ("pyramid", Resource::nearest(pyramid.0.all()));
+        let pyramid = ("pyramid", Resource::Loaded(pyramid.0.all()));
         let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];
+        let loaded = |name, image: &'a Image| (name, Resource::Loaded(image.all()));
+        let into = |images: &'a [Image; 2]| [0, 1].map(|i| Target::overwrite(images[i].all()));
+        let reflectors = gbuffer.reflectors;
 
-        if lobes.narrow {
-            let targets = [0, 1].map(|i| Target::overwrite(self.fine_seen[i].all()));
-            frame.fullscreen("trace fine", &self.fine, &targets, &traced, &[])?;
+        let narrow = reflectors.mirrors || reflectors.narrow;
+        let mut resolved = vec![block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
+        if narrow {
+            frame.fullscreen("trace/narrow", &self.narrow, &into(&self.seen), &traced, &[])?;
+            resolved.extend([loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])]);
+        } else {
+            frame.skip("trace/narrow", "no material that is drawn has a narrow lobe");
         }
-        let places = storage("place_image", &self.coarse_seen[0]);
-        let colors = storage("seen_image", &self.coarse_seen[1]);
-        let cell_reflection = storage("cell_reflection", &self.resolved[0]);
-        let cell_surface = storage("cell_surface", &self.resolved[1]);
-        if lobes.wide {
-            let [width, height] = self.resolved[0].extent();
-            let resources: Vec<_> = traced.into_iter().chain([depth, places, colors]).collect();
-            frame.compute("trace coarse", &self.coarse, &resources, &[], [width, height, 1])?;
-            let resources = [block, depth, normal, material, places, colors, cell_reflection, cell_surface];
-            frame.compute("cells", &self.cells, &resources, &[], [width, height, 1])?;
+        if reflectors.wide {
+            let places = loaded("place_image", &self.cells_seen[0]);
+            let colors = loaded("seen_image", &self.cells_seen[1]);
+            let resources: Vec<_> = traced.into_iter().chain([depth]).collect();
+            frame.fullscreen("trace/wide", &self.wide, &into(&self.cells_seen), &resources, &[])?;
+            let resources = [block, depth, normal, material, places, colors];
+            frame.fullscreen("cells", &self.cells, &into(&self.resolved), &resources, &[])?;
+            resolved.push(loaded("cell_reflection", &self.resolved[0]));
+            resolved.push(loaded("cell_surface", &self.resolved[1]));
+        } else {
+            for pass in ["trace/wide", "cells"] {
+                frame.skip(pass, "no material that is drawn has a wide lobe");
+            }
         }
-        let [width, height] = self.reflection.extent();
-        frame.compute(
-            "resolve",
-            &self.resolve,
-            &[
-                block,
-                depth,
-                normal,
-                material,
-                ("color_buffer", Resource::nearest(color.level(0))),
-                storage("fine_place", &self.fine_seen[0]),
-                storage("fine_color", &self.fine_seen[1]),
-                cell_reflection,
-                cell_surface,
-                storage("reflection_image", &self.reflection),
-                storage("composite_image", &self.composite),
-            ],
-            &[],
-            [width, height, 1],
-        )?;
+        let [only_narrow, only_wide, both] = &self.resolve;
+        let resolve = match (narrow, reflectors.wide) {
+            (true, true) => both,
+            (_, false) => only_narrow,
+            (false, true) => only_wide,
+        };
+        let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
+        frame.fullscreen("resolve", resolve, &targets, &resolved, &[])?;
         Ok(Glossy { reflection: Reflection(&self.reflection), composite: &self.composite })
     }
 }

@@ -3,7 +3,7 @@
 //!
 //! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
 //! averages it over glossy lobes; [`world`] does so against the triangles (DEFINITIONS, "Oracle" and
-//! "Image error"). [`hi_z`] and [`visibility`] are twins of passes.
+//! "Image error"). [`hi_z`], [`visibility`] and [`unified`] are twins of passes.
 
 pub mod bvh;
 pub mod first_hits;
@@ -16,6 +16,7 @@ pub mod ray;
 pub mod screen;
 pub mod surface;
 pub mod thickness;
+pub mod unified;
 pub mod visibility;
 pub mod world;
 pub mod world_hits;

@@ -175,7 +175,7 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
-        let color = colors(&stage.context.read(output.traced.reflection.0.all())?);
+        let color = colors(&gbuffer::reflection(&mut stage.context, &output)?);
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
         let split = shot(stage, &Setup { split: true, ..variant.setup }, variant.method)?;
         let (_, _, output) = stage.output(&split)?;

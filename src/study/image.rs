@@ -1,5 +1,6 @@
 //! One image and, on request, everything that led to it.
 
+use super::gbuffer;
 use super::stage::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Image, Pixels};
@@ -28,7 +29,7 @@ pub type Intermediates = Vec<(String, Content, Pixels)>;
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output(shot)?;
     let composite = stage.context.read(output.composite.all())?;
-    let reflection = stage.context.read(output.traced.reflection.0.all())?;
+    let reflection = gbuffer::reflection(&mut stage.context, &output)?;
     let mut intermediates = None;
     if dump {
         let gbuffer = shot.gbuffer.gbuffer();
@@ -38,12 +39,13 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
             ("depth".into(), Content::ReversedDepth, gbuffer.depth),
             ("material".into(), Content::Material, gbuffer.material),
             ("color".into(), Content::Color, gbuffer.color),
-            ("reflection".into(), Content::Color, output.traced.reflection.0),
-            ("composite".into(), Content::Color, output.composite),
         ];
         all.extend(output.traced.intermediates.iter().map(|i| (i.name.into(), i.content, i.image)));
         all.extend(output.traced.hits.map(|h| ("hits".into(), Content::Hits, h.0)));
-        let mut read = Vec::new();
+        let mut read = vec![
+            ("reflection".into(), Content::Color, reflection.clone()),
+            ("composite".into(), Content::Color, composite.clone()),
+        ];
         for (name, kind, image) in all {
             for level in 0..image.levels() {
                 let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.clone() };

@@ -1,8 +1,6 @@
 #version 460
 // The reflection of each cell with a wide lobe, from the thirteen rays of the diamond around it.
 
-layout(local_size_x = 8, local_size_y = 8) in;
-
 #include "unified/parameters.glsl"
 #include "unified/ray.glsl"
 #include "unified/gloss.glsl"
@@ -12,20 +10,19 @@ layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 layout(binding = 4, rgba32f) uniform readonly image2D place_image;
 layout(binding = 5, rgba16f) uniform readonly image2D seen_image;
-layout(binding = 6, rgba16f) uniform writeonly image2D cell_reflection;
-layout(binding = 7, rgba16f) uniform writeonly image2D cell_surface; // normal, and 1 / ViewPoint.z; 0: none
+
+layout(location = 0) out vec4 out_reflection;
+layout(location = 1) out vec4 out_surface; // normal, and 1 / ViewPoint.z; 0: none
 
 #include "unified/gloss_cell.glsl"
 #include "unified/gloss_gather.glsl"
 
 void main() {
-    ivec2 cell = ivec2(gl_GlobalInvocationID.xy);
-    ivec2 last = (unified.size - 1) >> 1;
-    if (any(greaterThan(cell, last)))
-        return;
+    ivec2 cell = ivec2(gl_FragCoord.xy), last = (unified.size - 1) >> 1;
+    out_reflection = vec4(0.0);
+    out_surface = vec4(0.0);
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
-    vec4 reflection = vec4(0.0), surface = vec4(0.0);
     if (roughness > 0.0) {
         float depth = texelFetch(depth_buffer, pixel, 0).r;
         vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
@@ -38,9 +35,7 @@ void main() {
                 Gather(sum, lobe, imageLoad(place_image, at), imageLoad(seen_image, at));
             }
         }
-        reflection = Reflection(sum);
-        surface = vec4(normal, depth + unified.depth_offset);
+        out_reflection = Reflection(sum);
+        out_surface = vec4(normal, depth + unified.depth_offset);
     }
-    imageStore(cell_reflection, cell, reflection);
-    imageStore(cell_surface, cell, surface);
 }

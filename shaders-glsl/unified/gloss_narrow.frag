@@ -15,7 +15,7 @@ void main() {
     out_place = vec4(0.0);
     out_color = vec4(0.0);
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
-    if (!(material.r > REFLECTS_ABOVE) || material.g > COARSE_ABOVE || !(texelFetch(pyramid, pixel, 0).r > 0.0))
+    if (!(material.r > REFLECTS_ABOVE) || material.g > WIDE_ABOVE || !(imageLoad(pyramid, pixel).r > 0.0))
         return;
     vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5);
     Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 0.2);
