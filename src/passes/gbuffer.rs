@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, Reflectors, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -229,10 +229,11 @@ fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     let start = Reflectors { everywhere: true, ..Reflectors::default() };
     materials.filter(|m| m.surface == Surface::Lit).fold(start, |r, m| {
         let reflects = stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
-        let mirror = stored(m.roughness) <= 0.0;
+        let roughness = stored(m.roughness);
         Reflectors {
-            mirrors: r.mirrors || (reflects && mirror),
-            glossy: r.glossy || (reflects && !mirror),
+            mirrors: r.mirrors || (reflects && roughness <= 0.0),
+            narrow: r.narrow || (reflects && roughness > 0.0 && roughness <= WIDE_ABOVE),
+            wide: r.wide || (reflects && roughness > WIDE_ABOVE),
             everywhere: r.everywhere && reflects && m.reflectivity_map.is_none(),
         }
     })
