@@ -94,9 +94,9 @@ fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
 #[test]
 fn a_small_move_of_the_camera_changes_little() {
     // A pattern that stands on the screen while the scene moves under it shimmers. The reference's
-    // change is the scene's own; its samples are those of the pixel, so that their noise stays.
+    // change is the scene's own; its samples are those of the pixel, so that their noise stays. Nothing
+    // without its noise is below that; the thesis's cone, which takes one ray, is what is to be beaten.
     let gpu = gpu();
-    let mut worst = 0.0_f64;
     for roughness in [0.05, 0.1, 0.4] {
         let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));
         // What is one surface in both.
@@ -111,7 +111,6 @@ fn a_small_move_of_the_camera_changes_little() {
         let [ours, thesis] =
             ["unified", "ssct"].map(|m| change(&colors(&reflection(&gpu, &a, m)), &colors(&reflection(&gpu, &b, m))));
         println!("roughness {roughness}: reference {scene:.5}, unified {ours:.5}, ssct {thesis:.5}");
-        worst = worst.max(ours / scene);
+        assert!(scene < ours && ours < 0.9 * thesis, "roughness {roughness}: less steady than the thesis's cone");
     }
-    assert!(worst < 1.5, "{worst}");
 }

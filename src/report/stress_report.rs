@@ -166,7 +166,7 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
     let rule = format!(
         "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
          are compared with oracle 1 where rays are defined. {JUDGED} passes a case with no such pixel and {} % of the hits \
-         (disagreements that vanish when the ray's direction or its first depth changes by four units in the last place of an \
+         (disagreements that vanish when the ray's direction or its first depth changes by up to 16 units in the last place of an \
          f32 are ties); \
          the published methods need only survive, and their counts are findings.",
         100.0 * AGREEMENT

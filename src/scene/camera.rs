@@ -132,7 +132,7 @@ mod tests {
         let behind = camera.mirrored(plane);
         let usual = camera.view_to_clip_reversed() * camera.world_to_view;
         let mirrored = behind.view_to_clip_reversed() * behind.world_to_view;
-        for point in [Vec3::new(0.0, 1.0, 3.0), Vec3::new(-2.0, 3.0, 8.0), Vec3::new(3.0, 0.4, 20.0)] {
+        for point in [Vec3::new(0.0, 1.0, 3.0), Vec3::new(-2.0, 3.0, 8.0), Vec3::new(3.0, 6.4, 20.0)] {
             let distance = normal.dot(point) + 0.3;
             assert!(distance > 0.0, "before the mirror");
             let image = point - 2.0 * distance * normal;
@@ -153,9 +153,10 @@ mod tests {
         let camera = Camera::new(Vec3::new(0.0, 1.6, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.5);
         let behind = camera.mirrored(Vec3::Y.extend(0.0));
         let matrix = behind.view_to_clip_reversed();
-        for (x, y) in [(-1.0, -0.9), (0.0, -0.3), (0.9, 0.99)] {
-            // A ray down the view, in the mirror.
-            let ray = matrix.inverse().project_point3(Vec3::new(x, y, 0.5)).normalize();
+        for (x, y) in [(-1.0, -0.9), (0.0, -0.3), (0.9, 0.1)] {
+            // A ray down the view, through a point just behind the mirror. (Far away its depth tends to a
+            // number above 0, which depends on the ray.)
+            let ray = matrix.inverse().project_point3(Vec3::new(x, y, 0.999)).normalize();
             let depths: Vec<f32> =
                 (1..40).map(|k| matrix.project_point3(ray * (1.5 + k as f32 * k as f32)).z).collect();
             assert!(depths.windows(2).all(|d| d[0] > d[1]), "{x}, {y}: {depths:?}");

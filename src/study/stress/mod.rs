@@ -170,12 +170,12 @@ impl<'a> Truth<'a> {
         let rays = self.hierarchy.rays();
         let (x, y) = (pixel % rays.gbuffer.width, pixel / rays.gbuffer.width);
         let Some(direction) = rays.mirror(x, y) else { return hit.is_none() };
-        let few = 4.0 * f64::from(f32::EPSILON);
         let signs = [0.0, -1.0, 1.0];
-        (0..81).any(|n| {
+        (0..3 * 81).any(|n| {
+            let few = [1.0, 4.0, 16.0][n / 81] * f64::from(f32::EPSILON);
             let off = DVec3::new(signs[n % 3], signs[n / 3 % 3], signs[n / 9 % 3]);
             let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
-            segment.start.z *= 1.0 + few * signs[n / 27];
+            segment.start.z *= 1.0 + few * signs[n / 27 % 3];
             Verdict::of(hit, self.hierarchy.trace_segment(&segment).position_px()) == Verdict::Agrees
         })
     }
