@@ -308,8 +308,16 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
     };
     let whole = images(false, true);
     assert!(whole[1].values.iter().any(|v| *v > 0.1));
-    for (split, known) in [(true, true), (false, false), (true, false)] {
-        assert!(images(split, known) == whole, "hits: {split}, materials known: {known}");
+    assert!(images(true, true) == whole, "with hits");
+    // Where nothing is known of the materials, mirrors go with the gloss, whose images between the passes
+    // round to 16 bits.
+    for split in [false, true] {
+        for (found, whole) in images(split, false).iter().zip(&whole) {
+            let same = |(a, b): &(&f32, &f32)| (*a - *b).abs() <= 4.0 / 2048.0 * b.abs().max(1.0 / 16.0);
+            let alike = found.values.iter().zip(&whole.values).filter(same).count();
+            println!("hits: {split}: {alike} of {} values alike", whole.values.len());
+            assert!(alike as f64 > 0.998 * whole.values.len() as f64, "hits: {split}: {alike}");
+        }
     }
     gpu.check_validation().unwrap();
 }
