@@ -267,10 +267,10 @@ fn a_frame_records_what_its_materials_need() {
     assert_eq!(recorded, ["g-buffer", "lighting"]);
     assert!(!skipped.is_empty() && !reflects && is_lit);
     let of = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
-    let gloss = ["color", "trace/narrow", "trace/wide", "resolve"];
+    let gathered = ["trace/narrow", "trace/wide", "resolve"];
     for (globals, traced, left_out) in [
-        (of(0.0), &["trace/mirrors"][..], &gloss[..]),
-        (of(0.1), &["trace/narrow", "resolve"], &["trace/mirrors", "trace/wide", "cells"]),
+        (of(0.0), &["trace/mirrors"][..], &["color"].into_iter().chain(gathered).collect::<Vec<_>>()[..]),
+        (of(0.1), &["color/1", "trace/narrow", "resolve"], &["trace/mirrors", "trace/wide", "cells"]),
         (of(0.3), &["trace/wide", "cells", "resolve"], &["trace/mirrors", "trace/narrow"]),
     ] {
         let (recorded, skipped, reflects, is_lit) = passes(globals);
@@ -291,10 +291,10 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let extent = [127, 61];
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, view);
-    let mut images = |split: bool, known: bool| {
+    let images = |stage: &mut Stage, split: bool, known: bool| {
         let setup = Setup { split, ..Setup::new(extent) };
         let camera = timing::camera(&scene, view, extent);
-        let shot = Shot::new(&mut stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+        let shot = Shot::new(stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
         let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
         assert_eq!(report.recorded.iter().any(|p| p == "composite"), split, "{:?}", report.recorded);
         let method = (unified::INFO.create)(&gpu, &setup).unwrap();
@@ -306,13 +306,22 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
         frame.finish().unwrap();
         [output.composite.unwrap(), output.reflection.unwrap().0].map(|i| stage.context.read(i.all()).unwrap())
     };
-    let whole = images(false, true);
+    let whole = images(&mut stage, false, true);
     assert!(whole[1].values.iter().any(|v| *v > 0.1));
-    assert!(images(true, true) == whole, "with hits");
-    // Where nothing is known of the materials, mirrors go with the gloss, whose images between the passes
-    // round to 16 bits.
+    assert!(images(&mut stage, true, true) == whole, "with hits");
+    // Without a reflection of its own, the image is the same.
+    let mut composite = |reflection: bool| {
+        let setup = Setup { reflection, ..Setup::new(extent) };
+        let camera = timing::camera(&scene, view, extent);
+        let shot = Shot::new(&mut stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+        let (_, _, output) = stage.output(&shot).unwrap();
+        assert_eq!(output.traced.reflection.is_some(), reflection);
+        stage.context.read(output.composite.level(0)).unwrap()
+    };
+    assert!([true, false].map(&mut composite).iter().all(|c| *c == whole[0]), "with and without a reflection");
+    // Where nothing is known of the materials, the whole is made over lists, and gathered pixels over that.
     for split in [false, true] {
-        for (found, whole) in images(split, false).iter().zip(&whole) {
+        for (found, whole) in images(&mut stage, split, false).iter().zip(&whole) {
             let same = |(a, b): &(&f32, &f32)| (*a - *b).abs() <= 4.0 / 2048.0 * b.abs().max(1.0 / 16.0);
             let alike = found.values.iter().zip(&whole.values).filter(same).count();
             println!("hits: {split}: {alike} of {} values alike", whole.values.len());

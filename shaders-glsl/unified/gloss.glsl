@@ -15,8 +15,8 @@
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
 
-// As passes::WIDE_ABOVE. Of a roughness above this, one ray for 2 x 2 pixels is traced, and the diamond is gathered: a wider
-// lobe needs more rays, and those of farther neighbours fit it.
+// As passes::WIDE_ABOVE. Of a roughness up to this, a ray a pixel is traced; above, one for 2 x 2, of which
+// more are gathered: a wider lobe needs more rays, and those of farther neighbours fit it.
 #define WIDE_ABOVE 0.2
 
 // alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
@@ -61,8 +61,24 @@ vec3 MirrorDirection(vec3 point, vec3 normal) {
     return normalize(reflect(normalize(point), unit));
 }
 
+// The level of the colour's chain for a ray of a density (without the 2 pi that all have), that stands for a
+// share of the lobe. Its footprint is that as a solid angle, share 2 pi / density, taken for a cone of angle
+// theta, pi theta^2; its diameter at the hit in pixels is the level's texel.
+float FootprintLevel(vec3 point, vec3 there, float density, float share) {
+    float diameter = sqrt(2.0 * share / density) * distance(there, point) / (there.z * unified.pixel_to_view.y);
+    return log2(max(diameter, 1.0));
+}
+
+// How much two lobes of a power have in common, around the mirror directions of two unit normals: the
+// integral of their product over that of one's square. Normals that are d apart turn the directions by
+// 2 d, and for Gaussian lobes of variance 1 / alpha that is exp(-alpha d^2).
+float Overlap(vec3 normal, vec3 other, float power) {
+    vec3 chord = normal - other;
+    return exp2(-LOG2_E * power * dot(chord, chord));
+}
+
 // How pixels of a direction's index share a pattern of n: point i of the rank-1 lattice with the
-// generator (1, g), in the middle of its stratum.
-vec2 LatticePoint(int i, int g, int n) {
-    return (vec2(i, (i * g) % n) + 0.5) / float(n);
+// generator (1, g), at a place in its stratum.
+vec2 LatticePoint(int i, int g, int n, vec2 place) {
+    return (vec2(i, (i * g) % n) + place) / float(n);
 }

@@ -3,6 +3,7 @@
 
 #include "unified/parameters.glsl"
 #include "unified/ray.glsl"
+#include "unified/tiles.glsl"
 #include "unified/gloss.glsl"
 
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed

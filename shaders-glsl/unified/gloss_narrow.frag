@@ -1,5 +1,6 @@
 #version 460
-// A ray a pixel for mirrors and narrow lobes: five directions.
+// A ray a pixel for narrow lobes: five directions. (One for two pixels, over a chequerboard, takes 0.7 of
+// the time; the error is 1.5 times as large, and the image half as steady under a moving camera.)
 
 #include "unified/parameters.glsl"
 #include "unified/gloss_trace.glsl"
@@ -15,10 +16,11 @@ void main() {
     out_place = vec4(0.0);
     out_color = vec4(0.0);
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
-    if (!(material.r > REFLECTS_ABOVE) || material.g > WIDE_ABOVE || !(imageLoad(pyramid, pixel).r > 0.0))
+    bool narrow = Reflects(material) && ListOf(material) == GLOSSY_LIST && material.g <= WIDE_ABOVE;
+    if (!narrow || !(imageLoad(pyramid, pixel).r > 0.0))
         return;
-    vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5);
-    Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 0.2);
+    vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5, vec2(0.5));
+    Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 5.0, 1, 1.0);
     out_place = seen.place;
     out_color = seen.color;
 }

@@ -2,6 +2,7 @@
 // frame whose materials have one kind of lobe does not pay for the other: NARROW_LOBES, WIDE_LOBES, or
 // both are defined. (A device without branches runs both sides of every one.) Needs parameters.glsl.
 
+#include "unified/tiles.glsl"
 #include "unified/ray.glsl"
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
@@ -19,8 +20,8 @@ layout(binding = 7, rgba16f) uniform readonly image2D cell_reflection; // gloss_
 layout(binding = 8, rgba16f) uniform readonly image2D cell_surface;
 #endif
 
-layout(location = 0) out vec4 out_reflection;
-layout(location = 1) out vec4 out_color;
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out vec4 out_reflection; // where it is wanted
 
 #include "unified/gloss_gather.glsl"
 
@@ -42,25 +43,19 @@ vec4 Narrow(ivec2 pixel, Lobe lobe) {
 #endif
 
 #ifdef WIDE_LOBES
-// A wide lobe, between the cell's ray, which begins at its even pixel, and that of the cell towards which
-// this pixel lies: half and half, as far as each lies in the pixel's plane and faces its way (joint
-// bilateral upsampling; Kopf et al. 2007). At the even pixel both are the same.
-vec4 Wide(ivec2 pixel, vec3 point, vec3 normal) {
+// A wide lobe, from the 2 x 2 cells around the pixel, whose rays begin at their first pixels, as far as each
+// lies in the pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
+vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
     ivec2 last = (unified.size - 1) >> 1;
     vec4 sum = vec4(0.0);
     float weights = 0.0;
-    for (int i = 0; i < 2; ++i) {
-        ivec2 at = min((pixel + i) >> 1, last);
+    for (int i = 0; i < 4; ++i) {
+        ivec2 at = clamp((pixel - 1 + 2 * ivec2(i & 1, i >> 1)) >> 1, ivec2(0), last);
         vec4 surface = imageLoad(cell_surface, at);
         vec3 there = ViewPoint(vec2(2 * at) + 0.5, surface.w - unified.depth_offset);
         float off = dot(normal, there - point) / (PLANE_TOLERANCE * point.z);
-        float facing = max(dot(normal, surface.xyz), 0.0);
-        facing *= facing;
-        facing *= facing;
-        facing *= facing;
-        facing *= facing;
-        facing *= facing; // to the 32nd: cos 20 deg is 0.14
-        float weight = surface.w > 0.0 ? max(facing / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
+        float same = Overlap(normal, surface.xyz, power);
+        float weight = surface.w > 0.0 ? max(same / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
         sum += weight * imageLoad(cell_reflection, at);
         weights += weight;
     }
@@ -74,17 +69,18 @@ void main() {
     vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     float depth = texelFetch(depth_buffer, pixel, 0).r;
-    if (material.r > REFLECTS_ABOVE && depth > 0.0) {
+    if (Reflects(material) && depth > 0.0) {
+        // A mirror has been traced and is there.
+        if (ListOf(material) == MIRROR_LIST)
+            discard;
         vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
 #ifdef NARROW_LOBES
-        if (material.g <= 0.0)
-            reflection = imageLoad(seen_image, pixel);
-        else if (material.g <= WIDE_ABOVE)
+        if (material.g <= WIDE_ABOVE)
             reflection = Narrow(pixel, LobeOf(pixel, depth, normal, material.g));
 #endif
 #ifdef WIDE_LOBES
         if (material.g > WIDE_ABOVE)
-            reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal);
+            reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal, LobePower(material.g));
 #endif
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);

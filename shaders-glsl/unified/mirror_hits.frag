@@ -4,8 +4,8 @@
 #include "unified/parameters.glsl"
 #include "unified/mirror.glsl"
 
-layout(location = 0) out vec4 out_reflection;
-layout(location = 1) out vec4 out_color;
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out vec4 out_reflection; // where it is wanted
 layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, HIT_* or MISS_*
 
 void main() {

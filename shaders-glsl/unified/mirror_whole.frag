@@ -5,8 +5,8 @@
 #include "unified/parameters.glsl"
 #include "unified/mirror.glsl"
 
-layout(location = 0) out vec4 out_reflection;
-layout(location = 1) out vec4 out_color;
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out vec4 out_reflection; // where it is wanted
 
 void main() {
     Mirror mirror = TraceMirror(ivec2(gl_FragCoord.xy));

@@ -160,6 +160,7 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,
+        reflection: true,
         fallback: options.fallback,
     }
 }

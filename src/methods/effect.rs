@@ -61,7 +61,8 @@ impl Effect {
             Ok(((behind.create)(&gpu, setup)?, FallbackPass::new(&gpu, setup.extent)?))
         });
         let (extent, divisor) = (setup.extent, setup.divisor);
-        let mut inner = Setup { composite: setup.composite && fallback.is_none() && divisor == 1, ..*setup };
+        let composite = setup.composite && fallback.is_none() && divisor == 1;
+        let mut inner = Setup { composite, reflection: setup.reflection || !composite, ..*setup };
         let mut scaled = None;
         if divisor != 1 {
             inner.extent = resolution::divided(extent, divisor);

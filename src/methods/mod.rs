@@ -59,6 +59,9 @@ pub struct Setup {
     pub divisor: u32,
     /// Whether a method may make the composite along the way; [`Effect`] decides.
     pub composite: bool,
+    /// Whether the reflection is wanted as an image of its own. A method that composites along the way
+    /// leaves it out otherwise; [`Effect`] keeps what it needs itself.
+    pub reflection: bool,
     /// What is seen behind a screen-space method's reflection where that fades out.
     pub fallback: Fallback,
 }
@@ -108,6 +111,7 @@ impl Setup {
             fade: true,
             divisor: 1,
             composite: true,
+            reflection: true,
             fallback: Fallback::None,
         }
     }
@@ -162,7 +166,7 @@ pub struct Intermediate<'a> {
 /// What a method made in a frame.
 #[derive(Clone)]
 pub struct Traced<'a> {
-    /// Reflection colour and fade; `None` where nothing reflects.
+    /// Reflection colour and fade; `None` where nothing reflects, or where it is not wanted.
     pub reflection: Option<Reflection<'a>>,
     /// The finished image, linear, in level 0, if the method made it along the way.
     pub composite: Option<&'a Image>,

@@ -49,13 +49,15 @@
 use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu};
-use crate::passes::TileList;
+use crate::gpu::{Frame, Gpu, Image, ImageDesc};
 use crate::passes::classify::ClassifyPass;
+use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::unified_gloss::UnifiedGlossPass;
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
+use crate::passes::{Canvas, LIT_COLOR, Reflection};
 use crate::scene::Camera;
+use ash::vk;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -67,28 +69,37 @@ pub const INFO: MethodInfo = MethodInfo {
     create: |gpu, setup| Ok(Box::new(UnifiedMethod::new(gpu, setup)?)),
 };
 
-/// The passes in their order.
+/// The passes in their order, and what the last of them draw into.
 pub struct UnifiedMethod {
     pyramid: PyramidPass,
+    color: ColorChainPass,
     classify: ClassifyPass,
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
-    fade: bool,
-    split: bool,
-    composite: bool,
+    composite: Image,
+    reflection: Option<Image>,
+    setup: Setup,
 }
 
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let extent = setup.extent;
+        let image = |name| {
+            let (format, usage) = (LIT_COLOR, U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST);
+            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        };
+        let reflection = setup.reflection || setup.split || !setup.composite;
         Ok(Self {
-            pyramid: PyramidPass::new(gpu, setup.extent)?,
-            classify: ClassifyPass::new(gpu, setup.extent)?,
-            trace: UnifiedTracePass::new(gpu, setup.extent, setup.split)?,
-            gloss: UnifiedGlossPass::new(gpu, setup.extent)?,
-            fade: setup.fade,
-            split: setup.split,
-            composite: setup.composite,
+            pyramid: PyramidPass::new(gpu, extent)?,
+            color: ColorChainPass::new(gpu, extent, LIT_COLOR, ChainFilter::Hardware)?,
+            classify: ClassifyPass::new(gpu, extent)?,
+            trace: UnifiedTracePass::new(gpu, extent, reflection, setup.split)?,
+            gloss: UnifiedGlossPass::new(gpu, extent, reflection)?,
+            composite: image("composite")?,
+            reflection: reflection.then(|| image("reflection")).transpose()?,
+            setup: *setup,
         })
     }
 }
@@ -103,35 +114,41 @@ impl Method for UnifiedMethod {
             }
             return Ok(Traced::nothing(gbuffer));
         }
-        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
+        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.setup.fade);
+        let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
         let pyramid = self.pyramid.record(frame, gbuffer, &parameters)?;
+        if reflectors.glossy() {
+            self.color.record(frame, gbuffer)?;
+        } else {
+            frame.skip("color", "no material that is drawn is glossy");
+        }
+
+        // Mirrors, over the tiles that have them; everywhere where there is nothing else.
         let mut hits = None;
-        if self.split || !reflectors.glossy() {
-            let tiles = if reflectors.everywhere {
+        let mirrors = reflectors.mirrors || self.setup.split;
+        if mirrors {
+            let tiles = if reflectors.everywhere && !reflectors.glossy() {
                 frame.skip("classify", "every material that is drawn and lit reflects");
                 None
             } else {
                 Some(self.classify.record(frame, gbuffer, &parameters)?)
             };
-            let traced = UnifiedTraceInput { gbuffer: *gbuffer, pyramid, tiles };
-            let traced = self.trace.record(frame, &traced, &parameters, &[TileList::Mirrors])?;
-            if !reflectors.glossy() {
-                for pass in ["color", "trace/narrow", "trace/wide", "resolve"] {
-                    frame.skip(pass, "no material that is drawn is glossy");
-                }
-                let composite = self.composite.then_some(traced.composite);
-                return Ok(Traced { composite, hits: traced.hits, ..Traced::new(traced.reflection) });
-            }
-            hits = traced.hits;
+            let traced = UnifiedTraceInput { gbuffer: *gbuffer, pyramid, tiles, canvas };
+            hits = self.trace.record(frame, &traced, &parameters)?;
         } else {
-            frame.skip(
-                "trace/mirrors",
-                if reflectors.mirrors { "trace/narrow has them" } else { "no material that is drawn is a mirror" },
-            );
+            frame.skip("trace/mirrors", "no material that is drawn is a mirror");
         }
-        let glossy = self.gloss.record(frame, gbuffer, pyramid, &parameters)?;
-        let composite = self.composite.then_some(glossy.composite);
-        Ok(Traced { composite, hits, ..Traced::new(glossy.reflection) })
+
+        if reflectors.glossy() {
+            self.gloss.record(frame, gbuffer, pyramid, &parameters, canvas, mirrors)?;
+        } else {
+            for pass in ["trace/narrow", "trace/wide", "resolve"] {
+                frame.skip(pass, "no material that is drawn is glossy");
+            }
+        }
+        let composite = self.setup.composite.then_some(canvas.composite);
+        let reflection = canvas.reflection.map(Reflection);
+        Ok(Traced { reflection, composite, hits, intermediates: Vec::new() })
     }
 }
 

@@ -120,6 +120,22 @@ impl TileList {
     }
 }
 
+/// What a method draws into that composites along the way.
+#[derive(Clone, Copy)]
+pub struct Canvas<'a> {
+    /// The finished image, linear. RGBA16F.
+    pub composite: &'a Image,
+    /// Reflection colour and fade, where they are wanted as an image of their own. RGBA16F.
+    pub reflection: Option<&'a Image>,
+}
+
+impl<'a> Canvas<'a> {
+    /// Its images, in the order of the shaders' outputs.
+    pub fn images(self) -> impl Iterator<Item = &'a Image> {
+        std::iter::once(self.composite).chain(self.reflection)
+    }
+}
+
 /// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
 #[derive(Clone, Copy)]
 pub struct Visibility<'a>(pub &'a Image);

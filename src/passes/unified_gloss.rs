@@ -2,7 +2,7 @@
 //! gathered from its neighbours' hits (NUMERICS, "Gloss"). A ray a pixel for narrow lobes, one for four
 //! pixels for wide ones; which of the two a pixel is says its roughness alone.
 
-use super::{GBuffer, Pyramid, Reflection};
+use super::{Canvas, GBuffer, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
     UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_BOTH_FRAG,
@@ -27,59 +27,46 @@ pub struct UnifiedGlossPass {
     cells_seen: [Image; 2],
     /// Each cell's reflection, and the surface that it is of.
     resolved: [Image; 2],
-    reflection: Image,
-    composite: Image,
-}
-
-/// What the pass made.
-#[derive(Clone, Copy)]
-pub struct Glossy<'a> {
-    /// Reflection colour and fade.
-    pub reflection: Reflection<'a>,
-    /// The finished image, linear.
-    pub composite: &'a Image,
 }
 
 impl UnifiedGlossPass {
-    /// For images of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    /// For images of a size in pixels; `reflection` says whether the canvases will have one.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
             let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let pipeline = |shader, formats: [vk::Format; 2]| GraphicsPipeline::fullscreen(gpu, shader, &formats);
+        let pipeline = |shader, formats: &[vk::Format]| GraphicsPipeline::fullscreen(gpu, shader, formats);
         let cells = extent.map(|n| n.div_ceil(2));
+        let drawn = &[COLOR; 2][..1 + usize::from(reflection)];
         Ok(Self {
-            narrow: pipeline(&UNIFIED_GLOSS_NARROW_FRAG, [PLACE, COLOR])?,
-            wide: pipeline(&UNIFIED_GLOSS_WIDE_FRAG, [PLACE, COLOR])?,
-            cells: pipeline(&UNIFIED_GLOSS_CELLS_FRAG, [COLOR; 2])?,
+            narrow: pipeline(&UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, COLOR])?,
+            wide: pipeline(&UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, COLOR])?,
+            cells: pipeline(&UNIFIED_GLOSS_CELLS_FRAG, &[COLOR; 2])?,
             resolve: [
-                pipeline(&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, [COLOR; 2])?,
-                pipeline(&UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, [COLOR; 2])?,
-                pipeline(&UNIFIED_GLOSS_RESOLVE_BOTH_FRAG, [COLOR; 2])?,
+                pipeline(&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, drawn)?,
+                pipeline(&UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, drawn)?,
+                pipeline(&UNIFIED_GLOSS_RESOLVE_BOTH_FRAG, drawn)?,
             ],
             seen: [image("seen place", PLACE, extent)?, image("seen color", COLOR, extent)?],
             cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", COLOR, cells)?],
             resolved: [image("cell reflection", COLOR, cells)?, image("cell surface", COLOR, cells)?],
-            reflection: image("reflection", COLOR, extent)?,
-            composite: image("composite", COLOR, extent)?,
         })
     }
 
-    /// Passes "color/1" …, "trace/narrow", "trace/wide", "cells" and "resolve"; of the middle ones those
-    /// that the frame's materials need.
+    /// Passes "trace/narrow", "trace/wide", "cells" and "resolve", of them those that the frame's materials
+    /// need. The colour's chain is there. `over` says that the canvas holds what is not gathered already.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         pyramid: Pyramid,
         parameters: &UnifiedBlock,
-    ) -> Result<Glossy<'a>> {
+        canvas: Canvas<'a>,
+        over: bool,
+    ) -> Result<()> {
         let color = gbuffer.color;
-        for level in 1..color.levels() {
-            frame.blit(&format!("color/{level}"), color.level(level - 1), color.level(level))?;
-        }
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
         let depth = ("depth_buffer", Resource::nearest(gbuffer.depth.all()));
         let normal = ("normal_buffer", Resource::nearest(gbuffer.normal.all()));
@@ -90,9 +77,8 @@ impl UnifiedGlossPass {
         let into = |images: &'a [Image; 2]| [0, 1].map(|i| Target::overwrite(images[i].all()));
         let reflectors = gbuffer.reflectors;
 
-        let narrow = reflectors.mirrors || reflectors.narrow;
         let mut resolved = vec![block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
-        if narrow {
+        if reflectors.narrow {
             frame.fullscreen("trace/narrow", &self.narrow, &into(&self.seen), &traced, &[])?;
             resolved.extend([loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])]);
         } else {
@@ -113,13 +99,13 @@ impl UnifiedGlossPass {
             }
         }
         let [only_narrow, only_wide, both] = &self.resolve;
-        let resolve = match (narrow, reflectors.wide) {
+        let resolve = match (reflectors.narrow, reflectors.wide) {
             (true, true) => both,
             (_, false) => only_narrow,
             (false, true) => only_wide,
         };
-        let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
-        frame.fullscreen("resolve", resolve, &targets, &resolved, &[])?;
-        Ok(Glossy { reflection: Reflection(&self.reflection), composite: &self.composite })
+        let target = |i: &'a Image| if over { Target::kept(i.all()) } else { Target::overwrite(i.all()) };
+        let targets: Vec<_> = canvas.images().map(target).collect();
+        frame.fullscreen("resolve", resolve, &targets, &resolved, &[])
     }
 }

@@ -2,7 +2,7 @@
 //! composite in the same pass, over the tiles of a list or over the whole image. What does not reflect
 //! is copied.
 
-use super::{GBuffer, Hits, Pyramid, Reflection, TileList, Tiles};
+use super::{Canvas, GBuffer, Hits, Pyramid, TileList, Tiles};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{
     TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UNIFIED_TILE_VERT,
@@ -25,8 +25,6 @@ pub struct UnifiedTracePass {
     everywhere: GraphicsPipeline,
     /// Over the whole image, for all that reflects, without hits.
     whole: Option<GraphicsPipeline>,
-    reflection: Image,
-    composite: Image,
     hits: Option<Image>,
 }
 
@@ -39,25 +37,17 @@ pub struct UnifiedTraceInput<'a> {
     pub pyramid: Pyramid<'a>,
     /// Where to trace; everywhere if `None`.
     pub tiles: Option<Tiles<'a>>,
-}
-
-/// What the pass made.
-#[derive(Clone, Copy)]
-pub struct Traced<'a> {
-    /// Reflection colour and fade.
-    pub reflection: Reflection<'a>,
-    /// The finished image, linear.
-    pub composite: &'a Image,
-    /// Where each ray ended, if asked for.
-    pub hits: Option<Hits<'a>>,
+    /// Where to draw.
+    pub canvas: Canvas<'a>,
 }
 
 impl UnifiedTracePass {
-    /// For images of a size in pixels; `hits` asks for them beside the image.
+    /// For images of a size in pixels. `reflection` says whether the canvases will have one; `hits`, which
+    /// need it, asks for them beside the image.
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool) -> Result<Self> {
         if gpu.largest_point() < TILE {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
             return Err(Error::NoDevice(format!(
@@ -65,14 +55,12 @@ impl UnifiedTracePass {
             )));
         }
         use vk::ImageUsageFlags as U;
-        let image = |name, format| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        let image = |format| Image::new(gpu, &ImageDesc { name: "hits", format, extent, levels: 1, layers: 1, usage });
         let (shader, formats) = if hits {
             (&UNIFIED_MIRROR_HITS_FRAG, &[COLOR, COLOR, HITS][..])
         } else {
-            (&UNIFIED_MIRROR_FRAG, &[COLOR, COLOR][..])
+            (&UNIFIED_MIRROR_FRAG, &[COLOR; 2][..1 + usize::from(reflection)])
         };
         Ok(Self {
             mirror: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, shader, formats)?,
@@ -80,64 +68,48 @@ impl UnifiedTracePass {
             whole: (!hits)
                 .then(|| GraphicsPipeline::fullscreen(gpu, &UNIFIED_MIRROR_WHOLE_FRAG, formats))
                 .transpose()?,
-            reflection: image("reflection", COLOR)?,
-            composite: image("composite", COLOR)?,
-            hits: hits.then(|| image("hits", HITS)).transpose()?,
+            hits: hits.then(|| image(HITS)).transpose()?,
         })
     }
 
-    /// Passes "composite", which takes the lit colour over, and one of "trace/…" for each list. At least
-    /// one list is needed. One list everywhere is a single pass,
-    /// "trace+composite".
+    /// Passes "composite", which takes the lit colour over, and "trace/mirrors"; where all that reflects
+    /// is to be traced, the single pass "trace+composite". Gives where each ray ended, if that was asked
+    /// for.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         input: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
-        lists: &[TileList],
-    ) -> Result<Traced<'a>> {
+    ) -> Result<Option<Hits<'a>>> {
+        let (gbuffer, canvas) = (&input.gbuffer, input.canvas);
         let mut resources = vec![
             ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
             ("pyramid", Resource::Loaded(input.pyramid.0.all())),
-            ("normal_buffer", Resource::nearest(input.gbuffer.normal.all())),
-            ("material_buffer", Resource::nearest(input.gbuffer.material.all())),
-            ("color_buffer", Resource::trilinear(input.gbuffer.color.level(0))),
+            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+            ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ("color_buffer", Resource::trilinear(gbuffer.color.level(0))),
         ];
-        let traced = Traced {
-            reflection: Reflection(&self.reflection),
-            composite: &self.composite,
-            hits: self.hits.as_ref().map(Hits),
-        };
-        if let (None, [_], Some(whole)) = (input.tiles, lists, &self.whole) {
-            let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
+        let hits = self.hits.as_ref();
+        if let (None, Some(whole)) = (input.tiles, &self.whole) {
+            let targets: Vec<_> = canvas.images().map(|i| Target::overwrite(i.all())).collect();
             frame.fullscreen("trace+composite", whole, &targets, &resources, &[])?;
-            return Ok(traced);
+            return Ok(None);
         }
-        resources.extend(input.tiles.map(|tiles| ("Tiles", Resource::ReadBuffer(tiles.lists))));
-        frame.copy("composite", input.gbuffer.color.level(0), self.composite.all())?;
-        for (n, list) in lists.iter().enumerate() {
-            let cleared = |image: &'a Image, value| {
-                if n == 0 { Target::cleared(image.all(), value) } else { Target::kept(image.all()) }
-            };
-            let mut targets = vec![cleared(&self.reflection, [0.0; 4]), Target::kept(self.composite.all())];
-            targets.extend(self.hits.as_ref().map(|h| cleared(h, [-1.0, -1.0, -1.0, 0.0])));
-            let push = TileListBlock { list: *list as i32 };
-            let push = bytemuck::bytes_of(&push);
-            match input.tiles {
-                Some(tiles) => {
-                    let arguments = (tiles.arguments, list.arguments_offset());
-                    frame.draw_indirect(pass_name(*list), &self.mirror, &targets, &resources, push, arguments)?;
-                }
-                None => frame.fullscreen(pass_name(*list), &self.everywhere, &targets, &resources, push)?,
+        frame.copy("composite", gbuffer.color.level(0), canvas.composite.all())?;
+        let mut targets = vec![Target::kept(canvas.composite.all())];
+        targets.extend(canvas.reflection.map(|i| Target::cleared(i.all(), [0.0; 4])));
+        targets.extend(hits.map(|h| Target::cleared(h.all(), [-1.0, -1.0, -1.0, 0.0])));
+        let (name, list) = ("trace/mirrors", TileList::Mirrors);
+        let push = TileListBlock { list: list as i32 };
+        let push = bytemuck::bytes_of(&push);
+        match input.tiles {
+            Some(tiles) => {
+                resources.push(("Tiles", Resource::ReadBuffer(tiles.lists)));
+                let arguments = (tiles.arguments, list.arguments_offset());
+                frame.draw_indirect(name, &self.mirror, &targets, &resources, push, arguments)?;
             }
+            None => frame.fullscreen(name, &self.everywhere, &targets, &resources, push)?,
         }
-        Ok(traced)
-    }
-}
-
-fn pass_name(list: TileList) -> &'static str {
-    match list {
-        TileList::Mirrors => "trace/mirrors",
-        TileList::Glossy => "trace/glossy",
+        Ok(hits.map(Hits))
     }
 }

@@ -212,7 +212,9 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
         let setup = Setup { extent: spec.extent, ..*setup };
         Shot::new(stage, method, &setup, camera, materials.clone())
     };
-    let shots = spec.variants.iter().map(|v| shot(stage, &v.setup, v.method)).collect::<Result<Vec<_>>>()?;
+    // Timed without a reflection of its own, as `ssct time` does.
+    let timed = |v: &Variant| Setup { reflection: false, ..v.setup };
+    let shots = spec.variants.iter().map(|v| shot(stage, &timed(v), v.method)).collect::<Result<Vec<_>>>()?;
     let times = totals(spec, stage, &shots)?;
     let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
@@ -226,7 +228,13 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
-        let color = colors(&gbuffer::reflection(&mut stage.context, &output)?);
+        let color = if output.traced.reflection.is_some() {
+            colors(&gbuffer::reflection(&mut stage.context, &output)?)
+        } else {
+            let seen = shot(stage, &variant.setup, variant.method)?;
+            let (_, _, output) = stage.output(&seen)?;
+            colors(&gbuffer::reflection(&mut stage.context, &output)?)
+        };
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
         let mut hits = None;
         if variant.method.is_screen_space() {

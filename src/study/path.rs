@@ -104,7 +104,7 @@ pub fn run(spec: &PathSpec, progress: &mut dyn FnMut()) -> Result<Vec<PathRecord
     let materials = spec.globals.materials(spec.scene, &start);
     let mut records = Vec::new();
     for &extent in &spec.sizes {
-        let setup = Setup { extent, ..spec.setup };
+        let setup = Setup { extent, reflection: false, ..spec.setup };
         let first = camera(spec.scene, &start, extent);
         let made = spec.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, first, materials.clone()));
         let mut shots = made.collect::<Result<Vec<_>>>()?;

@@ -49,7 +49,8 @@ pub fn time(spec: &TimeSpec, progress: &mut dyn FnMut()) -> Result<Vec<TimeRecor
     let mut records = Vec::new();
     for &extent in &spec.sizes {
         let camera = camera(spec.scene, spec.view, extent);
-        let setup = Setup { extent, ..spec.setup };
+        // What is timed is the image; a reflection of its own is for those who look at it.
+        let setup = Setup { extent, reflection: false, ..spec.setup };
         let mut shots: Vec<Shot> = Vec::new();
         for globals in &spec.globals {
             let materials = globals.materials(spec.scene, spec.view);
