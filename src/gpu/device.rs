@@ -187,6 +187,15 @@ impl Gpu {
         self.allocator().generate_report().total_capacity_bytes
     }
 
+    /// Invocations of a subgroup.
+    pub fn subgroup_size(&self) -> u32 {
+        let mut v11 = vk::PhysicalDeviceVulkan11Properties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut v11);
+        // SAFETY: the physical device is the one that this device was made from, and has Vulkan 1.3.
+        unsafe { self.shared.instance.get_physical_device_properties2(self.shared.physical, &mut properties) };
+        v11.subgroup_size
+    }
+
     /// Pixels along a side of the largest point.
     pub fn largest_point(&self) -> f32 {
         self.shared.largest_point

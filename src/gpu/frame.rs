@@ -64,7 +64,7 @@ impl<'a> Resource<'a> {
 }
 
 /// What one submission did.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct FrameReport {
     /// Time of each pass, in order; empty unless [`Mode::Timed`].
     pub passes: Vec<PassTime>,
@@ -79,7 +79,7 @@ pub struct FrameReport {
 }
 
 /// A pass that a frame did not need.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Skipped {
     /// Its label.
     pub pass: String,
