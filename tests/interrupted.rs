@@ -72,7 +72,7 @@ fn times_survive_a_kill_and_a_signal() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     let name = out.to_str().unwrap();
-    let samples = 150;
+    let samples = 80;
     let args = ["--samples", &samples.to_string(), "-o", name];
 
     let mut killed = start(&TIME, &args, &out, 30);

@@ -164,8 +164,9 @@ mod tests {
         assert_eq!(named, KINDS);
         let watch = Watch::default();
         for kind in KINDS {
-            watch.made(kind, 2, vk::Result::SUCCESS);
-            watch.made(kind, 2, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY);
+            for result in [vk::Result::SUCCESS, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY] {
+                assert_eq!(watch.made(kind, 2, result), result);
+            }
             watch.add(kind, -1);
             assert_eq!(watch.live()[kind], 1);
         }
