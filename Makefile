@@ -4,7 +4,7 @@ CARGO ?= cargo
 OUT ?= out
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
 
-.PHONY: all setup build study test test-mitsuba lint bench view doc clean
+.PHONY: all setup build study test test-faults test-gpu-av soak test-mitsuba lint bench view doc clean
 
 all: build
 
@@ -20,6 +20,19 @@ study: build
 
 test: setup
 	$(CARGO) test
+
+# Every allocation and every submission of every method made to fail: minutes.
+test-faults: setup
+	$(CARGO) test --test faults -- --include-ignored
+
+# Every method and unified's own tests with instrumented shaders; what a driver or layer is known to fail at is listed in
+# tests/expected_failures.toml.
+test-gpu-av: setup
+	SSCT_GPU_AV=1 $(CARGO) test --test validation --test unified
+
+# Ten thousand frames while sizes and methods change: minutes.
+soak: setup
+	$(CARGO) test --test soak -- --ignored --nocapture
 
 # The world reference against Mitsuba 3, which is installed from PyPI into a folder of its own.
 MITSUBA = .venv-mitsuba/.mitsuba-3.9.1

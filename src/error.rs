@@ -58,6 +58,23 @@ pub enum Error {
         message: String,
     },
 
+    /// Another run has the folder.
+    #[error("another run is writing into {}: wait for its end, or take another folder", folder.display())]
+    Busy {
+        /// The folder.
+        folder: PathBuf,
+    },
+
+    /// A signal asked to stop (exit status 128 and the signal's number, as shells have it).
+    #[error("stopped by {}{}", signal_name(*signal), kept.as_ref().map(|k| format!(
+        ": what was measured is in {}, and --resume goes on with it", k.display())).unwrap_or_default())]
+    Stopped {
+        /// Its number.
+        signal: u8,
+        /// The journal of what was measured, if there is one.
+        kept: Option<PathBuf>,
+    },
+
     /// The validation layers found fault with the run (exit status 1).
     #[error("the validation layers reported {count} message(s) outside the allow-list; the first: {first}")]
     Validation {
@@ -71,6 +88,14 @@ pub enum Error {
 /// The library's result.
 pub type Result<T> = std::result::Result<T, Error>;
 
+fn signal_name(signal: u8) -> String {
+    match signal {
+        2 => "SIGINT".to_owned(),
+        15 => "SIGTERM".to_owned(),
+        n => format!("signal {n}"),
+    }
+}
+
 impl Error {
     /// An I/O error with its path.
     pub fn io(action: &'static str, path: impl AsRef<Path>, source: std::io::Error) -> Self {
@@ -82,10 +107,11 @@ impl Error {
         Self::Malformed { path: path.as_ref().to_path_buf(), line, message: message.into() }
     }
 
-    /// The exit status of the command for this error: 2 for wrong arguments, else 1.
+    /// The exit status of the command for this error: 2 for wrong arguments, 128 + n for signal n, else 1.
     pub fn exit_status(&self) -> u8 {
         match self {
             Self::Usage(_) => 2,
+            Self::Stopped { signal, .. } => 128 + signal,
             _ => 1,
         }
     }

@@ -272,7 +272,7 @@ fn time_reports_every_pass_of_every_method_and_size() {
         );
         assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());
     }
-    assert_eq!(folder.list("times"), ["time-samples.csv", "time.json", "time.svg", "time.txt"]);
+    assert_eq!(folder.list("times"), ["journal.jsonl", "time-samples.csv", "time.json", "time.svg", "time.txt"]);
     assert_eq!(std::fs::read_to_string(folder.path("times/time.json")).unwrap(), said);
     let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
     let passes: usize = records.iter().map(|r| r["passes"].as_array().unwrap().len()).sum();
@@ -309,7 +309,7 @@ fn a_path_gives_frames_per_second_of_each_method() {
         let fps = |name: &str| r["fps"][name].as_f64().unwrap();
         assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");
     }
-    assert_eq!(folder.list("p"), ["path-frames.csv", "path.json", "path.svg", "path.txt"]);
+    assert_eq!(folder.list("p"), ["journal.jsonl", "path-frames.csv", "path.json", "path.svg", "path.txt"]);
     let rows = csv::Reader::from_path(folder.path("p/path-frames.csv")).unwrap().into_records().count();
     assert_eq!(rows, 4 * 5);
     let svg = std::fs::read_to_string(folder.path("p/path.svg")).unwrap();
@@ -348,9 +348,27 @@ fn captions_stand_beside_what_is_measured() {
 #[test]
 fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let folder = Folder::new();
-    let output = folder.run(&["study", "--quick", "-o", "out"]);
+    // Killed on the way, and gone on with: nothing that was measured is lost, or measured twice.
+    let mut begun = Command::new(env!("CARGO_BIN_EXE_ssct"));
+    let journal = || std::fs::read_to_string(folder.path("out/journal.jsonl")).unwrap_or_default();
+    let mut killed = begun.args(["study", "--quick", "-o", "out"]).current_dir(folder.0.path()).spawn().unwrap();
+    while journal().lines().count() < 40 && killed.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let before = journal();
+    let whole = &before[..before.rfind('\n').unwrap() + 1];
+    let output = folder.run(&["study", "--quick", "--resume", "-o", "out"]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty(), "no terminal, no progress");
+    let after = journal();
+    let key = |line: &str| Some(serde_json::from_str::<Value>(line).unwrap()["key"].as_str()?.to_owned());
+    let mut keys: Vec<String> = after.lines().filter_map(key).collect();
+    let measured = keys.len();
+    keys.sort();
+    keys.dedup();
+    assert!(after.starts_with(whole) && measured > whole.lines().count() && keys.len() == measured);
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
     let page = std::fs::read_to_string(folder.path("out/index.html")).unwrap();
@@ -381,7 +399,7 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
         let records = records.as_array().unwrap();
         assert!(!records.is_empty() && records.iter().all(|r| r["kind"] == kind), "{file}");
     }
-    assert_eq!(folder.list("out"), ["error", "images", "index.html", "time-samples.csv", "time.json"]);
+    assert_eq!(folder.list("out"), ["error", "images", "index.html", "journal.jsonl", "time-samples.csv", "time.json"]);
 }
 
 #[test]

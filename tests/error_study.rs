@@ -15,7 +15,7 @@ fn ssct(arguments: &[&str]) -> Vec<Value> {
 fn error_study(folder: &Path, rays: &str) -> Vec<Value> {
     let folder = folder.to_str().unwrap();
     let what = ["error", "--scene", "rooms", "--view", "cylinder", "--method", "ssct,hzct", "--roughness", "0,0.1"];
-    let how = ["--size", "96x54", "--no-sweep", "--samples", "1", "--rays", rays, "--json", "-o", folder];
+    let how = ["--size", "96x54", "--no-sweep", "--samples", "1", "--rays", rays, "--json", "--resume", "-o", folder];
     ssct(&[&what[..], &how[..]].concat())
 }
 

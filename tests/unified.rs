@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{clutter, clutter_camera, gpu, shared_scenes};
+use common::{check_validation, clutter, clutter_camera, gpu, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
@@ -145,7 +145,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         stage.run(&shot, Mode::Plain).unwrap();
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
-    gpu.check_validation().unwrap();
+    check_validation(&gpu).unwrap();
     println!("{} pixels, {} hits, 0 ULP", totals[0], totals[1]);
     assert!(totals[1] > totals[0] / 10, "{totals:?}");
 }
@@ -228,7 +228,7 @@ fn hits_on_the_views_of_the_built_in_scenes_are_the_oracles() {
     for name in library::names() {
         check_views(&gpu, &library::scene(name).unwrap(), &[[321, 239]]);
     }
-    gpu.check_validation().unwrap();
+    check_validation(&gpu).unwrap();
 }
 
 #[test]
@@ -243,7 +243,7 @@ fn hits_on_every_view_are_the_oracles() {
     for file in ["ssct-rooms/rooms.scene.toml", "sponza/sponza.scene.toml"] {
         check_views(&gpu, &scene_file::load(&folder.join(file), 1.0).unwrap(), &sizes);
     }
-    gpu.check_validation().unwrap();
+    check_validation(&gpu).unwrap();
 }
 
 #[test]
@@ -279,7 +279,7 @@ fn a_frame_records_what_its_materials_need() {
         assert!(recorded.iter().all(|p| !left_out.contains(&p.as_str())), "{recorded:?}");
         assert!(reflects && !is_lit);
     }
-    gpu.check_validation().unwrap();
+    check_validation(&gpu).unwrap();
 }
 
 #[test]
@@ -328,5 +328,5 @@ fn every_way_to_draw_the_trace_makes_the_same_image() {
             assert!(alike as f64 > 0.998 * whole.values.len() as f64, "hits: {split}: {alike}");
         }
     }
-    gpu.check_validation().unwrap();
+    check_validation(&gpu).unwrap();
 }

@@ -252,6 +252,9 @@ pub struct TimeOptions {
     /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long, requires = "output")]
+    pub resume: bool,
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
@@ -280,9 +283,12 @@ pub struct ErrorOptions {
     /// Rays a pixel of the screen and the world reference.
     #[arg(long, default_value_t = 64)]
     pub rays: u32,
-    /// Write records, plots and pictures into a folder; cells that it has are not measured again.
+    /// Write records, plots and pictures into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long, requires = "output")]
+    pub resume: bool,
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
@@ -303,6 +309,9 @@ pub struct StressOptions {
     /// Write stress.json, stress.txt and index.html into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long, requires = "output")]
+    pub resume: bool,
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
@@ -377,6 +386,9 @@ pub struct StudyOptions {
     /// The folder; its page is index.html.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub output: PathBuf,
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub device: DeviceOptions,
 }

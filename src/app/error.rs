@@ -2,12 +2,13 @@
 
 use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::Result;
 use crate::methods;
 use crate::report::{error_report, files};
 use crate::scene::{Scene, View, library};
-use crate::study::error::Variant;
+use crate::study::error::{ErrorRecord, Variant};
 use crate::study::{Globals, sweep};
 use std::io::Write;
 
@@ -16,18 +17,26 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.common.device)?;
     let plan = plan(options)?;
     let bar = progress::bar("error", plan.cells());
-    let records = plan.run(&gpu, options.output.as_deref(), &mut || bar.inc(1))?;
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let pictures = options.output.as_ref().map(|folder| folder.join("images"));
+    let outcome = plan.measure(&gpu, &mut run.journal, pictures.as_deref(), &mut || bar.inc(1));
     bar.finish_and_clear();
-    let mut out = std::io::stdout().lock();
-    if let Some(folder) = &options.output {
-        error_report::write(folder, &records)?;
-    }
-    if options.json {
-        out.write_all(files::json(&records).as_bytes())?;
-    } else {
-        out.write_all(error_report::text(&records).as_bytes())?;
-    }
+    let records = plan.records(&gpu, &run.journal);
+    // What there is, whatever ended the measurement; and what ended it counts for more.
+    let wrote = write(options, &records);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
     gpu.check_validation()?;
+    Ok(())
+}
+
+fn write(options: &ErrorOptions, records: &[ErrorRecord]) -> anyhow::Result<()> {
+    if let Some(folder) = &options.output {
+        error_report::write(folder, records)?;
+    }
+    let shown = if options.json { files::json(records) } else { error_report::text(records) };
+    std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
 }
 

@@ -1,14 +1,14 @@
 //! The cells of the error study: scene, view, size and roughness. What `ssct error` and `ssct study`
-//! share. A cell that a folder has, measured with the same settings, is kept.
+//! share. A cell that the journal has is not measured again.
 
-use crate::error::Error;
+use super::run::go_on;
+use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{METHODS, Setup};
 use crate::report::error_report::{self, stem};
-use crate::report::files;
 use crate::scene::{Scene, View};
 use crate::study::error::{ErrorRecord, ErrorSpec, Variant, measure};
-use crate::study::record::{DEFINITIONS, Head};
+use crate::study::journal::{Journal, scene_digest};
 use crate::study::{Globals, Stage};
 use std::path::Path;
 
@@ -56,75 +56,66 @@ impl Plan {
         self.scenes.iter().map(|(_, views)| views.len()).sum::<usize>() * self.sizes.len() * self.globals.len()
     }
 
-    /// The records of every cell; records and pictures are kept in the folder, where there is one.
-    pub fn run(
+    /// Measures every cell that the journal lacks; pictures go into a folder, where there is one. `progress`
+    /// is called after each cell, `go_on` between the steps of one; the error of either ends the study.
+    pub fn measure(
         &self,
         gpu: &Gpu,
-        folder: Option<&Path>,
+        journal: &mut Journal,
+        pictures: Option<&Path>,
         progress: &mut dyn FnMut(),
-    ) -> anyhow::Result<Vec<ErrorRecord>> {
+    ) -> Result<()> {
         if self.samples == 0 || self.rays < 2 {
-            return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()).into());
+            return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
         }
-        let mut records = Vec::new();
-        for (scene, views) in &self.scenes {
-            let mut stage = None;
-            for view in views {
-                for &extent in &self.sizes {
-                    for &globals in &self.globals {
-                        let (warmup, samples, rays) = (1, self.samples, self.rays);
-                        let variants = &self.variants[..];
-                        let spec = ErrorSpec { gpu, scene, view, extent, globals, variants, warmup, samples, rays };
-                        records.extend(cell(&spec, &mut stage, folder)?);
-                        progress();
-                    }
+        let mut stage: Option<(&str, Stage)> = None;
+        for spec in self.specs(gpu) {
+            let key = key(&spec);
+            // Of one scene at a time.
+            stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
+            if !journal.has(&key) {
+                if stage.is_none() {
+                    stage = Some((&spec.scene.name, Stage::new(gpu, spec.scene)?));
                 }
+                let Some((_, stage)) = &mut stage else { continue };
+                let cell = measure(&spec, stage, journal, &mut go_on)?;
+                if let Some(folder) = pictures {
+                    error_report::write_strips(folder, &stem_of(&spec), &cell)?;
+                }
+                journal.put(key, &cell.records)?;
             }
+            progress();
+            go_on()?;
         }
-        Ok(records)
+        Ok(())
+    }
+
+    /// The records of every cell that the journal has.
+    pub fn records(&self, gpu: &Gpu, journal: &Journal) -> Vec<ErrorRecord> {
+        self.specs(gpu).filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(&spec))).flatten().collect()
+    }
+
+    fn specs<'a>(&'a self, gpu: &'a Gpu) -> impl Iterator<Item = ErrorSpec<'a>> {
+        let (warmup, samples, rays) = (1, self.samples, self.rays);
+        let variants = &self.variants[..];
+        self.scenes.iter().flat_map(move |(scene, views)| {
+            let digest = scene_digest(scene);
+            let sizes = |view| self.sizes.iter().map(move |&extent| (view, extent));
+            let cells = views.iter().flat_map(sizes);
+            let cells = cells.flat_map(|(view, extent)| self.globals.iter().map(move |&g| (view, extent, g)));
+            cells.map(move |(view, extent, globals)| {
+                let scene_digest = digest.clone();
+                ErrorSpec { gpu, scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
+            })
+        })
     }
 }
 
-/// A cell from its file if it was measured with the same settings, else measured and kept.
-fn cell(spec: &ErrorSpec, stage: &mut Option<Stage>, folder: Option<&Path>) -> anyhow::Result<Vec<ErrorRecord>> {
-    let stem = stem(&spec.scene.name, &spec.view.name, spec.extent, spec.globals.roughness);
-    let key = key(spec);
-    let path = folder.map(|f| f.join("cells").join(format!("{stem}.json")));
-    if let Some(kept) = path.as_ref().and_then(|p| kept(p, &key)) {
-        return Ok(kept);
-    }
-    if stage.is_none() {
-        *stage = Some(Stage::new(spec.gpu, spec.scene)?);
-    }
-    let Some(stage) = stage else { return Ok(Vec::new()) };
-    let measured = measure(spec, stage)?;
-    if let (Some(folder), Some(path)) = (folder, &path) {
-        error_report::write_strips(&folder.join("images"), &stem, &measured)?;
-        let content = serde_json::json!({ "key": key, "records": measured.records });
-        files::write(path, serde_json::to_string(&content)?.as_bytes())?;
-    }
-    Ok(measured.records)
+fn stem_of(spec: &ErrorSpec) -> String {
+    stem(&spec.scene.name, &spec.view.name, spec.extent, spec.globals.roughness)
 }
 
-/// Everything that a cell depends on.
-fn key(spec: &ErrorSpec) -> serde_json::Value {
-    let setup = |s: &Setup| serde_json::json!(s);
-    let variants: Vec<_> = spec.variants.iter().map(|v| (v.method.name, setup(&v.setup))).collect();
-    let g = spec.globals;
-    let view = spec.view;
-    serde_json::json!({
-        "definitions": DEFINITIONS, "version": Head::VERSION, "commit": Head::COMMIT, "device": spec.gpu.info(),
-        "scene": spec.scene.name, "triangles": spec.scene.triangle_count(),
-        "view": format!("{view:?}"), "lens": format!("{:?}", spec.scene.lens),
-        "globals": [g.roughness, Some(g.reflectivity), g.normal_deviation],
-        "extent": spec.extent, "variants": variants, "samples": [spec.warmup, spec.samples], "rays": spec.rays,
-    })
-}
-
-fn kept(path: &Path, key: &serde_json::Value) -> Option<Vec<ErrorRecord>> {
-    let mut content: serde_json::Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
-    if content.get("key") != Some(key) {
-        return None;
-    }
-    serde_json::from_value(content.get_mut("records")?.take()).ok()
+/// Where the journal keeps a cell.
+fn key(spec: &ErrorSpec) -> String {
+    format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(), spec.samples, spec.rays)
 }

@@ -13,6 +13,7 @@ mod progress;
 mod reference;
 mod render;
 mod resolve;
+mod run;
 mod stress;
 mod study;
 mod time;
@@ -30,6 +31,7 @@ mod window;
 use crate::error::Error;
 use clap::Parser;
 use cli::{Cli, Command};
+use std::io::Write;
 use std::process::ExitCode;
 
 /// Runs the command line; returns the exit status: 0 done, 1 the run failed or a bar was missed,
@@ -61,6 +63,8 @@ pub fn run() -> ExitCode {
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
     };
+    // What is still to be printed may find no room, as what is printed.
+    let done = done.and_then(|()| Ok(std::io::stdout().flush()?));
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(e) if is_closed_pipe(&e) => ExitCode::SUCCESS,
@@ -68,6 +72,7 @@ pub fn run() -> ExitCode {
             // Our own errors name their cause in their sentence; others have it behind them.
             match e.downcast_ref::<Error>() {
                 Some(own) => eprintln!("ssct: {own}"),
+                None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
                 None => eprintln!("ssct: {e:#}"),
             }
             ExitCode::from(e.downcast_ref::<Error>().map_or(1, Error::exit_status))

@@ -1,5 +1,7 @@
 //! Progress on standard error, and only on a terminal.
 
+use super::run::go_on;
+use crate::error::Result;
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar over `length` steps; silent where standard error is no terminal.
@@ -10,4 +12,10 @@ pub fn bar(what: &str, length: usize) -> ProgressBar {
     }
     bar.set_message(what.to_owned());
     bar
+}
+
+/// One step further, unless a signal asked to stop.
+pub fn step(bar: &ProgressBar) -> Result<()> {
+    bar.inc(1);
+    go_on()
 }

@@ -1,15 +1,19 @@
 //! `ssct stress`: numerical stability.
 
 use super::cli::StressOptions;
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo};
 use crate::report::{files, stress_report};
 use crate::scene::{Scene, library};
-use crate::study::stress::motion::{self, MOTIONS, MotionRecord, MotionSpec};
+use crate::study::journal::{self, Journal};
+use crate::study::stress::motion::{self, MOTIONS, Motion, MotionRecord, MotionSpec};
 use crate::study::stress::{self, JUDGED, StressRecord, cases::cases};
 use indicatif::ProgressBar;
+use serde::Serialize;
+use serde_json::json;
 use std::io::Write;
 
 /// Pixels of the cases with a scene.
@@ -25,6 +29,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
     };
     let gpu = resolve::gpu(&options.device)?;
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let chosen = |name: &str| options.case.as_ref().is_none_or(|part| name.contains(part.as_str()));
     let cases: Vec<_> = cases(options.quick).into_iter().filter(|c| chosen(&c.name)).collect();
     let names = if options.quick { &library::names()[..1] } else { library::names() };
@@ -36,60 +41,105 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         .collect();
 
     let bar = progress::bar("stress", cases.len() + places.len());
-    let mut records: Vec<StressRecord> = Vec::new();
-    for case in &cases {
-        records.extend(stress::run(&gpu, case, &methods)?);
-        bar.inc(1);
-    }
-    for (scene, place) in &places {
-        records.extend(stress::run_place(&gpu, scene, place, SCENE_SIZE, &methods)?);
-        bar.inc(1);
-    }
-    let motions = motions(&gpu, &scenes, options, &methods, &bar)?;
+    let names: Vec<_> = methods.iter().map(|m| m.name).collect();
+    let digest = journal::digest(&gpu, &json!(names));
+    let key = |of: &str| format!("stress {digest} {of}");
+    let motions = motions(&gpu, &scenes, options);
+    bar.inc_length(motions.len() as u64);
+    let measure = |journal: &mut Journal| -> Result<()> {
+        for case in &cases {
+            kept(journal, key(&case.name), &bar, || stress::run(&gpu, case, &methods))?;
+        }
+        for (scene, place) in &places {
+            let run = || stress::run_place(&gpu, scene, place, SCENE_SIZE, &methods);
+            kept(journal, key(&place.name), &bar, run)?;
+        }
+        for (spec, motion) in &motions {
+            kept(journal, key(&motion_name(spec, *motion)), &bar, || motion::run(spec, *motion, &methods))?;
+        }
+        Ok(())
+    };
+    let outcome = measure(&mut run.journal);
     bar.finish_and_clear();
+    let names = cases.iter().map(|c| &c.name).chain(places.iter().map(|(_, p)| &p.name));
+    let of_case = |name: &String| run.journal.get::<Vec<StressRecord>>(&key(name)).unwrap_or_default();
+    let records: Vec<StressRecord> = names.flat_map(of_case).collect();
+    let of_motion = |(spec, motion): &(MotionSpec, Motion)| {
+        run.journal.get::<Vec<MotionRecord>>(&key(&motion_name(spec, *motion))).unwrap_or_default()
+    };
+    let motions: Vec<MotionRecord> = motions.iter().flat_map(of_motion).collect();
 
-    if let Some(folder) = &options.output {
-        let command = if options.quick { "ssct stress --quick" } else { "ssct stress" };
-        stress_report::write(folder, &records, &motions, command)?;
-    }
-    let mut out = std::io::stdout().lock();
-    if options.json {
-        let all: Vec<_> = records
-            .iter()
-            .map(serde_json::to_value)
-            .chain(motions.iter().map(serde_json::to_value))
-            .collect::<std::result::Result<_, _>>()?;
-        out.write_all(files::json(&all).as_bytes())?;
-    } else {
-        out.write_all(stress_report::text(&records, &motions).as_bytes())?;
-    }
+    // What there is, whatever ended the measurement; and what ended it counts for more.
+    let wrote = write(options, &records, &motions, outcome.is_ok());
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
     gpu.check_validation()?;
     let violated = records.iter().filter(|r| r.method == JUDGED && !r.pass).count();
     anyhow::ensure!(violated == 0, "{JUDGED} violates {violated} case(s)");
     Ok(())
 }
 
-/// The camera's motions on the first view of the first scene, for a mirror and for gloss.
-fn motions(
-    gpu: &Gpu,
-    scenes: &[Scene],
+/// Writes the files, if a folder is asked for, and prints the records or the text.
+fn write(
     options: &StressOptions,
-    methods: &[&'static MethodInfo],
+    records: &[StressRecord],
+    motions: &[MotionRecord],
+    whole: bool,
+) -> anyhow::Result<()> {
+    if let Some(folder) = &options.output {
+        let command = if options.quick { "ssct stress --quick" } else { "ssct stress" };
+        let stopped = if whole { "" } else { ", stopped on the way" };
+        stress_report::write(folder, records, motions, &format!("{command}{stopped}"))?;
+    }
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        let all = records.iter().map(serde_json::to_value).chain(motions.iter().map(serde_json::to_value));
+        out.write_all(files::json(&all.collect::<std::result::Result<Vec<_>, _>>()?).as_bytes())?;
+    } else {
+        out.write_all(stress_report::text(records, motions).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Measures what the journal lacks, and keeps it there.
+fn kept<T: Serialize>(
+    journal: &mut Journal,
+    key: String,
     bar: &ProgressBar,
-) -> Result<Vec<MotionRecord>> {
-    let mut records = Vec::new();
-    let Some(scene) = scenes.first().filter(|_| options.case.is_none()) else { return Ok(records) };
+    measure: impl FnOnce() -> Result<Vec<T>>,
+) -> Result<()> {
+    if !journal.has(&key) {
+        journal.put(key, &measure()?)?;
+    }
+    progress::step(bar)
+}
+
+/// The camera's motions on the views of the first scene (one view if quick), for a mirror and for gloss.
+fn motions<'a>(gpu: &'a Gpu, scenes: &'a [Scene], options: &StressOptions) -> Vec<(MotionSpec<'a>, Motion)> {
+    let Some(scene) = scenes.first().filter(|_| options.case.is_none()) else { return Vec::new() };
     let (extent, frames, rays, views) =
         if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 64, scene.views.len()) };
-    bar.inc_length((views * MOTIONS.len() * MOTION_ROUGHNESS.len()) as u64);
+    let mut all = Vec::new();
     for view in &scene.views[..views] {
         for roughness in MOTION_ROUGHNESS {
-            let spec = MotionSpec { gpu, scene, view, extent, roughness, frames, rays };
             for motion in MOTIONS {
-                records.extend(motion::run(&spec, motion, methods)?);
-                bar.inc(1);
+                all.push((MotionSpec { gpu, scene, view, extent, roughness, frames, rays }, motion));
             }
         }
     }
-    Ok(records)
+    all
+}
+
+/// Where the journal keeps a motion.
+fn motion_name(spec: &MotionSpec, motion: Motion) -> String {
+    let [width, height] = spec.extent;
+    let (view, roughness) = (&spec.view.name, spec.roughness);
+    format!(
+        "{} {view} {width}x{height} {roughness} {} {} frames {} rays",
+        spec.scene.name,
+        motion.name(),
+        spec.frames,
+        spec.rays
+    )
 }

@@ -2,6 +2,7 @@
 
 use super::cli::StudyOptions;
 use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -11,8 +12,9 @@ use crate::report::html::{Errors, Gallery, Page, Picture, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_AND_ENVIRONMENT, WORLD_REFERENCE};
+use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
-use crate::study::timing::{TimeSpec, camera, time};
+use crate::study::timing::{self, TimeSpec, camera};
 use crate::study::{Globals, Shot, Stage, TimeRecord, image};
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -66,6 +68,35 @@ impl Plan {
         Ok(Self { scenes: usize::MAX, views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
     }
 
+    /// The views of a scene that are shown.
+    fn shown<'a>(&self, scene: &'a Scene) -> Vec<&'a View> {
+        scene.views.iter().take(self.views).collect()
+    }
+
+    /// What is timed of each view.
+    fn view_specs<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Vec<TimeSpec<'a>> {
+        let spec = |scene, view| {
+            let (methods, sizes, globals) = (METHODS.iter().collect(), vec![self.size], vec![GLOSSY]);
+            self.time(gpu, scene, view, methods, sizes, globals)
+        };
+        scenes.iter().flat_map(|s| self.shown(s).into_iter().map(move |v| spec(s, v))).collect()
+    }
+
+    /// Table 5.8 on the atrium's view `hall`.
+    fn table_5_8<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Result<Option<TimeSpec<'a>>> {
+        let Some(atrium) = scenes.iter().find(|s| s.name == "atrium") else { return Ok(None) };
+        let globals = [0.0, 0.1].map(|r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: Some(r) });
+        let methods = METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect();
+        let sizes = self.table_sizes.clone();
+        Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, methods, sizes, globals.to_vec())))
+    }
+
+    /// The quick error study of the rooms.
+    fn errors(&self, scenes: &[Scene]) -> Option<ErrorPlan> {
+        let rooms = scenes.iter().find(|s| s.name == "rooms")?;
+        Some(ErrorPlan::quick(rooms.clone(), self.samples, self.rays))
+    }
+
     /// What is timed of a view.
     fn time<'a>(
         &self,
@@ -86,29 +117,47 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let folder = &options.output;
     let plan = Plan::new(options)?;
     let gpu = resolve::gpu(&options.device)?;
+    let mut run = Run::begin(Some(folder), options.resume)?;
     let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
 
     let bar = progress::bar("study", 0);
-    let mut views = Vec::new();
-    let mut view_records = Vec::new();
-    for scene in &scenes {
-        let shown: Vec<&View> = scene.views.iter().take(plan.views).collect();
-        bar.inc_length((shown.len() * METHODS.len()) as u64);
-        views.extend(pictures(&gpu, scene, &shown, folder, &plan, &bar)?);
-        for view in shown {
-            let (methods, sizes, globals) = (METHODS.iter().collect(), vec![plan.size], vec![GLOSSY]);
-            view_records.extend(timed(&plan.time(&gpu, scene, view, methods, sizes, globals), &bar)?);
+    let view_specs = plan.view_specs(&gpu, &scenes);
+    let table_spec = plan.table_5_8(&gpu, &scenes)?;
+    let cells = plan.errors(&scenes);
+    let frames = view_specs.iter().chain(&table_spec).map(TimeSpec::frames).sum::<usize>();
+    bar.inc_length((view_specs.len() * METHODS.len() + frames) as u64);
+    bar.inc_length(cells.as_ref().map_or(0, ErrorPlan::cells) as u64);
+
+    let measure = |journal: &mut Journal| -> anyhow::Result<(Vec<Gallery>, Vec<Picture>)> {
+        let mut views = Vec::new();
+        for scene in &scenes {
+            views.extend(pictures(&gpu, scene, &plan.shown(scene), folder, &plan, &bar)?);
         }
-    }
-    let figures = thesis_figures(&gpu, &scenes, folder, &plan)?;
-    let table_records = table_5_8(&gpu, &scenes, &plan, &bar)?;
-    let error_records = errors(&gpu, &scenes, folder, &plan, &bar)?;
+        let figures = thesis_figures(&gpu, &scenes, folder, &plan)?;
+        for spec in view_specs.iter().chain(&table_spec) {
+            timing::measure(spec, journal, &mut || progress::step(&bar))?;
+        }
+        if let Some(cells) = &cells {
+            let images = folder.join(ERROR_FOLDER).join("images");
+            cells.measure(&gpu, journal, Some(&images), &mut || bar.inc(1))?;
+        }
+        Ok((views, figures))
+    };
+    let outcome = measure(&mut run.journal);
     bar.finish_and_clear();
 
+    // Whatever ended the measurement: what there is, is written.
+    let journal = &run.journal;
+    let view_records: Vec<TimeRecord> = view_specs.iter().flat_map(|s| timing::records(s, journal)).collect();
+    let table_records: Vec<TimeRecord> = table_spec.iter().flat_map(|s| timing::records(s, journal)).collect();
+    let error_records = cells.map(|c| c.records(&gpu, journal)).unwrap_or_default();
     let all: Vec<TimeRecord> = view_records.iter().chain(&table_records).cloned().collect();
-    files::write(&folder.join("time.json"), files::json(&all).as_bytes())?;
-    files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes())?;
-    error_report::write(&folder.join(ERROR_FOLDER), &error_records)?;
+    let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
+        .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()))
+        .and_then(|()| error_report::write(&folder.join(ERROR_FOLDER), &error_records));
+    // What ended it counts for more than what could not be written then.
+    let (views, figures) = run.ended(outcome)?;
+    wrote?;
     let page = Page {
         device: gpu.info(),
         command: plan.command.clone(),
@@ -135,6 +184,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     writeln!(out, "Table 5.8 of the thesis (GeForce GTX 670) and here ({}):", gpu.info().name)?;
     write!(out, "{}", tables::table_5_8(&page.times.table))?;
     writeln!(out, "{} ({:.1} MB)", index.display(), html.len() as f64 / 1e6)?;
+    run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }
@@ -145,6 +195,7 @@ fn records() -> Vec<(String, String)> {
     vec![
         of("time.json", "every time, one record a method, view, size and roughness"),
         of("time-samples.csv", "every sample of every pass"),
+        of("journal.jsonl", "every sample and cell as it was measured, for --resume"),
         of("images/", "the pictures, lossless"),
         (format!("{ERROR_FOLDER}/error.json"), "every error, one record a method, cell and reference".into()),
         (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),
@@ -179,7 +230,7 @@ fn pictures(
             images::write_image(&folder.join(&file), &rendered.composite)?;
             let caption = format!("{}, roughness 0.1", method.name);
             pictures.push(Picture { file, name: method.name.into(), caption });
-            bar.inc(1);
+            progress::step(bar)?;
         }
         galleries.push(Gallery {
             title: format!("{}, {}", scene.name, view.name),
@@ -189,34 +240,6 @@ fn pictures(
         });
     }
     Ok(galleries)
-}
-
-fn timed(spec: &TimeSpec, bar: &ProgressBar) -> Result<Vec<TimeRecord>> {
-    bar.inc_length(spec.frames() as u64);
-    time(spec, &mut || bar.inc(1))
-}
-
-/// Table 5.8 on the atrium's view `hall`.
-fn table_5_8(gpu: &Gpu, scenes: &[Scene], plan: &Plan, bar: &ProgressBar) -> Result<Vec<TimeRecord>> {
-    let Some(atrium) = scenes.iter().find(|s| s.name == "atrium") else { return Ok(Vec::new()) };
-    let globals = [0.0, 0.1].map(|r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: Some(r) });
-    let methods = METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect();
-    let sizes = plan.table_sizes.clone();
-    timed(&plan.time(gpu, atrium, atrium.view("hall")?, methods, sizes, globals.to_vec()), bar)
-}
-
-/// The quick error study of the rooms.
-fn errors(
-    gpu: &Gpu,
-    scenes: &[Scene],
-    folder: &Path,
-    plan: &Plan,
-    bar: &ProgressBar,
-) -> anyhow::Result<Vec<ErrorRecord>> {
-    let Some(rooms) = scenes.iter().find(|s| s.name == "rooms") else { return Ok(Vec::new()) };
-    let cells = ErrorPlan::quick(rooms.clone(), plan.samples, plan.rays);
-    bar.inc_length(cells.cells() as u64);
-    cells.run(gpu, Some(&folder.join(ERROR_FOLDER)), &mut || bar.inc(1))
 }
 
 /// Figures 4.4, 4.5, 4.9 and 4.10 on the first scene.

@@ -1,14 +1,14 @@
 //! `ssct time`.
 
 use super::cli::{Table, TimeOptions};
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Gpu};
-use crate::methods::{self, METHODS, MethodInfo};
+use crate::gpu::DeviceInfo;
+use crate::methods::{self, METHODS};
 use crate::report::{files, plot, tables};
-use crate::scene::{Scene, View};
 use crate::study::table::{TABLE_5_8, compare};
-use crate::study::timing::{TimeSpec, time};
+use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
 use std::io::Write;
 
@@ -30,8 +30,18 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     };
     let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, table)?;
+    if options.samples == 0 {
+        return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
+    }
     let gpu = resolve::gpu(&common.device)?;
-    let records = measure(options, &gpu, &scene, &view, methods, sizes, globals)?;
+    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let (warmup, samples) = (options.warmup, options.samples);
+    let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples };
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let bar = progress::bar("timing", spec.frames());
+    let outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
+    bar.finish_and_clear();
+    let records = timing::records(&spec, &run.journal);
 
     let written = Written {
         stem: "time",
@@ -40,7 +50,10 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
         text: text(&records, table),
     };
-    written.out(options)?;
+    let wrote = written.out(options);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }
@@ -90,27 +103,6 @@ fn text(records: &[TimeRecord], table: bool) -> String {
         text += "\n";
     }
     text + &tables::times(records)
-}
-
-fn measure(
-    options: &TimeOptions,
-    gpu: &Gpu,
-    scene: &Scene,
-    view: &View,
-    methods: Vec<&'static MethodInfo>,
-    sizes: Vec<[u32; 2]>,
-    globals: Vec<Globals>,
-) -> Result<Vec<TimeRecord>> {
-    if options.samples == 0 {
-        return Err(Error::Usage("--samples 0: at least one is needed".into()));
-    }
-    let setup = resolve::setup(&options.common.method_options, sizes[0]);
-    let (warmup, samples) = (options.warmup, options.samples);
-    let spec = TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup, samples };
-    let bar = progress::bar("timing", spec.frames());
-    let records = time(&spec, &mut || bar.inc(1));
-    bar.finish_and_clear();
-    records
 }
 
 /// Sizes of the flags, else of the table, else 960×540.

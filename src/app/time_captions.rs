@@ -2,6 +2,7 @@
 //! stands for it.
 
 use super::cli::TimeOptions;
+use super::run::{Run, go_on};
 use super::time::{Written, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
@@ -9,8 +10,10 @@ use crate::methods::{self, MethodInfo};
 use crate::report::{files, plot, tables};
 use crate::scene::{Scene, library};
 use crate::study::captions::{CAPTIONS, Caption, REFERENCE, ReferenceTime, compare, time_reference};
-use crate::study::timing::{TimeSpec, time};
+use crate::study::journal::{digest, scene_digest};
+use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
+use serde_json::json;
 
 /// Roughness and normal deviation unless flags say otherwise: table 5.8's rougher rows. The captions
 /// give none.
@@ -31,9 +34,12 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let globals = globals(options)?;
     let gpu = resolve::gpu(&options.common.device)?;
 
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let bar = progress::bar("captions", 0);
     let (mut records, mut references, mut missing) = (Vec::<TimeRecord>::new(), Vec::<ReferenceTime>::new(), vec![]);
+    let mut outcome = Ok(());
     for (caption, scene) in &wanted {
+        // What ended the measurement does not end the report of what the journal has.
         let view = resolve::with_lens(scene, scene.view(caption.view)?.clone(), place)?;
         let mut compared: Vec<&'static MethodInfo> = vec![methods::find("ssct")?];
         match methods::find(caption.other) {
@@ -53,10 +59,19 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
             samples: options.samples,
         };
         bar.inc_length(spec.frames() as u64);
-        records.extend(time(&spec, &mut || bar.inc(1))?);
-        if caption.other == REFERENCE {
-            let timed = |g| time_reference(&gpu, scene, &view, caption.size, g, options.reference_rays);
-            references.extend(globals.iter().map(timed));
+        if outcome.is_ok() {
+            outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
+        }
+        records.extend(timing::records(&spec, &run.journal));
+        for of in globals.iter().filter(|_| caption.other == REFERENCE) {
+            let rays = options.reference_rays;
+            let settings = json!([scene_digest(scene), format!("{view:?} {of:?}"), caption.size, rays]);
+            let key = format!("reference {} {}", scene.name, digest(&gpu, &settings));
+            if outcome.is_ok() && !run.journal.has(&key) {
+                let timed = time_reference(&gpu, scene, &view, caption.size, of, rays);
+                outcome = run.journal.put(key.clone(), &timed).and_then(|()| go_on());
+            }
+            references.extend(run.journal.get::<ReferenceTime>(&key));
         }
     }
     bar.finish_and_clear();
@@ -86,7 +101,10 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
         text,
     };
-    written.out(options)?;
+    let wrote = written.out(options);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }

@@ -1,11 +1,12 @@
 //! `ssct time --path`: frames per second while the camera moves.
 
 use super::cli::TimeOptions;
+use super::run::Run;
 use super::time::{Written, device_line};
 use super::{progress, resolve};
 use crate::methods;
 use crate::report::{files, path_report};
-use crate::study::path::{PathSpec, run as measure};
+use crate::study::path::{PathSpec, measure, records};
 use std::path::Path;
 
 /// Measures, prints and writes.
@@ -29,9 +30,11 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
         warmup: options.warmup,
         frames: options.frames as usize,
     };
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let bar = progress::bar("path", spec.submissions());
-    let records = measure(&spec, &mut || bar.inc(1))?;
+    let outcome = measure(&spec, &mut run.journal, &mut || progress::step(&bar));
     bar.finish_and_clear();
+    let records = records(&spec, &run.journal);
 
     let written = Written {
         stem: "path",
@@ -40,7 +43,10 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
         plot: path_report::plot(&records).map_err(anyhow::Error::msg)?,
         text: device_line(gpu.info()) + &path_report::text(&records),
     };
-    written.out(options)?;
+    let wrote = written.out(options);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }

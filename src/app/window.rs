@@ -71,6 +71,7 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
         device: common.device.device.clone(),
         validation: common.device.validation,
         instance_extensions: swapchain::instance_extensions(&events)?,
+        ..DeviceQuery::default()
     })?;
     let setup = resolve::setup(&common.method_options, options.size);
     let mut app = App {

@@ -2,6 +2,7 @@
 
 use super::image::{Sampler, Samplers};
 use super::validation::{self, ValidationLog};
+use super::watch::{self, Watch};
 use crate::error::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -19,6 +20,11 @@ pub struct DeviceQuery {
     pub device: Option<String>,
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
+    /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
+    /// with `validation`.
+    pub gpu_assisted: bool,
+    /// Counts what lives on the device and makes calls fail, for tests.
+    pub watch: Option<Arc<Watch>>,
     /// Instance extensions that a window needs.
     pub instance_extensions: Vec<&'static CStr>,
 }
@@ -80,7 +86,7 @@ pub(crate) struct Shared {
 struct Debug {
     loader: ash::ext::debug_utils::Instance,
     messenger: Option<vk::DebugUtilsMessengerEXT>,
-    log: Box<ValidationLog>,
+    log: Arc<ValidationLog>,
 }
 
 impl std::fmt::Debug for Gpu {
@@ -131,6 +137,11 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| d.log.messages()).unwrap_or_default()
     }
 
+    /// The messages themselves, which outlive the device: what is left undestroyed is said when it goes.
+    pub fn validation_log(&self) -> Option<Arc<ValidationLog>> {
+        self.shared.debug.as_ref().map(|d| Arc::clone(&d.log))
+    }
+
     /// What of it is outside the allow-list.
     pub fn violations(&self) -> Vec<validation::Message> {
         self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
@@ -169,6 +180,20 @@ impl Gpu {
     /// Bytes of device memory now allocated through this handle.
     pub fn allocated_bytes(&self) -> u64 {
         self.allocator().generate_report().total_allocated_bytes
+    }
+
+    /// Bytes of the blocks of device memory that it holds to allocate from.
+    pub fn reserved_bytes(&self) -> u64 {
+        self.allocator().generate_report().total_capacity_bytes
+    }
+
+    /// Invocations of a subgroup.
+    pub fn subgroup_size(&self) -> u32 {
+        let mut v11 = vk::PhysicalDeviceVulkan11Properties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut v11);
+        // SAFETY: the physical device is the one that this device was made from, and has Vulkan 1.3.
+        unsafe { self.shared.instance.get_physical_device_properties2(self.shared.physical, &mut properties) };
+        v11.subgroup_size
     }
 
     /// Pixels along a side of the largest point.
@@ -245,15 +270,15 @@ impl Drop for Shared {
 impl Debug {
     fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool) -> Result<Self> {
         let loader = ash::ext::debug_utils::Instance::new(entry, instance);
-        let log = Box::<ValidationLog>::default();
+        let log = Arc::<ValidationLog>::default();
         let messenger = if listen {
             use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
             let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
                 .message_severity(S::WARNING | S::ERROR)
                 .message_type(T::VALIDATION | T::PERFORMANCE)
                 .pfn_user_callback(Some(validation::callback))
-                .user_data((&raw const *log).cast_mut().cast());
-            // SAFETY: the log is boxed and is freed after the messenger (`destroy`).
+                .user_data(Arc::as_ptr(&log).cast_mut().cast());
+            // SAFETY: this handle of the log is dropped after the messenger (`destroy`).
             Some(
                 unsafe { loader.create_debug_utils_messenger(&info, None) }
                     .map_err(vulkan("vkCreateDebugUtilsMessengerEXT"))?,
@@ -303,8 +328,11 @@ fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bo
     }
     let layer_names: Vec<_> = if query.validation { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
     let application = vk::ApplicationInfo::default().application_name(c"ssct").api_version(vk::API_VERSION_1_3);
-    let enables =
-        [vk::ValidationFeatureEnableEXT::BEST_PRACTICES, vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    use vk::ValidationFeatureEnableEXT as E;
+    let mut enables = vec![E::BEST_PRACTICES, E::SYNCHRONIZATION_VALIDATION];
+    if query.gpu_assisted {
+        enables.extend([E::GPU_ASSISTED, E::GPU_ASSISTED_RESERVE_BINDING_SLOT]);
+    }
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
     let mut info = vk::InstanceCreateInfo::default()
         .application_info(&application)
@@ -498,7 +526,12 @@ fn open_device(
         .push_next(&mut v12)
         .push_next(&mut v13);
     // SAFETY: the structures live through the call; features and extensions were found supported.
-    let device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
+    let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
+    // SAFETY: the queue was asked for above.
+    let queue = unsafe { device.get_device_queue(queue_family as u32, 0) };
+    if let Some(watch) = &query.watch {
+        device = watch::watched(&device, queue, watch);
+    }
 
     let parts = Allocator::new(&AllocatorCreateDesc {
         instance: instance.clone(),
@@ -525,8 +558,7 @@ fn open_device(
     Ok(Shared {
         push_descriptor: ash::khr::push_descriptor::Device::new(&instance, &device),
         debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
-        // SAFETY: the queue was asked for above.
-        queue: Mutex::new(unsafe { device.get_device_queue(queue_family as u32, 0) }),
+        queue: Mutex::new(queue),
         entry,
         instance,
         debug,

@@ -18,6 +18,7 @@ use crate::error::Result;
 use ash::vk;
 use draw::Raster;
 use std::cell::Cell;
+use std::rc::Rc;
 pub use target::Target;
 
 /// What a frame is recorded for.
@@ -63,7 +64,7 @@ impl<'a> Resource<'a> {
 }
 
 /// What one submission did.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, serde::Serialize, serde::Deserialize)]
 pub struct FrameReport {
     /// Time of each pass, in order; empty unless [`Mode::Timed`].
     pub passes: Vec<PassTime>,
@@ -78,7 +79,7 @@ pub struct FrameReport {
 }
 
 /// A pass that a frame did not need.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Skipped {
     /// Its label.
     pub pass: String,
@@ -167,6 +168,7 @@ impl FrameContext {
             skipped: Vec::new(),
             counted: false,
             pending: Barriers::default(),
+            undo: Undo::default(),
         };
         frame.stamp();
         Ok(frame)
@@ -200,6 +202,20 @@ pub struct Frame<'c> {
     skipped: Vec<Skipped>,
     counted: bool,
     pending: Barriers,
+    undo: Undo,
+}
+
+/// What images and buffers were before the frame, for as long as it may fail: barriers that were never
+/// submitted changed nothing.
+#[derive(Default)]
+struct Undo(Vec<(Rc<Cell<State>>, State)>);
+
+impl Drop for Undo {
+    fn drop(&mut self) {
+        for (state, before) in self.0.drain(..).rev() {
+            state.set(before);
+        }
+    }
 }
 
 /// Barriers collected for one call.
@@ -363,14 +379,21 @@ impl Frame<'_> {
             .wait_semaphore_infos(waits)
             .command_buffer_infos(&commands)
             .signal_semaphore_infos(signals);
+        let fences = [self.context.fence];
         // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
         // anything is reused or destroyed.
         unsafe {
             device.end_command_buffer(self.context.commands).map_err(vulkan("vkEndCommandBuffer"))?;
             let queue = self.context.gpu.queue();
-            device.queue_submit2(*queue, &[submit], self.context.fence).map_err(vulkan("vkQueueSubmit2"))?;
-            device.wait_for_fences(&[self.context.fence], true, u64::MAX).map_err(vulkan("vkWaitForFences"))?;
-            device.reset_fences(&[self.context.fence]).map_err(vulkan("vkResetFences"))?;
+            device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
+            self.undo.0.clear();
+            let waited = device.wait_for_fences(&fences, true, u64::MAX);
+            if waited.is_err() {
+                // A lost device is idle; any other must be before what it uses goes.
+                let _ = device.device_wait_idle();
+            }
+            device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
+            waited.map_err(vulkan("vkWaitForFences"))?;
         }
         let mut report = FrameReport {
             recorded: self.passes.iter().map(|(n, _)| n.clone()).collect(),
@@ -456,7 +479,7 @@ impl Frame<'_> {
 
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
-            if let Some(t) = step(state, access) {
+            if let Some(t) = step(&mut self.undo, state, access) {
                 let image = slice.image();
                 self.pending.images.push(
                     vk::ImageMemoryBarrier2::default()
@@ -476,7 +499,7 @@ impl Frame<'_> {
     }
 
     fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
-        if let Some(t) = step(buffer.state(), access) {
+        if let Some(t) = step(&mut self.undo, buffer.state(), access) {
             self.pending.buffers.push(
                 vk::BufferMemoryBarrier2::default()
                     .src_stage_mask(t.src_stages)
@@ -504,8 +527,9 @@ impl Frame<'_> {
     }
 }
 
-fn step(state: &Cell<State>, access: Access) -> Option<Transition> {
+fn step(undo: &mut Undo, state: &Rc<Cell<State>>, access: Access) -> Option<Transition> {
     let mut s = state.get();
+    undo.0.push((Rc::clone(state), s));
     let transition = s.transition(access);
     state.set(s);
     transition

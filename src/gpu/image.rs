@@ -8,6 +8,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::Allocation;
 use std::cell::Cell;
+use std::rc::Rc;
 
 /// What an image is to be.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +57,7 @@ pub struct Image {
     depth: u32,
     slice_views: Vec<vk::ImageView>,
     layers: u32,
-    states: Vec<Cell<State>>,
+    states: Vec<Rc<Cell<State>>>,
     name: String,
     /// Whether a swapchain destroys the handle.
     borrowed: bool,
@@ -142,7 +143,7 @@ impl Image {
             depth,
             slice_views: Vec::new(),
             layers: desc.layers,
-            states: vec![Cell::default(); desc.levels as usize],
+            states: (0..desc.levels).map(|_| Rc::default()).collect(),
             name: desc.name.to_owned(),
             borrowed: false,
         };
@@ -150,9 +151,10 @@ impl Image {
         let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
         let allocation = memory::allocate(gpu, desc.name, requirements, MemoryLocation::GpuOnly, false)?;
         // SAFETY: the memory fits the requirements and is freed after the image.
-        unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan(format!("vkBindImageMemory for {}", desc.name)))?;
+        let bound = unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) };
+        // Whatever came of it, the memory goes with what it was for.
         image.allocation = Some(allocation);
+        bound.map_err(vulkan(format!("vkBindImageMemory for {}", desc.name)))?;
         let view_usages = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::STORAGE
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
@@ -192,7 +194,7 @@ impl Image {
             depth: 1,
             slice_views: Vec::new(),
             layers: 1,
-            states: vec![Cell::default()],
+            states: vec![Rc::default()],
             name: "swapchain".to_owned(),
             borrowed: true,
         }
@@ -347,7 +349,7 @@ impl<'a> ImageSlice<'a> {
 
     /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
     /// one layout for them all.
-    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Cell<State>)> + use<'a> {
+    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Rc<Cell<State>>)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
         self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
     }

@@ -7,6 +7,7 @@ use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::cell::Cell;
+use std::rc::Rc;
 
 /// A buffer that owns its memory and destroys itself.
 pub struct Buffer {
@@ -14,7 +15,7 @@ pub struct Buffer {
     handle: vk::Buffer,
     allocation: Option<Allocation>,
     size: u64,
-    state: Cell<State>,
+    state: Rc<Cell<State>>,
     name: String,
 }
 
@@ -38,7 +39,7 @@ impl Buffer {
         let handle =
             unsafe { gpu.raw().create_buffer(&info, None) }.map_err(vulkan(format!("vkCreateBuffer for {name}")))?;
         let mut buffer =
-            Self { gpu: gpu.clone(), handle, allocation: None, size, state: Cell::default(), name: name.to_owned() };
+            Self { gpu: gpu.clone(), handle, allocation: None, size, state: Rc::default(), name: name.to_owned() };
         gpu.name(handle, name);
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_buffer_memory_requirements(handle) };
@@ -49,9 +50,10 @@ impl Buffer {
         };
         let allocation = allocate(gpu, name, requirements, location, true)?;
         // SAFETY: the memory fits the requirements and is freed after the buffer.
-        unsafe { gpu.raw().bind_buffer_memory(handle, allocation.memory(), allocation.offset()) }
-            .map_err(vulkan(format!("vkBindBufferMemory for {name}")))?;
+        let bound = unsafe { gpu.raw().bind_buffer_memory(handle, allocation.memory(), allocation.offset()) };
+        // Whatever came of it, the memory goes with what it was for.
         buffer.allocation = Some(allocation);
+        bound.map_err(vulkan(format!("vkBindBufferMemory for {name}")))?;
         Ok(buffer)
     }
 
@@ -90,7 +92,7 @@ impl Buffer {
         self.handle
     }
 
-    pub(crate) fn state(&self) -> &Cell<State> {
+    pub(crate) fn state(&self) -> &Rc<Cell<State>> {
         &self.state
     }
 }

@@ -17,6 +17,7 @@ pub mod swapchain;
 pub mod sync;
 pub mod timing;
 pub mod validation;
+pub mod watch;
 
 pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
@@ -27,3 +28,4 @@ pub use readback::Pixels;
 #[cfg(feature = "window")]
 pub use swapchain::{PresentMode, Swapchain};
 pub use timing::PassTime;
+pub use watch::{Fault, Watch};

@@ -5,7 +5,7 @@ use crate::error::Result;
 use ash::vk;
 
 /// How long a pass took in one frame.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PassTime {
     /// The pass's label; a level of a chain follows a slash, as in "hi-z/3".
     pub name: String,
@@ -83,7 +83,7 @@ impl Drop for Timestamps {
 }
 
 /// Work that the device counted in a pass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct PassWork {
     /// Vertex shader invocations.
     pub vertex_invocations: u64,

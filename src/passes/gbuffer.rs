@@ -32,7 +32,7 @@ pub struct GBufferPass {
 }
 
 /// What was drawn.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Drawn {
     /// Meshes drawn.
     pub meshes: usize,

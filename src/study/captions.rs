@@ -59,7 +59,7 @@ pub const CAPTIONS: [Caption; 6] = [
 ];
 
 /// Wall time of the world reference on the CPU.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, serde::Deserialize)]
 pub struct ReferenceTime {
     /// What it is of; the method is [`REFERENCE`].
     #[serde(flatten)]

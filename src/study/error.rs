@@ -2,10 +2,11 @@
 //! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
 
 use super::gbuffer;
+use super::journal::{Journal, digest};
 use super::record::{Head, Stats};
 use super::stage::{Globals, Shot, Stage};
 use super::timing::camera;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::display_byte;
@@ -31,6 +32,7 @@ use crate::scene::{GBufferData, Material, Scene, View};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -167,7 +169,21 @@ pub struct ErrorSpec<'a> {
     pub samples: usize,
     /// Rays a pixel of the references.
     pub rays: u32,
+    /// [`scene_digest`](super::journal::scene_digest) of the scene.
+    pub scene_digest: String,
 }
+
+impl ErrorSpec<'_> {
+    /// Everything that the cell depends on, but for how often it is sampled.
+    pub fn digest(&self) -> String {
+        let variants: Vec<_> = self.variants.iter().map(|v| json!([v.method.name, v.setup])).collect();
+        let what = format!("{:?} {:?}", self.view, self.globals);
+        digest(self.gpu, &json!([self.scene_digest, what, self.extent, variants, self.warmup]))
+    }
+}
+
+/// Rays a pixel of the world reference between two chances to stop.
+const RAYS_AT_ONCE: u32 = 8;
 
 /// The references of a cell.
 struct Truth {
@@ -204,8 +220,14 @@ struct Reference {
     standard_error: f64,
 }
 
-/// Measures a cell.
-pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
+/// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
+/// and its error ends the cell.
+pub fn measure(
+    spec: &ErrorSpec,
+    stage: &mut Stage,
+    journal: &mut Journal,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Cell> {
     let camera = camera(spec.scene, spec.view, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, method: &MethodInfo| {
@@ -215,11 +237,11 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     // Timed without a reflection of its own, as `ssct time` does.
     let timed = |v: &Variant| Setup { reflection: false, ..v.setup };
     let shots = spec.variants.iter().map(|v| shot(stage, &timed(v), v.method)).collect::<Result<Vec<_>>>()?;
-    let times = totals(spec, stage, &shots)?;
+    let times = totals(spec, stage, &shots, journal, go_on)?;
     let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
-    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment);
+    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment, go_on)?;
 
     cell.strips.push(Strip { name: SCREEN_REFERENCE.into(), color: truth.screen.color.clone(), error: None });
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
@@ -227,6 +249,7 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
         cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
     }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
+        go_on()?;
         let (_, _, output) = stage.output(timed)?;
         let color = if output.traced.reflection.is_some() {
             colors(&gbuffer::reflection(&mut stage.context, &output)?)
@@ -375,20 +398,45 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
 }
 
 /// Totals of the shots, timed in turn.
-fn totals(spec: &ErrorSpec, stage: &mut Stage, shots: &[Shot]) -> Result<Vec<Stats>> {
-    let mut samples = vec![Vec::new(); shots.len()];
-    for sample in 0..spec.warmup + spec.samples {
-        for (shot, samples) in shots.iter().zip(&mut samples) {
-            let (report, _) = stage.run(shot, Mode::Timed)?;
-            if sample >= spec.warmup {
-                samples.push(report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>());
-            }
+fn totals(
+    spec: &ErrorSpec,
+    stage: &mut Stage,
+    shots: &[Shot],
+    journal: &mut Journal,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Vec<Stats>> {
+    let cell = spec.digest();
+    let key = |shot: usize, sample: usize| format!("total {cell} {shot} {sample}");
+    let lacking: Vec<usize> =
+        (0..shots.len()).filter(|m| (0..spec.samples).any(|n| !journal.has(&key(*m, n)))).collect();
+    for _ in 0..spec.warmup {
+        for &m in &lacking {
+            stage.run(&shots[m], Mode::Timed)?;
+            go_on()?;
         }
     }
-    Ok(samples.iter().map(|s| Stats::of(s)).collect())
+    for n in 0..spec.samples {
+        for &m in &lacking {
+            if journal.has(&key(m, n)) {
+                continue;
+            }
+            let (report, _) = stage.run(&shots[m], Mode::Timed)?;
+            let total: f64 = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
+            journal.put(key(m, n), &total)?;
+            go_on()?;
+        }
+    }
+    let all = |m: usize| (0..spec.samples).filter_map(|n| journal.get::<f64>(&key(m, n))).collect::<Vec<_>>();
+    Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
 }
 
-fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material], with_environment: bool) -> Truth {
+fn truth(
+    spec: &ErrorSpec,
+    data: GBufferData,
+    materials: &[Material],
+    with_environment: bool,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
     let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
     let hierarchy = Hierarchy::new(&data);
@@ -398,25 +446,28 @@ fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material], with_envir
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
-    let world = |escape| {
+    let mut world = |escape| {
         let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape, seed: 2 };
         let mut state = reference.start();
-        reference.add(&mut state, spec.rays);
-        Reference::new(&reference.image(&state).reflection, state.overall_standard_error())
+        for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
+            go_on()?;
+            reference.add(&mut state, RAYS_AT_ONCE.min(spec.rays - begun));
+        }
+        Ok::<_, Error>(Reference::new(&reference.image(&state).reflection, state.overall_standard_error()))
     };
     let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
     let world_hits =
         if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
-    Truth {
+    Ok(Truth {
         mirrors,
         oracle,
         world_hits,
         screen: Reference::new(&screen.color, screen.overall_standard_error),
-        world: world(Escape::Black),
-        world_and_environment: with_environment.then(|| world(Escape::Environment)),
+        world: world(Escape::Black)?,
+        world_and_environment: with_environment.then(|| world(Escape::Environment)).transpose()?,
         data,
         mask,
-    }
+    })
 }
 
 impl Reference {

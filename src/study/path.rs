@@ -1,6 +1,7 @@
 //! The camera on its way: methods interleaved frame by frame along a path, and the frames per second of
 //! each (what Schmidt's figures 42 and 52 plot, 2013, sections 5.3.2 and 5.4.2).
 
+use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Stats};
 use super::stage::{Globals, Shot, Stage};
 use super::timing::camera;
@@ -10,6 +11,7 @@ use crate::gpu::frame::Mode;
 use crate::methods::{MethodInfo, Setup};
 use crate::scene::{CameraPath, Scene, View};
 use serde::Serialize;
+use serde_json::json;
 
 /// What runs along which path.
 pub struct PathSpec<'a> {
@@ -34,7 +36,7 @@ pub struct PathSpec<'a> {
 }
 
 /// A frame on the way.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
 pub struct PathFrame {
     /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
     pub frame_ms: f64,
@@ -85,9 +87,22 @@ impl Fps {
 }
 
 impl PathSpec<'_> {
-    /// Frames that [`run`] will submit.
+    /// Frames that [`measure`] submits if the journal has none.
     pub fn submissions(&self) -> usize {
         self.methods.len() * self.sizes.len() * (self.warmup + self.frames)
+    }
+
+    /// What every frame depends on.
+    fn digest(&self) -> String {
+        let methods: Vec<_> = self.methods.iter().map(|m| m.name).collect();
+        let what = format!("{:?} {:?}", self.path, self.globals);
+        digest(self.gpu, &json!([scene_digest(self.scene), what, self.setup, methods, self.warmup, self.frames]))
+    }
+
+    /// Where the journal keeps a frame.
+    fn key(&self, digest: &str, method: &MethodInfo, [width, height]: [u32; 2], frame: usize) -> String {
+        let (scene, path) = (&self.scene.name, &self.path.name);
+        format!("path {scene} {path} {width}x{height} {digest} {} {frame}", method.name)
     }
 
     /// The place of a frame as a view.
@@ -97,38 +112,56 @@ impl PathSpec<'_> {
     }
 }
 
-/// Runs the study. `progress` is called after each frame.
-pub fn run(spec: &PathSpec, progress: &mut dyn FnMut()) -> Result<Vec<PathRecord>> {
+/// Runs what the journal lacks. `progress` is called after each frame; its error ends the study.
+pub fn measure(spec: &PathSpec, journal: &mut Journal, progress: &mut dyn FnMut() -> Result<()>) -> Result<()> {
     let mut stage = Stage::new(spec.gpu, spec.scene)?;
     let start = spec.view(0);
     let materials = spec.globals.materials(spec.scene, &start);
-    let mut records = Vec::new();
+    let digest = spec.digest();
     for &extent in &spec.sizes {
+        let all = (0..spec.frames).flat_map(|n| spec.methods.iter().map(move |m| (m, n)));
+        if all.into_iter().all(|(m, n)| journal.has(&spec.key(&digest, m, extent, n))) {
+            continue;
+        }
         let setup = Setup { extent, reflection: false, ..spec.setup };
         let first = camera(spec.scene, &start, extent);
         let made = spec.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, first, materials.clone()));
         let mut shots = made.collect::<Result<Vec<_>>>()?;
-        let mut frames = vec![Vec::with_capacity(spec.frames); shots.len()];
         for n in 0..spec.warmup + spec.frames {
             let counts = n.checked_sub(spec.warmup);
             let camera = camera(spec.scene, &spec.view(counts.unwrap_or(0)), extent);
             // Whoever comes first at a new place may find colder caches: each method does in its turn.
             for turn in 0..shots.len() {
                 let m = (n + turn) % shots.len();
-                shots[m].camera = camera;
-                let (report, _) = stage.run(&shots[m], Mode::Timed)?;
-                if counts.is_some() {
-                    let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
-                    frames[m].push(PathFrame {
-                        frame_ms: report.frame_ms,
-                        effect_ms,
-                        fps: 1000.0 / report.frame_ms.max(1e-6),
-                    });
+                let key = counts.map(|n| spec.key(&digest, spec.methods[m], extent, n));
+                if key.as_ref().is_none_or(|key| !journal.has(key)) {
+                    shots[m].camera = camera;
+                    let (report, _) = stage.run(&shots[m], Mode::Timed)?;
+                    if let Some(key) = key {
+                        let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
+                        let (frame_ms, fps) = (report.frame_ms, 1000.0 / report.frame_ms.max(1e-6));
+                        journal.put(key, &PathFrame { frame_ms, effect_ms, fps })?;
+                    }
                 }
-                progress();
+                progress()?;
             }
         }
-        for (method, frames) in spec.methods.iter().zip(frames) {
+    }
+    Ok(())
+}
+
+/// The records of what the journal has: a way that was not walked to its end has fewer frames.
+pub fn records(spec: &PathSpec, journal: &Journal) -> Vec<PathRecord> {
+    let (start, digest) = (spec.view(0), spec.digest());
+    let mut records = Vec::new();
+    for &extent in &spec.sizes {
+        let setup = Setup { extent, ..spec.setup };
+        for method in &spec.methods {
+            let frames: Vec<PathFrame> =
+                (0..spec.frames).filter_map(|n| journal.get(&spec.key(&digest, method, extent, n))).collect();
+            if frames.is_empty() {
+                continue;
+            }
             let head = Head::new("path", spec.scene, &start, method.name, &setup, &spec.globals, spec.gpu);
             let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
             let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
@@ -136,7 +169,7 @@ pub fn run(spec: &PathSpec, progress: &mut dyn FnMut()) -> Result<Vec<PathRecord
             records.push(PathRecord { head, frame: Stats::of(&whole), effect: Stats::of(&effect), fps, frames });
         }
     }
-    Ok(records)
+    records
 }
 
 #[cfg(test)]

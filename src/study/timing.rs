@@ -1,12 +1,18 @@
-//! The time study: methods interleaved on the same view, warm-up first, one submission a sample.
+//! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
+//! sample in the journal as soon as it is there.
 
+use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameReport, Gpu};
 use crate::methods::{MethodInfo, Setup};
+use crate::passes::gbuffer::Drawn;
 use crate::scene::{Camera, Lens, Scene, View};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+use std::fmt::Display;
 
 /// What is timed: every combination of sizes, roughness values and methods.
 pub struct TimeSpec<'a> {
@@ -31,7 +37,7 @@ pub struct TimeSpec<'a> {
 }
 
 impl TimeSpec<'_> {
-    /// Frames that [`time`] will submit.
+    /// Frames that [`measure`] submits if the journal has none.
     pub fn frames(&self) -> usize {
         self.methods.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
     }
@@ -43,81 +49,159 @@ pub fn camera(scene: &Scene, view: &View, extent: [u32; 2]) -> Camera {
     Camera::new(view.eye, view.look_at, lens, extent[0] as f32 / extent[1] as f32)
 }
 
-/// Runs the study. `progress` is called after each frame.
-pub fn time(spec: &TimeSpec, progress: &mut dyn FnMut()) -> Result<Vec<TimeRecord>> {
-    let mut stage = Stage::new(spec.gpu, spec.scene)?;
-    let mut records = Vec::new();
-    for &extent in &spec.sizes {
-        let camera = camera(spec.scene, spec.view, extent);
-        // What is timed is the image; a reflection of its own is for those who look at it.
-        let setup = Setup { extent, reflection: false, ..spec.setup };
-        let mut shots: Vec<Shot> = Vec::new();
-        for globals in &spec.globals {
-            let materials = globals.materials(spec.scene, spec.view);
-            if shots.is_empty() {
-                for method in &spec.methods {
-                    shots.push(Shot::new(&mut stage, method, &setup, camera, materials.clone())?);
-                }
-            } else {
-                for shot in &mut shots {
-                    shot.set_materials(&mut stage, materials.clone())?;
-                }
-            }
-            records.extend(time_shots(spec, &mut stage, &shots, extent, globals, progress)?);
-        }
-    }
-    Ok(records)
+/// A sample as the journal keeps it.
+#[derive(Serialize, Deserialize)]
+struct Sample {
+    report: FrameReport,
+    drawn: Drawn,
 }
 
-/// Times some shots of one size in turn.
-fn time_shots(
-    spec: &TimeSpec,
-    stage: &mut Stage,
-    shots: &[Shot],
+/// The samples of one size with one of the global factors: where the journal keeps them.
+struct Group<'a> {
+    spec: &'a TimeSpec<'a>,
     extent: [u32; 2],
-    globals: &Globals,
-    progress: &mut dyn FnMut(),
-) -> Result<Vec<TimeRecord>> {
-    let mut reports: Vec<Vec<FrameReport>> = vec![Vec::new(); shots.len()];
-    for sample in 0..spec.warmup + spec.samples {
-        for (shot, reports) in shots.iter().zip(&mut reports) {
-            let (report, _) = stage.run(shot, Mode::Timed)?;
-            if sample >= spec.warmup {
-                reports.push(report);
-            }
-            progress();
-        }
+    globals: &'a Globals,
+    digest: String,
+}
+
+impl<'a> TimeSpec<'a> {
+    /// In the order in which they are measured.
+    fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
+        let scene = scene_digest(self.scene);
+        self.sizes.iter().flat_map(move |&extent| {
+            let scene = scene.clone();
+            self.globals.iter().map(move |globals| {
+                let methods: Vec<_> = self.methods.iter().map(|m| m.name).collect();
+                let setup = Setup { extent, ..self.setup };
+                // Not how many samples: more may be asked for later.
+                let settings = json!([scene, format!("{:?} {globals:?}", self.view), setup, methods, self.warmup]);
+                Group { spec: self, extent, globals, digest: digest(self.gpu, &settings) }
+            })
+        })
     }
-    let mut records = Vec::new();
-    for ((shot, reports), method) in shots.iter().zip(reports).zip(&spec.methods) {
-        let (counted, drawn) = stage.run(shot, Mode::Counted)?;
-        progress();
-        let setup = Setup { extent, ..spec.setup };
-        let head = Head::new("time", spec.scene, spec.view, method.name, &setup, globals, spec.gpu);
-        let samples: Vec<Vec<f64>> = reports.iter().map(|r| r.passes.iter().map(|p| p.ms).collect()).collect();
-        let first = reports.first();
-        let passes = first.map_or(&[][..], |r| &r.passes).iter().enumerate();
+}
+
+impl Group<'_> {
+    fn key(&self, method: &MethodInfo, sample: impl Display) -> String {
+        let [width, height] = self.extent;
+        let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
+        format!("time {scene} {view} {width}x{height} {} {} {sample}", self.digest, method.name)
+    }
+
+    /// Keys of every sample of a method, and of the frame that counts its work.
+    fn keys(&self, method: &MethodInfo) -> Vec<String> {
+        let samples = (0..self.spec.samples).map(|n| self.key(method, n));
+        samples.chain([self.key(method, COUNTED)]).collect()
+    }
+
+    /// What the journal has of a method; `None` without a sample.
+    fn record(&self, method: &MethodInfo, journal: &Journal) -> Option<TimeRecord> {
+        let spec = self.spec;
+        let reports: Vec<Sample> =
+            (0..spec.samples).filter_map(|n| journal.get::<Sample>(&self.key(method, n))).collect();
+        let first = reports.first()?;
+        let work = journal.get::<Sample>(&self.key(method, COUNTED)).map(|s| s.report.work).unwrap_or_default();
+        let setup = Setup { extent: self.extent, ..spec.setup };
+        let head = Head::new("time", spec.scene, spec.view, method.name, &setup, self.globals, spec.gpu);
+        let samples: Vec<Vec<f64>> = reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect();
+        let passes = first.report.passes.iter().enumerate();
         let passes = passes
             .map(|(i, p)| PassRecord {
                 name: p.name.clone(),
                 counted: p.counted,
                 stats: Stats::of(&samples.iter().map(|s| s[i]).collect::<Vec<_>>()),
-                work: counted.work.get(i).copied(),
+                work: work.get(i).copied(),
             })
             .collect();
-        let sum = |r: &FrameReport| r.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>();
-        records.push(TimeRecord {
+        let sum = |s: &Sample| s.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>();
+        Some(TimeRecord {
             head,
             split: spec.setup.split,
             fallback: spec.setup.fallback,
             passes,
             total: Stats::of(&reports.iter().map(sum).collect::<Vec<_>>()),
-            frame: Stats::of(&reports.iter().map(|r| r.frame_ms).collect::<Vec<_>>()),
-            drawn,
-            recorded: first.map(|r| r.recorded.clone()).unwrap_or_default(),
-            skipped: first.map(|r| r.skipped.clone()).unwrap_or_default(),
+            frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
+            drawn: first.drawn,
+            recorded: first.report.recorded.clone(),
+            skipped: first.report.skipped.clone(),
             samples,
-        });
+        })
     }
-    Ok(records)
+
+    /// Runs what the journal lacks, the methods in turn; those that lack something are warmed up.
+    fn measure(
+        &self,
+        stage: &mut Stage,
+        shots: &[Shot],
+        journal: &mut Journal,
+        progress: &mut dyn FnMut() -> Result<()>,
+    ) -> Result<()> {
+        let spec = self.spec;
+        let lacking: Vec<_> = shots
+            .iter()
+            .zip(&spec.methods)
+            .filter(|(_, method)| self.keys(method).iter().any(|key| !journal.has(key)))
+            .collect();
+        for _ in 0..spec.warmup {
+            for (shot, _) in &lacking {
+                stage.run(shot, Mode::Timed)?;
+                progress()?;
+            }
+        }
+        let samples = (0..spec.samples).map(|n| (n.to_string(), Mode::Timed));
+        for (sample, mode) in samples.chain([(COUNTED.to_owned(), Mode::Counted)]) {
+            for (shot, method) in &lacking {
+                let key = self.key(method, &sample);
+                if !journal.has(&key) {
+                    let (report, drawn) = stage.run(shot, mode)?;
+                    journal.put(key, &Sample { report, drawn })?;
+                }
+                progress()?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The sample of the frame whose work is counted.
+const COUNTED: &str = "work";
+
+/// Measures what the journal lacks. `progress` is called after each frame; its error ends the study.
+pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut() -> Result<()>) -> Result<()> {
+    let mut stage = None;
+    let mut shots: (Option<[u32; 2]>, Vec<Shot>) = (None, Vec::new());
+    for group in spec.groups() {
+        let lacks = |m: &&MethodInfo| group.keys(m).iter().any(|key| !journal.has(key));
+        if !spec.methods.iter().any(lacks) {
+            continue;
+        }
+        if stage.is_none() {
+            stage = Some(Stage::new(spec.gpu, spec.scene)?);
+        }
+        let Some(stage) = &mut stage else { continue };
+        let materials = group.globals.materials(spec.scene, spec.view);
+        if shots.0 == Some(group.extent) {
+            for shot in &mut shots.1 {
+                shot.set_materials(stage, materials.clone())?;
+            }
+        } else {
+            // The last size's first: the device may not have room for both.
+            shots = (None, Vec::new());
+            let camera = camera(spec.scene, spec.view, group.extent);
+            // What is timed is the image; a reflection of its own is for those who look at it.
+            let setup = Setup { extent: group.extent, reflection: false, ..spec.setup };
+            for method in &spec.methods {
+                shots.1.push(Shot::new(stage, method, &setup, camera, materials.clone())?);
+            }
+            shots.0 = Some(group.extent);
+        }
+        group.measure(stage, &shots.1, journal, progress)?;
+    }
+    Ok(())
+}
+
+/// The records of what the journal has, in the order of sizes, factors and methods.
+pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
+    let of = |group: Group| spec.methods.iter().filter_map(|m| group.record(m, journal)).collect::<Vec<_>>();
+    spec.groups().flat_map(of).collect()
 }

@@ -14,9 +14,43 @@ use ssct::study::image::{RenderedImage, render};
 use ssct::study::{Globals, Shot, Stage};
 use std::path::PathBuf;
 
-/// A device under the validation layers.
+/// A device under the validation layers; GPU-assisted too where the variable SSCT_GPU_AV is 1.
 pub fn gpu() -> Gpu {
-    Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap()
+    Gpu::open(&DeviceQuery { validation: true, gpu_assisted: is_gpu_assisted(), ..DeviceQuery::default() }).unwrap()
+}
+
+/// What fails on a driver through no fault of ours (`tests/expected_failures.toml`).
+#[derive(serde::Deserialize)]
+struct Expected {
+    mode: String,
+    driver: String,
+    id: String,
+    reason: String,
+}
+
+/// The failures that are expected of a device in a mode.
+pub fn expected_failures(mode: &str, gpu: &Gpu) -> Vec<String> {
+    #[derive(serde::Deserialize)]
+    struct File {
+        expected: Vec<Expected>,
+    }
+    let text = include_str!("../expected_failures.toml");
+    let all = toml::from_str::<File>(text).unwrap().expected;
+    assert!(all.iter().all(|e| !e.reason.trim().is_empty()), "a reason for each");
+    let driver = gpu.info().driver.to_lowercase();
+    all.into_iter().filter(|e| e.mode == mode && driver.contains(&e.driver)).map(|e| e.id).collect()
+}
+
+/// Whether [`gpu`] opens devices under GPU-assisted validation.
+pub fn is_gpu_assisted() -> bool {
+    std::env::var_os("SSCT_GPU_AV").is_some_and(|v| v == "1")
+}
+
+/// An error if the layers said anything that is neither on the allow-list nor expected of the driver.
+pub fn check_validation(gpu: &Gpu) -> Result<(), String> {
+    let expected = if is_gpu_assisted() { expected_failures("gpu-assisted", gpu) } else { Vec::new() };
+    let wrong: Vec<_> = gpu.violations().into_iter().filter(|m| !expected.contains(&m.id)).collect();
+    wrong.first().map_or(Ok(()), |first| Err(format!("{} message(s), the first: {}", wrong.len(), first.text)))
 }
 
 /// The folder of the scenes that are too large for the repository, or a line that says why the

@@ -10,6 +10,7 @@ use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
+use crate::report::run_folder::Claim;
 use plates::{Made, PLATES, Plate, Source};
 use std::io::Write;
 use std::path::Path;
@@ -19,6 +20,7 @@ use workshop::Workshop;
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let wanted = wanted(&options.only)?;
     let gpu = resolve::gpu(&options.device)?;
+    let _claim = Claim::new(&options.output)?;
     let mut workshop = Workshop::new(&gpu);
     let bar = progress::bar("figures", wanted.len());
     let mut entries = Vec::new();

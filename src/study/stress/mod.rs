@@ -21,7 +21,7 @@ use crate::scene::{GBufferData, Lens, Scene, View};
 use cases::Case;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The method that must pass every case; the published ones must only survive.
 pub const JUDGED: &str = "unified";
@@ -41,16 +41,16 @@ pub const AGREEMENT_THROUGH_CORNERS: f64 = 0.99;
 const RUNAWAY_MS: (f64, f64) = (5_000.0, 0.02);
 
 /// What a method made of a case.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StressRecord {
     /// "stress".
-    pub kind: &'static str,
+    pub kind: String,
     /// The version of DEFINITIONS.
     pub definitions: u32,
     /// Of this program.
-    pub version: &'static str,
+    pub version: String,
     /// Of its source.
-    pub commit: &'static str,
+    pub commit: String,
     /// Device.
     pub device: DeviceInfo,
     /// What was tried.
@@ -229,10 +229,10 @@ impl Made {
         let required = truth.map_or(AGREEMENT, |t| t.required);
         let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties) as f64 >= required * n as f64);
         StressRecord {
-            kind: "stress",
+            kind: "stress".to_owned(),
             definitions: DEFINITIONS,
-            version: Head::VERSION,
-            commit: Head::COMMIT,
+            version: Head::VERSION.to_owned(),
+            commit: Head::COMMIT.to_owned(),
             device: gpu.info().clone(),
             case: case.to_owned(),
             method: method.name.to_owned(),

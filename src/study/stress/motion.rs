@@ -10,10 +10,10 @@ use crate::study::record::{DEFINITIONS, Head};
 use crate::study::timing::camera;
 use crate::study::{Globals, Shot, Stage, gbuffer};
 use glam::{DMat4, DVec3, Vec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// How the camera moves from one frame to the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Motion {
     /// Sideways by an eighth of a pixel at the distance of the point looked at.
@@ -53,16 +53,16 @@ impl Motion {
 }
 
 /// How a method's reflection changed over some frames.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MotionRecord {
     /// "motion".
-    pub kind: &'static str,
+    pub kind: String,
     /// The version of DEFINITIONS.
     pub definitions: u32,
     /// Of this program.
-    pub version: &'static str,
+    pub version: String,
     /// Of its source.
-    pub commit: &'static str,
+    pub commit: String,
     /// Device.
     pub device: DeviceInfo,
     /// Scene.
@@ -149,10 +149,10 @@ pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -
         let off = mean(&made, |n, change| change - expected[n]);
         let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
         MotionRecord {
-            kind: "motion",
+            kind: "motion".to_owned(),
             definitions: DEFINITIONS,
-            version: Head::VERSION,
-            commit: Head::COMMIT,
+            version: Head::VERSION.to_owned(),
+            commit: Head::COMMIT.to_owned(),
             device: spec.gpu.info().clone(),
             scene: spec.scene.name.clone(),
             view: spec.view.name.clone(),

@@ -1,0 +1,287 @@
+//! The calls that a [`Watch`] stands before: a device's table with these in the place of the driver's.
+
+use super::{Submission, Watch};
+use ash::vk;
+use ash::vk::Handle;
+use std::ffi::c_void;
+use std::sync::{Arc, PoisonError, RwLock};
+
+/// A device that is watched.
+struct Watched {
+    device: u64,
+    queue: u64,
+    watch: Arc<Watch>,
+    v1_0: ash::DeviceFnV1_0,
+    v1_3: ash::DeviceFnV1_3,
+}
+
+/// A call has only its handle to know whose it is.
+static WATCHED: RwLock<Vec<Arc<Watched>>> = RwLock::new(Vec::new());
+
+fn find(is: impl Fn(&Watched) -> bool) -> Option<Arc<Watched>> {
+    let all = WATCHED.read().unwrap_or_else(PoisonError::into_inner);
+    all.iter().find(|w| is(w)).cloned()
+}
+
+fn of_device(device: vk::Device) -> Option<Arc<Watched>> {
+    find(|w| w.device == device.as_raw())
+}
+
+/// The device with its calls watched; `queue` is the one that it submits to.
+pub fn watched(device: &ash::Device, queue: vk::Queue, watch: &Arc<Watch>) -> ash::Device {
+    let (v1_0, v1_3) = (device.fp_v1_0().clone(), device.fp_v1_3().clone());
+    let known = Watched {
+        device: device.handle().as_raw(),
+        queue: queue.as_raw(),
+        watch: Arc::clone(watch),
+        v1_0: v1_0.clone(),
+        v1_3: v1_3.clone(),
+    };
+    WATCHED.write().unwrap_or_else(PoisonError::into_inner).push(Arc::new(known));
+    let v1_0 = ash::DeviceFnV1_0 {
+        destroy_device,
+        device_wait_idle,
+        allocate_memory,
+        free_memory,
+        map_memory,
+        bind_buffer_memory,
+        bind_image_memory,
+        create_buffer,
+        destroy_buffer,
+        create_image,
+        destroy_image,
+        create_image_view,
+        destroy_image_view,
+        create_shader_module,
+        destroy_shader_module,
+        create_graphics_pipelines,
+        create_compute_pipelines,
+        destroy_pipeline,
+        create_pipeline_layout,
+        destroy_pipeline_layout,
+        create_descriptor_set_layout,
+        destroy_descriptor_set_layout,
+        create_descriptor_pool,
+        destroy_descriptor_pool,
+        create_sampler,
+        destroy_sampler,
+        create_query_pool,
+        destroy_query_pool,
+        get_query_pool_results,
+        create_command_pool,
+        destroy_command_pool,
+        allocate_command_buffers,
+        create_fence,
+        destroy_fence,
+        wait_for_fences,
+        create_semaphore,
+        destroy_semaphore,
+        ..v1_0
+    };
+    let v1_3 = ash::DeviceFnV1_3 { queue_submit2, ..v1_3 };
+    let (v1_1, v1_2) = (device.fp_v1_1().clone(), device.fp_v1_2().clone());
+    ash::Device::from_parts_1_3(device.handle(), v1_0, v1_1, v1_2, v1_3)
+}
+
+/// A call that makes one object, and the call that destroys it.
+macro_rules! object {
+    ($create:ident, $info:ty, $destroy:ident, $handle:ty, $kind:literal) => {
+        unsafe extern "system" fn $create(
+            device: vk::Device,
+            info: *const $info,
+            callbacks: *const vk::AllocationCallbacks<'_>,
+            made: *mut $handle,
+        ) -> vk::Result {
+            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = w.watch.allocation() {
+                return result;
+            }
+            // SAFETY: the caller's arguments, for the driver's own call.
+            w.watch.made($kind, 1, unsafe { (w.v1_0.$create)(device, info, callbacks, made) })
+        }
+
+        unsafe extern "system" fn $destroy(
+            device: vk::Device,
+            handle: $handle,
+            callbacks: *const vk::AllocationCallbacks<'_>,
+        ) {
+            let Some(w) = of_device(device) else { return };
+            w.watch.add($kind, -i64::from(!handle.is_null()));
+            // SAFETY: the caller's arguments, for the driver's own call.
+            unsafe { (w.v1_0.$destroy)(device, handle, callbacks) };
+        }
+    };
+}
+
+object!(allocate_memory, vk::MemoryAllocateInfo<'_>, free_memory, vk::DeviceMemory, "device memory");
+object!(create_buffer, vk::BufferCreateInfo<'_>, destroy_buffer, vk::Buffer, "buffers");
+object!(create_image, vk::ImageCreateInfo<'_>, destroy_image, vk::Image, "images");
+object!(create_image_view, vk::ImageViewCreateInfo<'_>, destroy_image_view, vk::ImageView, "image views");
+object!(
+    create_shader_module,
+    vk::ShaderModuleCreateInfo<'_>,
+    destroy_shader_module,
+    vk::ShaderModule,
+    "shader modules"
+);
+object!(
+    create_pipeline_layout,
+    vk::PipelineLayoutCreateInfo<'_>,
+    destroy_pipeline_layout,
+    vk::PipelineLayout,
+    "pipeline layouts"
+);
+object!(
+    create_descriptor_set_layout,
+    vk::DescriptorSetLayoutCreateInfo<'_>,
+    destroy_descriptor_set_layout,
+    vk::DescriptorSetLayout,
+    "descriptor set layouts"
+);
+object!(
+    create_descriptor_pool,
+    vk::DescriptorPoolCreateInfo<'_>,
+    destroy_descriptor_pool,
+    vk::DescriptorPool,
+    "descriptor pools"
+);
+object!(create_sampler, vk::SamplerCreateInfo<'_>, destroy_sampler, vk::Sampler, "samplers");
+object!(create_query_pool, vk::QueryPoolCreateInfo<'_>, destroy_query_pool, vk::QueryPool, "query pools");
+object!(create_command_pool, vk::CommandPoolCreateInfo<'_>, destroy_command_pool, vk::CommandPool, "command pools");
+object!(create_fence, vk::FenceCreateInfo<'_>, destroy_fence, vk::Fence, "fences");
+object!(create_semaphore, vk::SemaphoreCreateInfo<'_>, destroy_semaphore, vk::Semaphore, "semaphores");
+
+/// A call that makes some pipelines.
+macro_rules! pipelines {
+    ($create:ident, $info:ty) => {
+        unsafe extern "system" fn $create(
+            device: vk::Device,
+            cache: vk::PipelineCache,
+            count: u32,
+            infos: *const $info,
+            callbacks: *const vk::AllocationCallbacks<'_>,
+            made: *mut vk::Pipeline,
+        ) -> vk::Result {
+            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = w.watch.allocation() {
+                // SAFETY: the caller gives room for `count` handles; a pipeline that failed is null.
+                unsafe { std::slice::from_raw_parts_mut(made, count as usize) }.fill(vk::Pipeline::null());
+                return result;
+            }
+            // SAFETY: the caller's arguments, for the driver's own call.
+            let result = unsafe { (w.v1_0.$create)(device, cache, count, infos, callbacks, made) };
+            w.watch.made("pipelines", count, result)
+        }
+    };
+}
+
+pipelines!(create_graphics_pipelines, vk::GraphicsPipelineCreateInfo<'_>);
+pipelines!(create_compute_pipelines, vk::ComputePipelineCreateInfo<'_>);
+
+unsafe extern "system" fn destroy_pipeline(
+    device: vk::Device,
+    handle: vk::Pipeline,
+    callbacks: *const vk::AllocationCallbacks<'_>,
+) {
+    let Some(w) = of_device(device) else { return };
+    w.watch.add("pipelines", -i64::from(!handle.is_null()));
+    // SAFETY: the caller's arguments, for the driver's own call.
+    unsafe { (w.v1_0.destroy_pipeline)(device, handle, callbacks) };
+}
+
+/// A call that allocates without an object of its own.
+macro_rules! allocation {
+    ($call:ident, $($argument:ident: $type:ty),*) => {
+        unsafe extern "system" fn $call(device: vk::Device, $($argument: $type),*) -> vk::Result {
+            let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+            if let Err(result) = w.watch.allocation() {
+                return result;
+            }
+            // SAFETY: the caller's arguments, for the driver's own call.
+            unsafe { (w.v1_0.$call)(device, $($argument),*) }
+        }
+    };
+}
+
+allocation!(bind_buffer_memory, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: vk::DeviceSize);
+allocation!(bind_image_memory, image: vk::Image, memory: vk::DeviceMemory, offset: vk::DeviceSize);
+allocation!(
+    map_memory,
+    memory: vk::DeviceMemory,
+    offset: vk::DeviceSize,
+    size: vk::DeviceSize,
+    flags: vk::MemoryMapFlags,
+    data: *mut *mut c_void
+);
+allocation!(
+    allocate_command_buffers,
+    info: *const vk::CommandBufferAllocateInfo<'_>,
+    buffers: *mut vk::CommandBuffer
+);
+
+unsafe extern "system" fn queue_submit2(
+    queue: vk::Queue,
+    count: u32,
+    submits: *const vk::SubmitInfo2<'_>,
+    fence: vk::Fence,
+) -> vk::Result {
+    let Some(w) = find(|w| w.queue == queue.as_raw()) else { return vk::Result::ERROR_UNKNOWN };
+    match w.watch.submission() {
+        // SAFETY: the caller's arguments, for the driver's own call.
+        Submission::Works => unsafe { (w.v1_3.queue_submit2)(queue, count, submits, fence) },
+        _ => vk::Result::ERROR_DEVICE_LOST,
+    }
+}
+
+unsafe extern "system" fn wait_for_fences(
+    device: vk::Device,
+    count: u32,
+    fences: *const vk::Fence,
+    all: vk::Bool32,
+    timeout: u64,
+) -> vk::Result {
+    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    let submission = w.watch.submission();
+    if submission == Submission::Lost {
+        // Nothing was submitted since: a wait would not end.
+        return vk::Result::ERROR_DEVICE_LOST;
+    }
+    // SAFETY: the caller's arguments, for the driver's own call.
+    let result = unsafe { (w.v1_0.wait_for_fences)(device, count, fences, all, timeout) };
+    if submission == Submission::Works { result } else { vk::Result::ERROR_DEVICE_LOST }
+}
+
+unsafe extern "system" fn get_query_pool_results(
+    device: vk::Device,
+    pool: vk::QueryPool,
+    first: u32,
+    count: u32,
+    size: usize,
+    data: *mut c_void,
+    stride: vk::DeviceSize,
+    flags: vk::QueryResultFlags,
+) -> vk::Result {
+    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    match w.watch.submission() {
+        // SAFETY: the caller's arguments, for the driver's own call.
+        Submission::Works => unsafe {
+            (w.v1_0.get_query_pool_results)(device, pool, first, count, size, data, stride, flags)
+        },
+        _ => vk::Result::ERROR_DEVICE_LOST,
+    }
+}
+
+unsafe extern "system" fn device_wait_idle(device: vk::Device) -> vk::Result {
+    let Some(w) = of_device(device) else { return vk::Result::ERROR_UNKNOWN };
+    // SAFETY: the caller's argument, for the driver's own call.
+    let result = unsafe { (w.v1_0.device_wait_idle)(device) };
+    if w.watch.lost.load(std::sync::atomic::Ordering::SeqCst) { vk::Result::ERROR_DEVICE_LOST } else { result }
+}
+
+unsafe extern "system" fn destroy_device(device: vk::Device, callbacks: *const vk::AllocationCallbacks<'_>) {
+    let Some(w) = of_device(device) else { return };
+    // Before the call: the driver may give the handle to the next device.
+    WATCHED.write().unwrap_or_else(PoisonError::into_inner).retain(|w| w.device != device.as_raw());
+    // SAFETY: the caller's arguments, for the driver's own call.
+    unsafe { (w.v1_0.destroy_device)(device, callbacks) };
+}

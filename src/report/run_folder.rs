@@ -1,0 +1,133 @@
+//! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
+
+use crate::error::{Error, Result};
+use crate::study::journal::Journal;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// The journal's file, one entry a line.
+pub const JOURNAL: &str = "journal.jsonl";
+
+/// Its last line once all is done.
+const FINISHED: &str = "{\"finished\":true}";
+
+/// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
+/// back.
+pub struct Claim {
+    folder: PathBuf,
+    _lock: File,
+}
+
+impl Claim {
+    /// Makes the folder if it is missing, sees whether it can be written into, and locks it.
+    ///
+    /// # Errors
+    /// [`Error::Io`] for a folder that cannot be made or written into, [`Error::Busy`] if another run has it.
+    pub fn new(folder: &Path) -> Result<Self> {
+        std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
+        tempfile::Builder::new()
+            .prefix(".ssct-")
+            .tempfile_in(folder)
+            .map_err(|e| Error::io("write into", folder, e))?;
+        let lock = lockable(folder).map_err(|e| Error::io("open", folder, e))?;
+        match lock.try_lock() {
+            // Where a file system has no locks, runs must keep apart by themselves.
+            Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(e)) => return Err(Error::io("lock", folder, e)),
+            Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
+            Ok(()) => {}
+        }
+        Ok(Self { folder: folder.to_owned(), _lock: lock })
+    }
+
+    /// The folder's journal: with `resume` it goes on from what the folder has, else it begins anew.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
+    /// that cannot be read or written.
+    pub fn journal(&self, resume: bool) -> Result<Journal> {
+        let path = self.folder.join(JOURNAL);
+        let text = match std::fs::read(&path) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == ErrorKind::NotFound => Vec::new(),
+            Err(e) => return Err(Error::io("read", &path, e)),
+        };
+        // A run that was killed while it wrote left a line without an end.
+        let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
+        let text = String::from_utf8_lossy(&text[..whole]).into_owned();
+        let unfinished = text.lines().next_back().is_some_and(|last| last != FINISHED);
+        if !resume && unfinished {
+            return Err(Error::Usage(format!(
+                "{} holds what a run measured that was not finished: --resume goes on with it; to begin anew, \
+                 take another folder or remove {}",
+                self.folder.display(),
+                path.display()
+            )));
+        }
+        let failed = |e| Error::io("write", &path, e);
+        let mut file =
+            OpenOptions::new().create(true).append(true).open(&path).map_err(|e| Error::io("write", &path, e))?;
+        file.set_len(if resume { whole as u64 } else { 0 }).map_err(failed)?;
+        let known = if resume { text.as_str() } else { "" };
+        let to = path.clone();
+        let sink =
+            move |line: &str| file.write_all(format!("{line}\n").as_bytes()).map_err(|e| Error::io("write", &to, e));
+        Ok(Journal::resume(known.lines(), Some(Box::new(sink))))
+    }
+
+    /// Notes that the run is finished, so that the next may begin anew.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn finish(&self) -> Result<()> {
+        let path = self.folder.join(JOURNAL);
+        let mut file = OpenOptions::new().append(true).open(&path).map_err(|e| Error::io("write", &path, e))?;
+        file.write_all(format!("{FINISHED}\n").as_bytes()).map_err(|e| Error::io("write", &path, e))
+    }
+}
+
+/// What is locked: the folder itself, which leaves nothing behind.
+#[cfg(unix)]
+fn lockable(folder: &Path) -> std::io::Result<File> {
+    File::open(folder)
+}
+
+/// What is locked: a file in it, where a folder cannot be.
+#[cfg(not(unix))]
+fn lockable(folder: &Path) -> std::io::Result<File> {
+    OpenOptions::new().create(true).append(true).open(folder.join(".ssct-lock"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_is_one_runs_and_its_journal_goes_on_from_whole_lines() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("new/folder");
+        let claim = Claim::new(&path).expect("free");
+        assert!(matches!(Claim::new(&path), Err(Error::Busy { .. })));
+        let mut journal = claim.journal(false).expect("empty");
+        journal.put("a".into(), &1).expect("written");
+        journal.put("b".into(), &2).expect("written");
+        drop((journal, claim));
+
+        // Killed in the middle of the third line.
+        let file = path.join(JOURNAL);
+        let mut text = std::fs::read(&file).expect("there");
+        text.extend(b"{\"key\":\"c\",\"val");
+        std::fs::write(&file, text).expect("written");
+        let claim = Claim::new(&path).expect("free again");
+        let refused = claim.journal(false).err().expect("not over what was measured").to_string();
+        assert!(refused.contains("--resume"), "{refused}");
+        let mut journal = claim.journal(true).expect("there");
+        assert_eq!((journal.get("a"), journal.get("b"), journal.get::<u32>("c")), (Some(1), Some(2), None));
+        journal.put("c".into(), &3).expect("written");
+        claim.finish().expect("written");
+        assert_eq!(claim.journal(true).expect("there").get("c"), Some(3), "a finished run may be gone on with");
+        assert_eq!(claim.journal(false).expect("finished").get::<u32>("a"), None, "or begun anew");
+        assert_eq!(std::fs::read_dir(&path).expect("there").count(), 1, "nothing else is left");
+    }
+}
