@@ -4,6 +4,7 @@
 //! scene file ([`scene_file`]), from OBJ files ([`obj`]) or from the built-in library
 //! ([`library`]); all three give the same [`Scene`].
 
+mod bounded;
 pub mod camera;
 pub mod gbuffer;
 pub mod gbuffer_file;

@@ -105,9 +105,16 @@ impl CameraPath {
     /// # Errors
     /// [`Error::Io`], or [`Error::Malformed`] with file and line.
     pub fn load(path: &Path) -> Result<Self> {
-        let text = read(path, "a path file")?;
-        let source = Source { path, text: &text };
-        let file: PathFile = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+        Self::parse(&read(path, "a path file")?, path)
+    }
+
+    /// As [`CameraPath::load`], of the text of a file that errors call `path`.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with file and line.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let source = Source { path, text };
+        let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
         source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
     }
 

@@ -5,7 +5,7 @@ mod proxies;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
-use super::{Lens, Light, Material, MaterialChange, Probe, Scene, Surface, View};
+use super::{Lens, Light, Material, MaterialChange, Probe, Scene, Surface, View, bounded};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use serde::Deserialize;
@@ -354,12 +354,7 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
 
 /// The text of a file; `what` says in errors what it should be.
 pub(super) fn read(path: &Path, what: &str) -> Result<String> {
-    let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
-    if length > MAX_FILE_BYTES {
-        let message = format!("{what} of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
-        return Err(Error::malformed(path, None, message));
-    }
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let bytes = bounded::read(path, what, MAX_FILE_BYTES)?;
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = 1 + e.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();

@@ -6,6 +6,7 @@ pub mod error;
 pub mod gbuffer;
 pub mod image;
 pub mod path;
+pub mod precision;
 pub mod record;
 pub mod stage;
 pub mod stress;

@@ -1,0 +1,164 @@
+//! The loaders as functions of bytes. Each gives whether the bytes were loaded; what was refused must have
+//! been told in a sentence, and what was loaded must be sound. Anything else is a panic.
+
+use glam::Vec3;
+use ssct::error::{Error, Result};
+use ssct::scene::{Camera, CameraPath, Encoding, Lens, Scene, Texture};
+use ssct::scene::{gbuffer_file, obj, scene_file};
+use std::cell::OnceCell;
+use std::path::Path;
+use tempfile::TempDir;
+
+/// Every entry by its name, which is that of its target and of its folder of inputs.
+pub const ENTRIES: [(&str, fn(&[u8]) -> bool); 5] =
+    [("obj", obj), ("texture", texture), ("gbuffer", gbuffer), ("scene", scene), ("camera_path", camera_path)];
+
+/// An OBJ file and, behind a byte 0, the MTL file `a.mtl`; beside them lie the images `x.png`, a normal
+/// map, and `y.tga`.
+pub fn obj(data: &[u8]) -> bool {
+    let mut parts = data.splitn(2, |b| *b == 0);
+    let (object, library) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default());
+    in_folder(|folder| {
+        write(folder, "a.obj", object);
+        write(folder, "a.mtl", library);
+        judged(obj::load(&[folder.join("a.obj").into()], &obj::ObjOptions::default()), sound_scene)
+    })
+}
+
+/// A scene file; beside it lie `a.obj` with the materials `m` and `n`, and the images.
+pub fn scene(data: &[u8]) -> bool {
+    in_folder(|folder| {
+        write(folder, "a.obj", OBJ);
+        write(folder, "a.mtl", MTL);
+        write(folder, "a.scene.toml", data);
+        judged(scene_file::load(&folder.join("a.scene.toml"), 1.0), sound_scene)
+    })
+}
+
+/// A path file.
+pub fn camera_path(data: &[u8]) -> bool {
+    let Ok(text) = std::str::from_utf8(data) else { return false };
+    judged(CameraPath::parse(text, Path::new("a.toml")), sound_path)
+}
+
+/// An image: the first byte chooses the file name's ending, which decides where the content does not, and
+/// what the image is for.
+pub fn texture(data: &[u8]) -> bool {
+    let Some((&choice, bytes)) = data.split_first() else { return false };
+    let name = ["a.tga", "a.png", "a.jpg", "a.bmp"][usize::from(choice & 3)];
+    let decoded = Texture::from_bytes(bytes, Path::new(name), Encoding::Srgb);
+    judged(decoded, |image| {
+        assert!(image.width > 0 && image.height > 0);
+        let converted = match choice >> 2 & 3 {
+            0 => image.clone(),
+            1 => image.clone().into_mask(),
+            2 => image.clone().into_reflectivity(),
+            _ => image.clone().into_normal_map(f32::from(choice >> 4) - 8.0),
+        };
+        assert_eq!((converted.width, converted.height), (image.width, image.height));
+        assert_eq!(converted.rgba.len() as u64, 4 * u64::from(image.width) * u64::from(image.height));
+    })
+}
+
+/// A G-buffer as OpenEXR.
+pub fn gbuffer(data: &[u8]) -> bool {
+    judged(gbuffer_file::decode(data, Path::new("a.exr")), |g| {
+        let pixels = g.width as usize * g.height as usize;
+        assert!(pixels > 0);
+        assert_eq!(
+            [g.depth.len(), g.normal.len(), g.color.len(), g.roughness.len(), g.reflectivity.len()],
+            [pixels; 5]
+        );
+        sound_camera(&g.camera);
+    })
+}
+
+/// Whether there is a value, which must be sound; an error must name its file.
+fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
+    match result {
+        Ok(value) => {
+            sound(&value);
+            true
+        }
+        Err(error) => {
+            assert!(matches!(error, Error::Malformed { .. } | Error::Io { .. }), "{error}");
+            let text = error.to_string();
+            assert!(text.contains("a.") || text.contains("x.png"), "{text}");
+            false
+        }
+    }
+}
+
+fn sound_scene(scene: &Scene) {
+    assert!(!scene.views.is_empty() && !scene.lights.is_empty() && !scene.probes.is_empty());
+    for mesh in &scene.meshes {
+        assert!(mesh.material < scene.materials.len() && !mesh.indices.is_empty());
+        assert!(mesh.indices.iter().all(|i| (*i as usize) < mesh.vertices.len()));
+        for vertex in &mesh.vertices {
+            let numbers = [&vertex.position[..], &vertex.normal, &vertex.uv, &vertex.tangent].concat();
+            assert!(numbers.iter().all(|n| n.is_finite()), "{vertex:?}");
+            assert!((Vec3::from(vertex.normal).length() - 1.0).abs() < 1e-3, "{vertex:?}");
+        }
+    }
+    for material in &scene.materials {
+        let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
+        assert!(maps.into_iter().flatten().all(|i| i < scene.textures.len()));
+        let factors = [material.reflectivity, material.roughness, material.normal_deviation];
+        assert!(factors.iter().all(|f| (0.0..=1.0).contains(f)) && material.albedo.is_finite(), "{material:?}");
+    }
+    assert!(scene.impostors.iter().all(|i| i.texture < scene.textures.len()));
+    for view in &scene.views {
+        sound_camera(&Camera::new(view.eye, view.look_at, view.lens.unwrap_or(scene.lens), 1.5));
+    }
+    scene.paths.iter().for_each(sound_path);
+}
+
+fn sound_path(path: &CameraPath) {
+    for step in 0..=8 {
+        let (eye, look_at) = path.at(step as f32 / 8.0);
+        assert!(eye.is_finite() && look_at.is_finite(), "{step}: {eye} {look_at}");
+    }
+    let again = CameraPath::parse(&path.to_toml(), Path::new("a.toml"));
+    assert_eq!(&again.expect("what is written can be read"), path);
+}
+
+fn sound_camera(camera: &Camera) {
+    let Lens { fov_y_radians, near_m, far_m } = camera.lens;
+    assert!(fov_y_radians > 0.0 && near_m > 0.0 && far_m > near_m && far_m.is_finite());
+    assert!(camera.world_to_view.is_finite(), "{camera:?}");
+    assert!(camera.view_to_clip_reversed().is_finite(), "{camera:?}");
+}
+
+/// A small OBJ file with every statement that counts.
+pub const OBJ: &[u8] = b"mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nv -1 0.5 2\n\
+    vt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\nvn 0.6 0 0.8\nf 1/1/1 2/2/2 3/3/1 4/1/2\nf 1 2 5\nf -1 -2 -3 -4 -5\n\
+    usemtl n\ns off\nf 1//1 3//2 5//1 \\\n 2//2\n";
+
+/// Its materials.
+pub const MTL: &[u8] = b"newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump -bm 0.5 x.png\nmap_d y.tga\n\
+    newmtl n\nPr 0.5\nmap_Ks -s 1 1 y.tga\nd 1\n";
+
+thread_local! {
+    static FOLDER: OnceCell<TempDir> = const { OnceCell::new() };
+}
+
+/// Runs in a folder in memory, where the system has such, that holds the images and belongs to the thread.
+fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
+    FOLDER.with(|cell| {
+        let folder = cell.get_or_init(|| {
+            let memory = Path::new("/dev/shm");
+            let made = if memory.is_dir() { tempfile::tempdir_in(memory) } else { tempfile::tempdir() };
+            let folder = made.expect("a folder");
+            let texel = |x: u32, y: u32| image::Rgb([x as u8 * 40 + 60, y as u8 * 40 + 60, 240]);
+            for name in ["x.png", "y.tga"] {
+                image::RgbImage::from_fn(4, 4, texel).save(folder.path().join(name)).expect("an image");
+            }
+            folder
+        });
+        run(folder.path())
+    })
+}
+
+fn write(folder: &Path, name: &str, bytes: &[u8]) {
+    std::fs::write(folder.join(name), bytes).expect("a file");
+}
