@@ -32,7 +32,7 @@ run() {
     local out=$1 runs=$2 target
     shift 2
     mkdir -p "$out"
-    "$bin/seeds" "$out/seeds"
+    SSCT_FUZZ_SEEDS="$out/seeds" "$bin/obj"
     for target in "$@"; do
         mkdir -p "$out/$target-corpus" "fuzz/corpus/$target"
         "$bin/$target" -runs="$runs" -max_len="$(longest "$target")" -dict="$(words "$target")" \

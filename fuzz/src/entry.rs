@@ -25,11 +25,9 @@ pub fn obj(data: &[u8]) -> bool {
     })
 }
 
-/// A scene file; beside it lie `a.obj` with the materials `m` and `n`, and the images.
+/// A scene file; beside it lie `m.obj` with the materials `m` and `n`, and the images.
 pub fn scene(data: &[u8]) -> bool {
     in_folder(|folder| {
-        write(folder, "a.obj", OBJ);
-        write(folder, "a.mtl", MTL);
         write(folder, "a.scene.toml", data);
         judged(scene_file::load(&folder.join("a.scene.toml"), 1.0), sound_scene)
     })
@@ -83,7 +81,7 @@ fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
         Err(error) => {
             assert!(matches!(error, Error::Malformed { .. } | Error::Io { .. }), "{error}");
             let text = error.to_string();
-            assert!(text.contains("a.") || text.contains("x.png"), "{text}");
+            assert!(["a.", "m.", "x.png", "y.tga"].iter().any(|name| text.contains(name)), "{text}");
             false
         }
     }
@@ -142,7 +140,8 @@ thread_local! {
     static FOLDER: OnceCell<TempDir> = const { OnceCell::new() };
 }
 
-/// Runs in a folder in memory, where the system has such, that holds the images and belongs to the thread.
+/// Runs in a folder in memory, where the system has such, that belongs to the thread and holds
+/// the images and what a scene file may name.
 fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
     FOLDER.with(|cell| {
         let folder = cell.get_or_init(|| {
@@ -153,6 +152,9 @@ fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
             for name in ["x.png", "y.tga"] {
                 image::RgbImage::from_fn(4, 4, texel).save(folder.path().join(name)).expect("an image");
             }
+            let object = String::from_utf8_lossy(OBJ).replace("a.mtl", "m.mtl");
+            write(folder.path(), "m.obj", object.as_bytes());
+            write(folder.path(), "m.mtl", MTL);
             folder
         });
         run(folder.path())

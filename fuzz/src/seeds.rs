@@ -1,20 +1,20 @@
-//! Writes the inputs that fuzzing starts from, `DIR/TARGET/seed-*`: small files of every kind that the
-//! loaders read.
+//! The inputs that fuzzing starts from: small files of every kind that the loaders read.
 
+use crate::entry;
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use ssct::scene::{Camera, GBufferData, Lens, gbuffer_file};
-use ssct_fuzz::entry;
-use std::io::Cursor;
-use std::path::{Path, PathBuf};
 
-const SCENE: &str = "name = \"n\"\nhandedness = \"left\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurface = \"sky\"\n\
+use std::io::Cursor;
+use std::path::Path;
+
+const SCENE: &str = "name = \"n\"\nhandedness = \"left\"\nscale = 0.5\n[[mesh]]\nfile = \"m.obj\"\nsurface = \"sky\"\n\
     [material.m]\nroughness = 0.5\nreflectivity = 0.25\nnormal_deviation = 1\n[material.default]\nroughness = 0.1\n\
     [camera]\nnear = 0.1\nfar = 10.0\nfov_y_deg = 60\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\n\
     energy = 1.0\n[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0]\nenergy = 0.5\n[view.a]\n\
     eye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nfov_y_deg = 40.0\nmaterials = { n = { reflectivity = 1.0 } }\n";
 
-const PROXIES: &str = "[[mesh]]\nfile = \"a.obj\"\n[[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\n\
+const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\n\
     max = [1.0, 1.0, 1.0]\n[[impostor]]\nname = \"i\"\nfile = \"x.png\"\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
     half_v = [0, -1, 0]\n[[area_light]]\nkind = \"sphere\"\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n\
     [[area_light]]\nkind = \"capsule\"\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 1.0\n\
@@ -25,17 +25,17 @@ const PROXIES: &str = "[[mesh]]\nfile = \"a.obj\"\n[[probe]]\nname = \"p\"\nposi
 const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
     look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";
 
-fn main() {
-    let root = PathBuf::from(std::env::args_os().nth(1).expect("the folder"));
+/// Writes them as `ROOT/TARGET/seed-*`.
+pub fn write_all(root: &Path) {
     let both = [entry::OBJ, b"\0", entry::MTL].concat();
     let plain =
         b"o a\rv 0 0 0 1\rv 1 0 0 .5 .5 .5\rv 0 1 0\rv 2 2 0\rvt 0.5\rf 1/1 2/1 3/1 4\rg\rfo 1 2 3 # c\rl 1 2\rp 1\r";
-    write(&root, "obj", &[both, plain.to_vec()]);
-    write(&root, "scene", &[SCENE, PROXIES].map(|s| s.as_bytes().to_vec()));
+    write(root, "obj", &[both, plain.to_vec()]);
+    write(root, "scene", &[SCENE, PROXIES].map(|s| s.as_bytes().to_vec()));
     let untimed = PATH.lines().filter(|l| !l.starts_with("time")).collect::<Vec<_>>().join("\n");
-    write(&root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
-    write(&root, "texture", &textures());
-    write(&root, "gbuffer", &gbuffers());
+    write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
+    write(root, "texture", &textures());
+    write(root, "gbuffer", &gbuffers());
 }
 
 fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {

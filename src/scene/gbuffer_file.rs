@@ -166,12 +166,12 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
         (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
         _ => return Err("neither viewToClip nor fovYRadians, nearPlane and farPlane say what the projection is".into()),
     };
-    let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
-    let sound = fov > 0.0 && fov < std::f32::consts::PI && near > 0.0 && far > near && far.is_finite() && aspect > 0.0;
-    if !(sound && aspect.is_finite() && world_to_view.is_finite()) {
+    let made = Camera { world_to_view, lens, aspect, near_plane: None };
+    if !made.is_sound() {
+        let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
         return Err(format!("a projection of fov {fov}, near {near}, far {far}, aspect {aspect} is no camera"));
     }
-    Ok(Camera { world_to_view, lens, aspect, near_plane: None })
+    Ok(made)
 }
 
 /// Lens and aspect of a symmetric perspective with reversed depth.

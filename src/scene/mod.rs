@@ -27,6 +27,10 @@ pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
+/// The farthest coordinate from the origin that a file may place something at, in metres: products of two
+/// differences stay in f32.
+pub const MAX_COORDINATE_M: f32 = 1e8;
+
 /// A scene, ready to be uploaded or ray traced.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
