@@ -9,6 +9,7 @@
 
 use super::{Camera, GBufferData, Lens, bounded};
 use crate::error::{Error, Result};
+use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
@@ -27,6 +28,11 @@ pub const MAX_BYTES: u64 = 1 << 32;
 
 /// What the channels of any file may take when they are unpacked, in bytes; beyond that it must be long enough.
 const FREE_BYTES: u64 = 1 << 24;
+
+/// What a G-buffer may be compressed by. The others round: a depth of 24 bits is another depth. (And the
+/// decoder of B44 overflows on files that fuzzing finds.)
+const LOSSLESS: [Compression; 5] =
+    [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
 
 /// The file of a G-buffer, as bytes.
 ///
@@ -84,7 +90,7 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 ///
 /// # Errors
 /// [`Error::Malformed`] for what is no OpenEXR image, is larger than [`MAX_SIDE`] or [`MAX_BYTES`], claims
-/// more pixels than so few bytes can hold, or lacks a channel or the projection.
+/// more pixels than so few bytes can hold, is compressed with loss, or lacks a channel or the projection.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
@@ -92,6 +98,9 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
         return Err(wrong(format!("a G-buffer of {}x{}; at most {MAX_SIDE} a side are read", size.0, size.1)));
+    }
+    if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
+        return Err(wrong(format!("compression {lossy} loses precision; none, RLE, ZIP, ZIPS and PIZ are read")));
     }
     let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
     let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
