@@ -100,7 +100,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         return Err(wrong(format!("a G-buffer of {}x{}; at most {MAX_SIDE} a side are read", size.0, size.1)));
     }
     if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
-        return Err(wrong(format!("compression {lossy} loses precision; none, RLE, ZIP, ZIPS and PIZ are read")));
+        return Err(wrong(format!("{lossy} loses precision; none, RLE, ZIP, ZIPS and PIZ are read")));
     }
     let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
     let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
