@@ -15,7 +15,7 @@ flags+=" -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanit
 flags+=" -Cllvm-args=-sanitizer-coverage-trace-compares"
 
 # What a mutation may grow to: an image's bytes unpack to thousands each.
-longest() { case $1 in texture) echo 1024 ;; *) echo 4096 ;; esac; }
+longest() { case $1 in texture) echo 512 ;; *) echo 4096 ;; esac; }
 
 words() {
     case $1 in
@@ -36,7 +36,7 @@ run() {
     for target in "$@"; do
         mkdir -p "$out/$target-corpus" "fuzz/corpus/$target"
         "$bin/$target" -runs="$runs" -max_len="$(longest "$target")" -dict="$(words "$target")" \
-            -rss_limit_mb=2048 -timeout=25 -print_final_stats=1 -artifact_prefix="$out/$target-" \
+            -rss_limit_mb=2048 -timeout=120 -reload=0 -print_final_stats=1 -artifact_prefix="$out/$target-" \
             "$out/$target-corpus" "fuzz/corpus/$target" "$out/seeds/$target" >"$out/$target.log" 2>&1 ||
             { tail -n 40 "$out/$target.log" >&2; exit 1; }
         grep -E 'DONE|stat::' "$out/$target.log" | sed "s/^/$target: /"

@@ -36,7 +36,7 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         assert!(read == *values, "an image of the G-buffer rounds otherwise than its rung");
     }
 
-    let methods = [methods::find("unified").unwrap()];
+    let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
     let setup = Setup::new(SIZE);
     let records =
         measure(&PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 }).unwrap();

@@ -16,6 +16,9 @@ const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 /// Methods where none are given, beside the judged one.
 const BESIDE: &str = "ssct";
 
+/// The method that copies the G-buffer's bits, and so has to know their formats.
+const COPIES: &str = "poster";
+
 /// Measures every rung for every view, writes and prints.
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let place = &options.common.place;
@@ -46,6 +49,11 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
         [] => [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
         names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
     };
+    if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
+        let message =
+            format!("--precision is for methods that sample a G-buffer of any format; {} does not", method.name);
+        return Err(Error::Usage(message).into());
+    }
     let gpu = resolve::gpu(&options.common.device)?;
     let setup = resolve::setup(&options.common.method_options, size);
     let bar = progress::bar("precision", views.len() * globals.len());

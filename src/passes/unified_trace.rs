@@ -114,7 +114,13 @@ impl UnifiedTracePass {
             return Ok(traced);
         }
         resources.extend(input.tiles.map(|tiles| ("Tiles", Resource::ReadBuffer(tiles.lists))));
-        frame.copy("composite", input.gbuffer.color.level(0), self.composite.all())?;
+        let color = input.gbuffer.color;
+        if color.format() == self.composite.format() {
+            frame.copy("composite", color.level(0), self.composite.all())?;
+        } else {
+            // A blit converts: the precision study hands over 32-bit floats.
+            frame.blit("composite", color.level(0), self.composite.all())?;
+        }
         for (n, list) in lists.iter().enumerate() {
             let cleared = |image: &'a Image, value| {
                 if n == 0 { Target::cleared(image.all(), value) } else { Target::kept(image.all()) }

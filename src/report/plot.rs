@@ -161,7 +161,9 @@ pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
             let (low, high) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", TEXT))).map_err(failed)?;
+            let label = format!("{tick}");
+            let at = (low.0 - 10 - 8 * label.len() as i32, low.1 - 6);
+            root.draw(&Text::new(label, at, ("sans-serif", TEXT))).map_err(failed)?;
         }
         let place = |p: &Named| (p.at[0].log10(), p.at[1].log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();

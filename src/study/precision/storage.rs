@@ -241,15 +241,18 @@ mod tests {
 
     #[test]
     fn each_depth_is_off_by_what_its_format_says() {
-        // A surface at 100 m of near 0.1 and far 1000.
-        let reversed = 0.1 * (1000.0 - 100.0) / (100.0 * (1000.0 - 0.1));
-        let off = |format: DepthFormat| (f64::from(format.store(reversed)) - reversed).abs();
-        assert!(off(DepthFormat::F32Reversed) <= reversed * 2.0_f64.powi(-24));
-        let standard = off(DepthFormat::F32Standard);
-        assert!(standard > 1e-9 && standard <= 2.0_f64.powi(-25), "{standard}");
-        assert!(off(DepthFormat::D24) <= 0.5 / f64::from((1 << 24) - 1) + 1e-10);
-        let coarse = off(DepthFormat::D16);
-        assert!(coarse > 1e-7 && coarse <= 0.5 / 65535.0 + 1e-10, "{coarse}");
+        // Surfaces from 50 to 150 m of near 0.1 and far 1000; the greatest error there.
+        let reversed = |z: f64| 0.1 * (1000.0 - z) / (z * (1000.0 - 0.1));
+        let off = |format: DepthFormat| {
+            let of = |z: i32| (f64::from(format.store(reversed(f64::from(z)))) - reversed(f64::from(z))).abs();
+            (50..=150).map(of).fold(0.0, f64::max)
+        };
+        let [exact, standard] = [DepthFormat::F32Reversed, DepthFormat::F32Standard].map(off);
+        assert!(exact <= reversed(50.0) * 2.0_f64.powi(-24), "{exact}");
+        assert!(standard > 100.0 * exact && standard <= 2.0_f64.powi(-25), "{standard}");
+        let [d24, d16] = [DepthFormat::D24, DepthFormat::D16].map(off);
+        assert!(d24 > 100.0 * exact && d24 <= 0.5 / f64::from((1 << 24) - 1) + 1e-10, "{d24}");
+        assert!(d16 > 100.0 * d24 && d16 <= 0.5 / 65535.0 + 1e-10, "{d16}");
         for format in [DepthFormat::F32Reversed, DepthFormat::F32Standard, DepthFormat::D24, DepthFormat::D16] {
             assert_eq!((format.store(0.0), format.store(1.0)), (0.0, 1.0), "sky and the near plane stay");
         }
