@@ -36,7 +36,7 @@ run() {
     for target in "$@"; do
         mkdir -p "$out/$target-corpus" "fuzz/corpus/$target"
         "$bin/$target" -runs="$runs" -max_len="$(longest "$target")" -dict="$(words "$target")" \
-            -rss_limit_mb=2048 -timeout=120 -reload=0 -print_final_stats=1 -artifact_prefix="$out/$target-" \
+            -rss_limit_mb=2048 -timeout=600 -reload=0 -print_final_stats=1 -artifact_prefix="$out/$target-" \
             "$out/$target-corpus" "fuzz/corpus/$target" "$out/seeds/$target" >"$out/$target.log" 2>&1 ||
             { tail -n 40 "$out/$target.log" >&2; exit 1; }
         grep -E 'DONE|stat::' "$out/$target.log" | sed "s/^/$target: /"
@@ -48,7 +48,7 @@ merge() {
     shift
     for target in "$@"; do
         mkdir -p "fuzz/corpus/$target"
-        "$bin/$target" -set_cover_merge=1 "fuzz/corpus/$target" "$out/$target-corpus" "$out/seeds/$target" \
+        "$bin/$target" -set_cover_merge=1 -use_counters=0 "fuzz/corpus/$target" "$out/$target-corpus" "$out/seeds/$target" \
             >"$out/$target-merge.log" 2>&1
         tail -n 1 "$out/$target-merge.log"
     done
