@@ -3,7 +3,7 @@
 # pass, asked for with the flags that cargo-fuzz sets too. A target's log, executions and coverage in it,
 # goes to OUT/TARGET.log; new inputs go to OUT/TARGET-corpus, and what the kept corpus lacks is merged into it.
 #
-# usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET…]
+# usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET… | summary LOG…]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 host=$(rustc -vV | sed -n 's/^host: //p')
@@ -54,8 +54,33 @@ merge() {
     done
 }
 
+# Executions of all logs of a target together, and the most coverage of one: edges, and features (edges by count).
+summary() {
+    awk '
+        FNR == 1 { target = FILENAME; sub(/.*\//, "", target); sub(/[.-].*/, "", target); runs[target]++; stated[FILENAME] = 0 }
+        /^#[0-9]/ {
+            n = substr($1, 2) + 0
+            if (!stated[FILENAME] && n > last[FILENAME]) { sum[target] += n - last[FILENAME]; last[FILENAME] = n }
+            for (i = 2; i < NF; i++) {
+                if ($i == "cov:" && $(i + 1) > cov[target]) cov[target] = $(i + 1) + 0
+                if ($i == "ft:" && $(i + 1) > ft[target]) ft[target] = $(i + 1) + 0
+            }
+        }
+        /^stat::number_of_executed_units/ { sum[target] += $2 - last[FILENAME]; stated[FILENAME] = 1 }
+        /deadly signal/ { panics[target]++ }
+        END {
+            printf "%-12s %5s %12s %7s %9s %7s\n", "target", "runs", "executions", "edges", "features", "panics"
+            for (t in runs) {
+                printf "%-12s %5d %12d %7d %9d %7d\n", t, runs[t], sum[t], cov[t], ft[t], panics[t] | "sort"
+                all += sum[t]
+            }
+            close("sort")
+            printf "%-12s %5s %12d\n", "all", "", all
+        }' "$@"
+}
+
 case ${1:-} in
     build) build ;;
-    run | merge) "$@" ;;
+    run | merge | summary) "$@" ;;
     *) sed -n 's/^# usage: //p' "$0" >&2; exit 2 ;;
 esac
