@@ -161,7 +161,7 @@ pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
             let (low, high) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            let label = format!("{tick}");
+            let label = if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") };
             let at = (low.0 - 10 - 8 * label.len() as i32, low.1 - 6);
             root.draw(&Text::new(label, at, ("sans-serif", TEXT))).map_err(failed)?;
         }
