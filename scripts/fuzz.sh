@@ -67,7 +67,7 @@ summary() {
             }
         }
         /^stat::number_of_executed_units/ { sum[target] += $2 - last[FILENAME]; stated[FILENAME] = 1 }
-        /deadly signal/ { panics[target]++ }
+        /ERROR: libFuzzer: deadly signal/ { panics[target]++ }
         END {
             printf "%-12s %5s %12s %7s %9s %7s\n", "target", "runs", "executions", "edges", "features", "panics"
             for (t in runs) {
