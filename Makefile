@@ -4,7 +4,7 @@ CARGO ?= cargo
 OUT ?= out
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
 
-.PHONY: all setup build study test test-faults test-gpu-av soak test-mitsuba lint bench view doc clean
+.PHONY: all setup build study test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc clean
 
 all: build
 
@@ -48,6 +48,16 @@ test-mitsuba: build $(MITSUBA)
 		"$(BIN)" truth export --scene $$1 --view $$2 --roughness $$3 --size 160x90 --samples 256 -o "$$dir"; \
 		.venv-mitsuba/bin/python scripts/mitsuba_compare.py "$$dir" --samples 256 --json "$$dir/report.json"; \
 	done
+
+# Coverage-guided fuzzing of the loaders, so many executions of each target; logs go to $(OUT)/fuzz, and what the
+# kept inputs (fuzz/corpus) lack is added to them. `make test` replays them.
+FUZZ_RUNS ?= 200000
+FUZZ_TARGETS = obj texture gbuffer scene camera_path
+
+fuzz: setup
+	scripts/fuzz.sh build
+	scripts/fuzz.sh run "$(OUT)/fuzz" $(FUZZ_RUNS) $(FUZZ_TARGETS)
+	scripts/fuzz.sh merge "$(OUT)/fuzz" $(FUZZ_TARGETS)
 
 lint: setup
 	$(CARGO) fmt --check

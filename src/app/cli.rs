@@ -277,6 +277,10 @@ pub struct ErrorOptions {
     /// Only the variant that the flags name, instead of both presets and their parameters.
     #[arg(long)]
     pub no_sweep: bool,
+    /// Error against the bytes of a G-buffer's pixel instead of run time: depth, normals and colour in one
+    /// format after another.
+    #[arg(long, conflicts_with = "no_sweep")]
+    pub precision: bool,
     /// Frames that count, for each variant.
     #[arg(long, default_value_t = 5)]
     pub samples: usize,

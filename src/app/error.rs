@@ -3,7 +3,7 @@
 use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::run::Run;
-use super::{progress, resolve};
+use super::{precision, progress, resolve};
 use crate::error::Result;
 use crate::methods;
 use crate::report::{error_report, files};
@@ -14,6 +14,9 @@ use std::io::Write;
 
 /// Measures what is missing, writes and prints everything.
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
+    if options.precision {
+        return precision::run(options);
+    }
     let gpu = resolve::gpu(&options.common.device)?;
     let plan = plan(options)?;
     let bar = progress::bar("error", plan.cells());

@@ -9,6 +9,7 @@ mod figures;
 #[cfg(feature = "window")]
 mod fly_camera;
 mod gbuffer;
+mod precision;
 mod progress;
 mod reference;
 mod render;

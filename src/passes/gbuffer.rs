@@ -60,28 +60,46 @@ impl GBufferImages {
     }
 
     fn with_depth(gpu: &Gpu, extent: [u32; 2], depth: vk::Format) -> Result<Self> {
+        Self::of(gpu, extent, depth, [NORMAL, LIT_COLOR])
+    }
+
+    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, [normal, color]: [vk::Format; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
             depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
-            normal: image_of(gpu, "normal", NORMAL, extent, 1, U::COLOR_ATTACHMENT)?,
+            normal: image_of(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT)?,
             material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT)?,
-            color: image_of(gpu, "color", LIT_COLOR, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
+            color: image_of(gpu, "color", color, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
         })
     }
 
     /// Images with the content of a G-buffer on the host, rounded to their formats.
     pub fn upload(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
+        let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half_bits)).collect();
+        let vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
         let images = Self::new(context.gpu(), [data.width, data.height])?;
-        let half = |v: f32| half::f16::from_f32(v).to_bits();
-        let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half)).collect::<Vec<u16>>();
+        images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
+    }
+
+    /// As [`GBufferImages::upload`], with normals and colour in 32-bit floats, which round nothing: to try
+    /// other formats than these by their values. The device must filter such images linearly.
+    pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
+        let padded = |v: &[Vec3], w: f32| v.iter().map(|p| p.extend(w).to_array()).collect();
+        let vectors: [Vec<[f32; 4]>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
+        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [vk::Format::R32G32B32A32_SFLOAT; 2])?;
+        images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
+    }
+
+    /// The images with depth and material of a G-buffer, and normals and colour as bytes of their formats.
+    fn filled(self, context: &mut FrameContext, data: &GBufferData, [normal, color]: [&[u8]; 2]) -> Result<Self> {
+        let images = self;
         let material: Vec<u16> =
-            data.reflectivity.iter().zip(&data.roughness).flat_map(|(a, b)| [half(*a), half(*b)]).collect();
-        let (normal, color) = (padded(&data.normal, 0.0), padded(&data.color, 1.0));
+            data.reflectivity.iter().zip(&data.roughness).flat_map(|(a, b)| [half_bits(*a), half_bits(*b)]).collect();
         let content: [(&Image, &[u8]); 4] = [
             (&images.depth, bytemuck::cast_slice(&data.depth)),
-            (&images.normal, bytemuck::cast_slice(&normal)),
+            (&images.normal, normal),
             (&images.material, bytemuck::cast_slice(&material)),
-            (&images.color, bytemuck::cast_slice(&color)),
+            (&images.color, color),
         ];
         for (image, bytes) in content {
             let staging = Buffer::upload(context.gpu(), "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
@@ -100,6 +118,10 @@ impl GBufferImages {
             reflectors: Reflectors::UNKNOWN,
         }
     }
+}
+
+fn half_bits(v: f32) -> u16 {
+    half::f16::from_f32(v).to_bits()
 }
 
 fn image_of(

@@ -95,7 +95,13 @@ impl UnifiedTracePass {
             frame.fullscreen("trace+composite", whole, &targets, &resources, &[])?;
             return Ok(None);
         }
-        frame.copy("composite", gbuffer.color.level(0), canvas.composite.all())?;
+        let (color, composite) = (gbuffer.color, canvas.composite);
+        if color.format() == composite.format() {
+            frame.copy("composite", color.level(0), composite.all())?;
+        } else {
+            // A blit converts: the precision study hands over 32-bit floats.
+            frame.blit("composite", color.level(0), composite.all())?;
+        }
         let mut targets = vec![Target::kept(canvas.composite.all())];
         targets.extend(canvas.reflection.map(|i| Target::cleared(i.all(), [0.0; 4])));
         targets.extend(hits.map(|h| Target::cleared(h.all(), [-1.0, -1.0, -1.0, 0.0])));

@@ -11,6 +11,7 @@ pub mod images;
 pub mod mitsuba;
 pub mod path_report;
 pub mod plot;
+pub mod precision_report;
 pub mod run_folder;
 pub mod sheet;
 pub mod stress_report;

@@ -98,13 +98,30 @@ fn legend_height(stages: &[String]) -> u32 {
     20 + 20 * stages.len().div_ceil(LEGEND_COLUMNS) as u32
 }
 
+/// A point of a plot.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// What it is called.
+    pub name: String,
+    /// Cost and error, both above 0.
+    pub at: [f64; 2],
+    /// Whether nothing beats it in both.
+    pub on_front: bool,
+}
+
 /// Run time against error on log axes: every point named, the Pareto front connected.
 pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, String> {
-    let bounds = |values: &dyn Fn(&Point) -> f64| {
+    let named = |p: &Point| Named { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
+    against(&points.iter().map(named).collect::<Vec<_>>(), ["milliseconds, median", error_axis])
+}
+
+/// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected.
+pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
+    let bounds = |values: &dyn Fn(&Named) -> f64| {
         let (least, most) = points.iter().map(values).fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
         (least / 1.3, most * 1.3)
     };
-    let (x, y) = (bounds(&|p| p.time_ms), bounds(&|p| p.error));
+    let (x, y) = (bounds(&|p| p.at[0]), bounds(&|p| p.at[1]));
     // Names stand in a column of their own, as wide as the longest needs.
     let longest = points.iter().map(|p| p.name.chars().count()).max().unwrap_or(0);
     let name_width = 40 + 8 * longest as i32;
@@ -128,8 +145,8 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             .disable_mesh()
             .x_labels(0)
             .y_labels(0)
-            .x_desc("milliseconds, median")
-            .y_desc(error_axis)
+            .x_desc(axes[0])
+            .y_desc(axes[1])
             .axis_desc_style(("sans-serif", TEXT))
             .draw()
             .map_err(failed)?;
@@ -144,17 +161,20 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
             let (low, high) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            root.draw(&Text::new(format!("{tick}"), (low.0 - 40, low.1 - 6), ("sans-serif", TEXT))).map_err(failed)?;
+            let label = if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") };
+            let at = (low.0 - 10 - 8 * label.len() as i32, low.1 - 6);
+            root.draw(&Text::new(label, at, ("sans-serif", TEXT))).map_err(failed)?;
         }
-        let place = |p: &Point| (p.time_ms.log10(), p.error.log10());
-        let front = points.iter().filter(|p| p.on_front).map(place);
+        let place = |p: &Named| (p.at[0].log10(), p.at[1].log10());
+        let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
+        front.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
-        let color = |p: &Point| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
+        let color = |p: &Named| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
         chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
 
         // In the order of the errors, each name led to its point.
-        let mut order: Vec<&Point> = points.iter().collect();
-        order.sort_by(|a, b| b.error.total_cmp(&a.error));
+        let mut order: Vec<&Named> = points.iter().collect();
+        order.sort_by(|a, b| b.at[1].total_cmp(&a.at[1]));
         for (row, p) in order.into_iter().enumerate() {
             let at = chart.backend_coord(&place(p));
             let name = (plot_width + 24, 30 + row as i32 * 17);

@@ -62,6 +62,19 @@ impl Camera {
         Self { world_to_view: look_to_mat4(eye, forward, up), lens, aspect, near_plane: None }
     }
 
+    /// Whether its numbers make a camera at all: a lens within its ranges, and matrices that are finite and
+    /// can be inverted.
+    pub fn is_sound(&self) -> bool {
+        let Lens { fov_y_radians: fov, near_m: near, far_m: far } = self.lens;
+        let in_range = fov > 0.0 && fov < std::f32::consts::PI && near > 0.0 && far > near && far.is_finite();
+        in_range
+            && self.aspect > 0.0
+            && self.aspect.is_finite()
+            && self.world_to_view.inverse().is_finite()
+            && self.view_to_clip_reversed().is_finite()
+            && self.view_to_clip_reversed().as_dmat4().inverse().is_finite()
+    }
+
     /// View to clip with standard depth (near 0, far 1): what the published methods use.
     pub fn view_to_clip(&self) -> Mat4 {
         perspective(self.lens.fov_y_radians, self.aspect, self.lens.near_m, self.lens.far_m)

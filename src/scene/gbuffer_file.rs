@@ -7,12 +7,13 @@
 //! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; a
 //! file without them is read from its matrix.
 
-use super::{Camera, GBufferData, Lens};
+use super::{Camera, GBufferData, Lens, bounded};
 use crate::error::{Error, Result};
+use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use exr::meta::header::LayerAttributes;
+use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels, ReadLayers, Text, WritableImage, read};
 use glam::{Mat4, Vec3};
 use std::collections::HashMap;
@@ -21,6 +22,17 @@ use std::path::Path;
 
 /// The largest side of a G-buffer that is read, in pixels.
 pub const MAX_SIDE: usize = 16384;
+
+/// The largest G-buffer that is read, in bytes of its channels, and the largest file.
+pub const MAX_BYTES: u64 = 1 << 32;
+
+/// What the channels of any file may take when they are unpacked, in bytes; beyond that it must be long enough.
+const FREE_BYTES: u64 = 1 << 24;
+
+/// What a G-buffer may be compressed by. The others round: a depth of 24 bits is another depth. (And the
+/// decoder of B44 overflows on files that fuzzing finds.)
+const LOSSLESS: [Compression; 5] =
+    [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
 
 /// The file of a G-buffer, as bytes.
 ///
@@ -68,25 +80,38 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
 /// Reads a G-buffer file.
 ///
 /// # Errors
-/// [`Error::Io`] for a file that can't be opened; [`Error::Malformed`] for one that is no OpenEXR
-/// image, is larger than [`MAX_SIDE`], or lacks a channel or the projection.
+/// [`Error::Io`] for a file that can't be opened; else as [`decode`], and for files of more than
+/// [`MAX_BYTES`].
 pub fn load(path: &Path) -> Result<GBufferData> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    decode(&bounded::read(path, "a G-buffer", MAX_BYTES)?, path)
+}
+
+/// As [`load`], of the bytes of a file that errors call `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] for what is no OpenEXR image, is larger than [`MAX_SIDE`] or [`MAX_BYTES`], claims
+/// more pixels than so few bytes can hold, is compressed with loss, or lacks a channel or the projection.
+pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
     // The header is looked at before any pixel is allocated.
-    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
         return Err(wrong(format!("a G-buffer of {}x{}; at most {MAX_SIDE} a side are read", size.0, size.1)));
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(&bytes))
-        .map_err(unreadable)?;
+    if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
+        return Err(wrong(format!("{lossy} loses precision; none, RLE, ZIP, ZIPS and PIZ are read")));
+    }
+    let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
+    let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
+    if unpacked > MAX_BYTES || !bounded::may_unpack(bytes.len(), unpacked, FREE_BYTES) {
+        let from = bytes.len();
+        return Err(wrong(format!("channels of {unpacked} bytes from a file of {from}, more than are read")));
+    }
+    let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    // Threads cost more than they save where there is little to unpack.
+    let read = if unpacked < FREE_BYTES { read.non_parallel() } else { read };
+    let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
     let layer = image.layer_data;
     let (width, height) = (layer.size.0, layer.size.1);
     let camera = camera(&layer.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
@@ -150,12 +175,12 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
         (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
         _ => return Err("neither viewToClip nor fovYRadians, nearPlane and farPlane say what the projection is".into()),
     };
-    let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
-    let sound = fov > 0.0 && fov < std::f32::consts::PI && near > 0.0 && far > near && far.is_finite() && aspect > 0.0;
-    if !(sound && aspect.is_finite() && world_to_view.is_finite()) {
+    let made = Camera { world_to_view, lens, aspect, near_plane: None };
+    if !made.is_sound() {
+        let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
         return Err(format!("a projection of fov {fov}, near {near}, far {far}, aspect {aspect} is no camera"));
     }
-    Ok(Camera { world_to_view, lens, aspect, near_plane: None })
+    Ok(made)
 }
 
 /// Lens and aspect of a symmetric perspective with reversed depth.

@@ -4,6 +4,7 @@
 //! scene file ([`scene_file`]), from OBJ files ([`obj`]) or from the built-in library
 //! ([`library`]); all three give the same [`Scene`].
 
+mod bounded;
 pub mod camera;
 pub mod gbuffer;
 pub mod gbuffer_file;
@@ -25,6 +26,10 @@ pub use gbuffer::GBufferData;
 pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
+
+/// The farthest coordinate from the origin that a file may place something at, in metres: products of two
+/// differences stay in f32.
+pub const MAX_COORDINATE_M: f32 = 1e8;
 
 /// A scene, ready to be uploaded or ray traced.
 #[derive(Debug, Clone, Default)]

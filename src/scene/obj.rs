@@ -14,7 +14,7 @@ mod tangents;
 mod text;
 mod viewpoint;
 
-use super::{Light, Probe, Scene, Surface};
+use super::{Light, Probe, Scene, Surface, bounded};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -159,12 +159,7 @@ fn load_file(
 }
 
 fn read_limited(path: &Path) -> Result<Vec<u8>> {
-    let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
-    if length > MAX_FILE_BYTES {
-        let message = format!("a file of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
-        return Err(Error::malformed(path, None, message));
-    }
-    std::fs::read(path).map_err(|e| Error::io("read", path, e))
+    bounded::read(path, "a file", MAX_FILE_BYTES)
 }
 
 fn stem(path: &Path) -> String {

@@ -2,8 +2,8 @@
 //! of them and, unlike the uniform one, makes neither cusps nor loops where two of them lie close. A
 //! path is a file of its own (TOML), a section of a scene file, or made of a scene's views.
 
-use super::Scene;
 use super::scene_file::{Source, read, stem};
+use super::{MAX_COORDINATE_M, Scene};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use serde::Deserialize;
@@ -13,6 +13,9 @@ use toml::Spanned;
 
 /// The name of the path that leads through a scene's views.
 pub const VIEWS: &str = "views";
+
+/// The longest time, in seconds: differences stay in f32.
+const MAX_TIME_S: f32 = 1e9;
 
 /// A place on the way.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +65,12 @@ impl CameraPath {
             if !(key.eye.is_finite() && key.look_at.is_finite() && key.time_s.is_none_or(f32::is_finite)) {
                 return fault("every number must be finite");
             }
+            if key.eye.abs().max(key.look_at.abs()).max_element() > MAX_COORDINATE_M {
+                return fault("it lies more than 1e8 m from the origin");
+            }
+            if key.time_s.is_some_and(|t| t.abs() > MAX_TIME_S) {
+                return fault("its time is more than 1e9 s");
+            }
             if (key.look_at - key.eye).try_normalize().is_none() {
                 return fault("it looks at its own eye; look_at must be another point");
             }
@@ -105,9 +114,16 @@ impl CameraPath {
     /// # Errors
     /// [`Error::Io`], or [`Error::Malformed`] with file and line.
     pub fn load(path: &Path) -> Result<Self> {
-        let text = read(path, "a path file")?;
-        let source = Source { path, text: &text };
-        let file: PathFile = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+        Self::parse(&read(path, "a path file")?, path)
+    }
+
+    /// As [`CameraPath::load`], of the text of a file that errors call `path`.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] with file and line.
+    pub fn parse(text: &str, path: &Path) -> Result<Self> {
+        let source = Source { path, text };
+        let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
         source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
     }
 
@@ -146,7 +162,7 @@ impl CameraPath {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let time = first + share.clamp(0.0, 1.0) * (last - first);
         let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
-        let within = (time - self.times[n]) / (self.times[n + 1] - self.times[n]);
+        let within = share_of(time, self.times[n], self.times[n + 1]);
         let points = self.around(n);
         let knots = knots(&points);
         let t = knots[1] + within * (knots[2] - knots[1]);
@@ -170,6 +186,12 @@ fn distance(a: &KeyFrame, b: &KeyFrame) -> f32 {
     (a.eye.distance_squared(b.eye) + a.look_at.distance_squared(b.look_at)).sqrt()
 }
 
+/// Where `t` lies from `from` to `to`, as a share; 0 where both are equal, as a short way after a long one is
+/// by rounding.
+fn share_of(t: f32, from: f32, to: f32) -> f32 {
+    if to > from { (t - from) / (to - from) } else { 0.0 }
+}
+
 /// Centripetal knots: each step is the root of the distance.
 fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
     let mut knots = [0.0; 4];
@@ -183,7 +205,7 @@ fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
 /// Barry and Goldman's pyramid: the Catmull-Rom spline through the points 1 and 2 at `t` between their
 /// knots.
 fn spline(p: [Vec3; 4], knots: [f32; 4], t: f32) -> Vec3 {
-    let mix = |a: Vec3, b: Vec3, from: usize, to: usize| a.lerp(b, (t - knots[from]) / (knots[to] - knots[from]));
+    let mix = |a: Vec3, b: Vec3, from: usize, to: usize| a.lerp(b, share_of(t, knots[from], knots[to]));
     let a = [mix(p[0], p[1], 0, 1), mix(p[1], p[2], 1, 2), mix(p[2], p[3], 2, 3)];
     let b = [mix(a[0], a[1], 0, 2), mix(a[1], a[2], 1, 3)];
     mix(b[0], b[1], 1, 2)

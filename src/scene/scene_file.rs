@@ -5,7 +5,7 @@ mod proxies;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
-use super::{Lens, Light, Material, MaterialChange, Probe, Scene, Surface, View};
+use super::{Camera, Lens, Light, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, bounded};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use serde::Deserialize;
@@ -216,6 +216,16 @@ impl Source<'_> {
         Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
     }
 
+    /// A place in metres, scaled.
+    pub(super) fn place(&self, what: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
+        let place = self.vector(what, value)? * scale;
+        if place.abs().max_element() <= MAX_COORDINATE_M {
+            return Ok(place);
+        }
+        let message = format!("{what} lies more than {MAX_COORDINATE_M:e} m from the origin");
+        Err(self.error(value.span(), message))
+    }
+
     /// The lens that a section makes of `base`; `at` is where the whole stands.
     fn lens(&self, section: &LensSection, base: Lens, at: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
@@ -238,6 +248,12 @@ impl Source<'_> {
             let message = format!("far ({}) must be greater than near ({})", lens.far_m, lens.near_m);
             return Err(self.error(at, message));
         }
+        if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
+            let Lens { fov_y_radians, near_m, far_m } = lens;
+            let fov = fov_y_radians.to_degrees();
+            let message = format!("a lens of fov_y_deg {fov}, near {near_m}, far {far_m} can't be computed with");
+            return Err(self.error(at, message));
+        }
         Ok(lens)
     }
 
@@ -246,7 +262,7 @@ impl Source<'_> {
         let energy = self.positive("energy", energy)?;
         match (kind, position, direction) {
             (LightKind::Point, Some(position), None) => {
-                let position = self.vector("position", position)? * extra_scale;
+                let position = self.place("position", position, extra_scale)?;
                 Ok(Light::Point { position, energy })
             }
             (LightKind::Directional, None, Some(direction)) => {
@@ -279,7 +295,8 @@ impl Source<'_> {
         let at = section.span();
         let ViewSection { eye, look_at, fov_y_deg, near, far, materials } = section.into_inner();
         let look_at_span = look_at.span();
-        let (eye, look_at) = (self.vector("eye", &eye)?, self.vector("look_at", &look_at)?);
+        let eye = self.place("eye", &eye, extra_scale)?;
+        let look_at = self.place("look_at", &look_at, extra_scale)?;
         if (look_at - eye).try_normalize().is_none() {
             let message = format!("view {name:?} looks at its own eye; look_at must be another point");
             return Err(self.error(look_at_span, message));
@@ -287,7 +304,7 @@ impl Source<'_> {
         let own = LensSection { fov_y_deg, near, far };
         let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, base, at)?) };
         let materials = self.changes(materials)?.into_iter().collect();
-        Ok(View { name, eye: eye * extra_scale, look_at: look_at * extra_scale, lens, materials })
+        Ok(View { name, eye, look_at, lens, materials })
     }
 
     fn changes(&self, sections: BTreeMap<String, ChangeSection>) -> Result<BTreeMap<String, MaterialChange>> {
@@ -354,12 +371,7 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
 
 /// The text of a file; `what` says in errors what it should be.
 pub(super) fn read(path: &Path, what: &str) -> Result<String> {
-    let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
-    if length > MAX_FILE_BYTES {
-        let message = format!("{what} of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
-        return Err(Error::malformed(path, None, message));
-    }
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let bytes = bounded::read(path, what, MAX_FILE_BYTES)?;
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = 1 + e.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();

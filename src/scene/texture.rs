@@ -1,13 +1,21 @@
 //! Images of materials: the type, decoding from files with limits, and the conversions that a loaded
 //! material needs (masks, reflectivity, normal maps from height fields).
 
+use super::bounded;
 use crate::error::{Error, Result};
 use glam::{Vec2, Vec3};
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+use std::io::Cursor;
 use std::path::Path;
 
 /// The widest and highest image that is read, in texels: what every Vulkan device of interest takes.
 pub const MAX_EXTENT: u32 = 16384;
+
+/// The largest image file that is read, in bytes.
+pub const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// What any image may take when it is unpacked, in bytes; beyond that its file must be long enough.
+const FREE_BYTES: u64 = 1 << 20;
 
 /// The depth of a height field without a factor, in texels (see [`normal_map_from_height`]).
 pub const RELIEF_TEXELS: f32 = 2.0;
@@ -50,13 +58,24 @@ impl Texture {
     /// Decodes a PNG, JPEG, TGA or BMP file. The content decides the format, else the file name.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be opened, [`Error::Malformed`] if it is no such image or is
-    /// larger than [`MAX_EXTENT`] on a side (which is found out before memory is taken for it).
+    /// [`Error::Io`] if the file cannot be opened; else as [`Texture::from_bytes`], and for files of more
+    /// than [`MAX_FILE_BYTES`].
     pub fn decode(path: &Path, encoding: Encoding) -> Result<Self> {
+        Self::from_bytes(&bounded::read(path, "an image", MAX_FILE_BYTES)?, path, encoding)
+    }
+
+    /// As [`Texture::decode`], of the bytes of a file that errors call `path`.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if it is no such image, is larger than [`MAX_EXTENT`] on a side, or claims more
+    /// texels than so few bytes can hold. All of it is found out before memory is taken for the image.
+    pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Self> {
         let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
-        let mut reader = ImageReader::open(path)
-            .and_then(ImageReader::with_guessed_format)
-            .map_err(|e| Error::io("read", path, e))?;
+        let mut reader = ImageReader::new(Cursor::new(bytes));
+        if let Ok(format) = ImageFormat::from_path(path) {
+            reader.set_format(format);
+        }
+        let mut reader = reader.with_guessed_format().map_err(|e| Error::io("read", path, e))?;
         let mut limits = Limits::default();
         limits.max_image_width = Some(MAX_EXTENT);
         limits.max_image_height = Some(MAX_EXTENT);
@@ -67,6 +86,10 @@ impl Texture {
         let (width, height) = decoder.dimensions();
         if width == 0 || height == 0 || width > MAX_EXTENT || height > MAX_EXTENT {
             let message = format!("an image of {width} x {height} texels is not within 1 to {MAX_EXTENT}");
+            return Err(Error::malformed(path, None, message));
+        }
+        if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), FREE_BYTES) {
+            let message = format!("an image of {width} x {height} texels does not fit into {} bytes", bytes.len());
             return Err(Error::malformed(path, None, message));
         }
         let rgba = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgba8().into_raw();

@@ -7,6 +7,7 @@ pub mod gbuffer;
 pub mod image;
 pub mod journal;
 pub mod path;
+pub mod precision;
 pub mod record;
 pub mod stage;
 pub mod stress;

@@ -141,6 +141,35 @@ pub fn tables_page(
     page.into_string()
 }
 
+/// A page of plots, each under its title, with the table of their points behind a sentence.
+pub fn plots_page(
+    title: &str,
+    device: Option<&DeviceInfo>,
+    command: &str,
+    plots: &[(&str, &str)],
+    (rule, cells): (&str, &[Vec<String>]),
+) -> String {
+    let mut ids: Vec<_> = plots.iter().enumerate().map(|(n, (title, _))| (format!("plot-{n}"), *title)).collect();
+    ids.push(("table".to_owned(), "Every rung"));
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (head(title))
+            body {
+                (page_header(title, device, command, &ids))
+                p { (rule) }
+                @for (id, (title, svg)) in ids.iter().zip(plots) {
+                    (heading((&id.0, id.1)))
+                    (sections::inline_svg(svg, &format!("{title}; the table below has the same points")))
+                }
+                (heading(("table", "Every rung")))
+                (sections::grid(cells))
+            }
+        }
+    };
+    page.into_string()
+}
+
 fn page_header(title: &str, device: Option<&DeviceInfo>, command: &str, parts: &[(String, &str)]) -> Markup {
     html! {
         header {

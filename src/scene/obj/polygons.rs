@@ -3,14 +3,11 @@
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
 use crate::error::{Error, Result};
-use crate::scene::Vertex;
+use crate::scene::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
-
-/// The farthest coordinate from the origin, in metres: products of two differences stay in f32.
-const MAX_COORDINATE_M: f32 = 1e8;
 
 /// A triangle's corners; normals that are zero are not known yet.
 pub(super) type Triangle = [Vertex; 3];

@@ -6,11 +6,14 @@ use glam::Vec3;
 /// Directions round the horizon that are looked along.
 const AZIMUTHS: usize = 16;
 
+/// The nearest near plane, in metres, however small the scene.
+const LEAST_NEAR_M: f32 = 1e-6;
+
 /// The default lens, with its planes moved where the bounds would not fit between them.
 pub(super) fn lens(bounds: Aabb) -> Lens {
     let lens = Lens::default();
     let diagonal = (bounds.max - bounds.min).length();
-    Lens { near_m: lens.near_m.min(diagonal * 1e-2), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
+    Lens { near_m: lens.near_m.min(diagonal * 1e-2).max(LEAST_NEAR_M), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
 }
 
 /// A view named `default`, towards the middle of the bounds.

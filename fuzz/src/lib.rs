@@ -1,0 +1,19 @@
+//! What the fuzz targets share with each other and, by its files, with `tests/fuzz_corpus.rs`.
+
+pub mod entry;
+mod memory;
+mod seeds;
+
+pub use memory::{Counting, bounded};
+
+/// Prepares a target: rayon runs on the calling thread alone, as an execution takes less time than waking
+/// another. With the variable `SSCT_FUZZ_SEEDS`, writes the seeds of every target into that folder instead,
+/// and ends.
+pub fn prepare() {
+    if let Some(folder) = std::env::var_os("SSCT_FUZZ_SEEDS") {
+        seeds::write_all(folder.as_ref());
+        std::process::exit(0);
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+    pool.build_global().expect("the pool is built once");
+}

@@ -1,0 +1,142 @@
+//! The inputs that fuzzing starts from: small files of every kind that the loaders read.
+
+use crate::entry;
+use exr::prelude::*;
+use image::{DynamicImage, ImageFormat, RgbaImage};
+use ssct::scene::{Camera, GBufferData, Lens, gbuffer_file};
+
+use std::io::Cursor;
+use std::path::Path;
+
+const SCENE: &str = "name = \"n\"\nhandedness = \"left\"\nscale = 0.5\n[[mesh]]\nfile = \"m.obj\"\nsurface = \"sky\"\n\
+    [material.m]\nroughness = 0.5\nreflectivity = 0.25\nnormal_deviation = 1\n[material.default]\nroughness = 0.1\n\
+    [camera]\nnear = 0.1\nfar = 10.0\nfov_y_deg = 60\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\n\
+    energy = 1.0\n[[light]]\nkind = \"directional\"\ndirection = [0, -1, 0]\nenergy = 0.5\n[view.a]\n\
+    eye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nfov_y_deg = 40.0\nmaterials = { n = { reflectivity = 1.0 } }\n";
+
+const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\n\
+    max = [1.0, 1.0, 1.0]\n[[impostor]]\nname = \"i\"\nfile = \"x.png\"\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
+    half_v = [0, -1, 0]\n[[area_light]]\nkind = \"sphere\"\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n\
+    [[area_light]]\nkind = \"capsule\"\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 1.0\n\
+    [[area_light]]\nkind = \"rectangle\"\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
+    half_v = [0, 1, 0]\n[[path.p.key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[[path.p.key]]\neye = [1, 0, 0]\n\
+    look_at = [1, 0, 1]\n";
+
+const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
+    look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";
+
+/// Writes them as `ROOT/TARGET/seed-*`.
+pub fn write_all(root: &Path) {
+    let both = [entry::OBJ, b"\0", entry::MTL].concat();
+    let plain =
+        b"o a\rv 0 0 0 1\rv 1 0 0 .5 .5 .5\rv 0 1 0\rv 2 2 0\rvt 0.5\rf 1/1 2/1 3/1 4\rg\rfo 1 2 3 # c\rl 1 2\rp 1\r";
+    write(root, "obj", &[both, plain.to_vec()]);
+    write(root, "scene", &[SCENE, PROXIES].map(|s| s.as_bytes().to_vec()));
+    let untimed = PATH.lines().filter(|l| !l.starts_with("time")).collect::<Vec<_>>().join("\n");
+    write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
+    write(root, "texture", &textures());
+    write(root, "gbuffer", &gbuffers());
+}
+
+fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
+    let folder = root.join(target);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for (n, seed) in seeds.iter().enumerate() {
+        std::fs::write(folder.join(format!("seed-{n:02}")), seed).expect("a file");
+    }
+}
+
+/// Images, each behind the byte that chooses its name and use.
+fn textures() -> Vec<Vec<u8>> {
+    let image = RgbaImage::from_fn(5, 4, |x, y| image::Rgba([x as u8 * 50, y as u8 * 60, 200, 255 - x as u8]));
+    let image = DynamicImage::from(image);
+    let kinds = [
+        image.clone(),
+        image.to_rgb8().into(),
+        image.to_luma8().into(),
+        image.to_luma_alpha8().into(),
+        image.to_rgba16().into(),
+        image.to_luma16().into(),
+    ];
+    let formats = [(ImageFormat::Tga, 0), (ImageFormat::Png, 1), (ImageFormat::Jpeg, 2), (ImageFormat::Bmp, 3)];
+    let mut seeds = Vec::new();
+    for (n, kind) in kinds.iter().enumerate() {
+        for (format, choice) in formats {
+            let mut bytes = Cursor::new(vec![choice | (n as u8 & 3) << 2]);
+            bytes.set_position(1);
+            if kind.write_to(&mut bytes, format).is_ok() {
+                seeds.push(bytes.into_inner());
+            }
+        }
+    }
+    // TGA beyond what an encoder writes: colour maps, plain and run-length encoded, of each depth.
+    for (kind, depth, pixel) in
+        [(1, 8, 1), (2, 16, 2), (2, 24, 3), (2, 32, 4), (3, 8, 1), (9, 8, 1), (10, 16, 2), (11, 8, 1)]
+    {
+        let map = if kind % 8 == 1 { (1, [0, 0, 4, 0, 24]) } else { (0, [0; 5]) };
+        let mut bytes = vec![0, 0, map.0, kind];
+        bytes.extend(map.1);
+        bytes.extend([0, 0, 0, 0, 4, 0, 3, 0, depth, 0x20]);
+        bytes.extend((0..12 * map.0).map(|i| i * 20));
+        for row in 0..3_u8 {
+            let texel = |i: usize| vec![(row + i as u8) % 4; pixel];
+            if kind > 8 {
+                bytes.push(0x81);
+                bytes.extend(texel(0));
+                bytes.push(0x01);
+                bytes.extend((1..3).flat_map(texel));
+            } else {
+                bytes.extend((0..4).flat_map(texel));
+            }
+        }
+        seeds.push(bytes);
+    }
+    seeds
+}
+
+/// G-buffers in each compression, as scan lines and tiles, in 32 and 16 bits, with z for depth.
+fn gbuffers() -> Vec<Vec<u8>> {
+    let n = 6;
+    let gbuffer = GBufferData {
+        width: 3,
+        height: 2,
+        camera: Camera::new(
+            glam::Vec3::new(1.0, 2.0, 3.0),
+            glam::Vec3::ZERO,
+            Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 },
+            1.5,
+        ),
+        depth: (0..n).map(|i| i as f32 * 0.15).collect(),
+        normal: vec![glam::Vec3::new(0.0, 0.6, -0.8); n],
+        reflectivity: vec![0.25; n],
+        roughness: vec![0.1; n],
+        color: (0..n).map(|i| glam::Vec3::splat(i as f32 / 7.0)).collect(),
+    };
+    let first = gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes");
+    let all = || read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let image = all().from_buffered(Cursor::new(&first)).expect("reads");
+    let mut seeds = vec![first];
+    let write = |image: &Image<Layer<AnyChannels<FlatSamples>>>| {
+        let mut bytes = Cursor::new(Vec::new());
+        image.write().non_parallel().to_buffered(&mut bytes).expect("encodes");
+        bytes.into_inner()
+    };
+    use Compression::*;
+    for (n, compression) in [Uncompressed, RLE, ZIP1, ZIP16, PIZ, PXR24, B44, B44A].into_iter().enumerate() {
+        let mut other = image.clone();
+        let blocks = if n % 2 == 1 { Blocks::Tiles(Vec2(2, 2)) } else { Blocks::ScanLines };
+        other.layer_data.encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        if n > 3 {
+            for channel in &mut other.layer_data.channel_data.list {
+                let halves = channel.sample_data.values_as_f32().map(f16::from_f32).collect();
+                channel.sample_data = FlatSamples::F16(halves);
+            }
+        }
+        if n == 2 {
+            other.layer_data.attributes.other.retain(|name, _| name.to_string() == "viewToClip");
+            other.layer_data.channel_data.list.retain(|c| c.name.to_string() != "depth");
+        }
+        seeds.push(write(&other));
+    }
+    seeds
+}

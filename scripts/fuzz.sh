@@ -1,0 +1,86 @@
+#!/usr/bin/env bash
+# Fuzzes the loaders with libFuzzer, on a stable toolchain: the coverage that it is guided by is LLVM's own
+# pass, asked for with the flags that cargo-fuzz sets too. A target's log, executions and coverage in it,
+# goes to OUT/TARGET.log; new inputs go to OUT/TARGET-corpus, and what the kept corpus lacks is merged into it.
+#
+# usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET… | summary LOG…]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+host=$(rustc -vV | sed -n 's/^host: //p')
+target_dir=${CARGO_TARGET_DIR:-fuzz/target}
+bin=$target_dir/$host/release
+
+flags="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4"
+flags+=" -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table"
+flags+=" -Cllvm-args=-sanitizer-coverage-trace-compares"
+
+# What a mutation may grow to: an image's bytes unpack to thousands each.
+longest() { case $1 in texture) echo 512 ;; *) echo 4096 ;; esac; }
+
+words() {
+    case $1 in
+        scene | camera_path) echo fuzz/dictionaries/toml.dict ;;
+        *) echo "fuzz/dictionaries/$1.dict" ;;
+    esac
+}
+
+build() {
+    RUSTFLAGS="$flags" cargo build --release --manifest-path fuzz/Cargo.toml --target "$host" --target-dir "$target_dir"
+}
+
+run() {
+    local out=$1 runs=$2 target
+    shift 2
+    mkdir -p "$out"
+    SSCT_FUZZ_SEEDS="$out/seeds" "$bin/obj"
+    for target in "$@"; do
+        mkdir -p "$out/$target-corpus" "fuzz/corpus/$target"
+        "$bin/$target" -runs="$runs" -max_len="$(longest "$target")" -dict="$(words "$target")" \
+            -rss_limit_mb=2048 -timeout=600 -reload=0 -print_final_stats=1 -artifact_prefix="$out/$target-" \
+            "$out/$target-corpus" "fuzz/corpus/$target" "$out/seeds/$target" >"$out/$target.log" 2>&1 ||
+            { tail -n 40 "$out/$target.log" >&2; exit 1; }
+        grep -E 'DONE|stat::' "$out/$target.log" | sed "s/^/$target: /"
+    done
+}
+
+merge() {
+    local out=$1 target
+    shift
+    for target in "$@"; do
+        mkdir -p "fuzz/corpus/$target"
+        "$bin/$target" -set_cover_merge=1 -use_counters=0 "fuzz/corpus/$target" "$out/$target-corpus" "$out/seeds/$target" \
+            >"$out/$target-merge.log" 2>&1
+        tail -n 1 "$out/$target-merge.log"
+    done
+}
+
+# Executions of all logs of a target together, and the most coverage of one: edges, and features (edges by count).
+summary() {
+    awk '
+        FNR == 1 { target = FILENAME; sub(/.*\//, "", target); sub(/[.-].*/, "", target); runs[target]++; stated[FILENAME] = 0 }
+        /^#[0-9]/ {
+            n = substr($1, 2) + 0
+            if (!stated[FILENAME] && n > last[FILENAME]) { sum[target] += n - last[FILENAME]; last[FILENAME] = n }
+            for (i = 2; i < NF; i++) {
+                if ($i == "cov:" && $(i + 1) > cov[target]) cov[target] = $(i + 1) + 0
+                if ($i == "ft:" && $(i + 1) > ft[target]) ft[target] = $(i + 1) + 0
+            }
+        }
+        /^stat::number_of_executed_units/ { sum[target] += $2 - last[FILENAME]; stated[FILENAME] = 1 }
+        /ERROR: libFuzzer: deadly signal/ { panics[target]++ }
+        END {
+            printf "%-12s %5s %12s %7s %9s %7s\n", "target", "runs", "executions", "edges", "features", "panics"
+            for (t in runs) {
+                printf "%-12s %5d %12d %7d %9d %7d\n", t, runs[t], sum[t], cov[t], ft[t], panics[t] | "sort"
+                all += sum[t]
+            }
+            close("sort")
+            printf "%-12s %5s %12d\n", "all", "", all
+        }' "$@"
+}
+
+case ${1:-} in
+    build) build ;;
+    run | merge | summary) "$@" ;;
+    *) sed -n 's/^# usage: //p' "$0" >&2; exit 2 ;;
+esac

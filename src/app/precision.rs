@@ -1,0 +1,78 @@
+//! `ssct error --precision`: error against the bytes of a G-buffer's pixel.
+
+use super::cli::ErrorOptions;
+use super::error_cells::{QUICK_SIZE, QUICK_VIEWS};
+use super::{progress, resolve};
+use crate::error::{Error, Result};
+use crate::methods;
+use crate::report::{files, precision_report};
+use crate::study::precision::{PrecisionRecord, PrecisionSpec, measure};
+use crate::study::{Globals, stress};
+use std::io::Write;
+
+/// Roughness values where none are given.
+const ROUGHNESS: [f32; 2] = [0.0, 0.1];
+
+/// Methods where none are given, beside the judged one.
+const BESIDE: &str = "ssct";
+
+/// The method that copies the G-buffer's bits, and so has to know their formats.
+const COPIES: &str = "poster";
+
+/// Measures every rung for every view, writes and prints.
+pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
+    let place = &options.common.place;
+    let scene = resolve::scene(place, "rooms")?;
+    let views = match (&place.view, place.eye) {
+        (None, None) => {
+            scene.views.iter().take(if options.quick { QUICK_VIEWS } else { usize::MAX }).cloned().collect()
+        }
+        _ => vec![resolve::view(&scene, place, None)?],
+    };
+    let globals = match &place.roughness[..] {
+        [] => {
+            let one = resolve::one_globals(place, "no roughness was given")?;
+            ROUGHNESS.iter().map(|r| Globals { roughness: Some(*r), ..one }).collect()
+        }
+        _ => resolve::globals(place)?,
+    };
+    let size = match options.size[..] {
+        [] if options.quick => QUICK_SIZE,
+        [] => [480, 270],
+        [size] => size,
+        _ => return Err(Error::Usage("--precision is measured at one --size".into()).into()),
+    };
+    if options.rays < 2 {
+        return Err(Error::Usage("--rays must be at least 2".into()).into());
+    }
+    let methods = match &options.method[..] {
+        [] => [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+        names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+    };
+    if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
+        let message =
+            format!("--precision is for methods that sample a G-buffer of any format; {} does not", method.name);
+        return Err(Error::Usage(message).into());
+    }
+    let gpu = resolve::gpu(&options.common.device)?;
+    let setup = resolve::setup(&options.common.method_options, size);
+    let bar = progress::bar("precision", views.len() * globals.len());
+    let mut records: Vec<PrecisionRecord> = Vec::new();
+    for view in &views {
+        for &globals in &globals {
+            let (gpu, scene, rays) = (&gpu, &scene, options.rays);
+            records.extend(measure(&PrecisionSpec { gpu, scene, view, globals, methods: &methods, setup, rays })?);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    if let Some(folder) = &options.output {
+        let command = format!("ssct error --precision --scene {} --rays {}", scene.name, options.rays);
+        precision_report::write(folder, &records, &command)?;
+    }
+    let mut out = std::io::stdout().lock();
+    let text = if options.json { files::json(&records) } else { precision_report::text(&records) };
+    out.write_all(text.as_bytes())?;
+    gpu.check_validation()?;
+    Ok(())
+}

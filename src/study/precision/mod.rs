@@ -1,0 +1,257 @@
+//! The precision ladder: a G-buffer that is traced in f64 through the pixels' centres, stored in one set of
+//! formats after another, and what methods make of each, against the oracle and the screen reference on the
+//! unrounded one.
+
+mod storage;
+
+pub use storage::{ColorFormat, DepthFormat, NormalFormat, Storage};
+
+use super::gbuffer::{hit_positions, reflection};
+use super::record::Head;
+use super::stage::Globals;
+use super::timing::camera;
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{FrameContext, Gpu};
+use crate::methods::{Effect, Input, MethodInfo, Setup};
+use crate::metrics::hits::HitAgreement;
+use crate::metrics::image::masked_rmse;
+use crate::passes::gbuffer::GBufferImages;
+use crate::reference::first_hits::PrimaryRays;
+use crate::reference::hierarchy::Hierarchy;
+use crate::reference::screen::{Sampling, ScreenReference};
+use crate::reference::surface::{World, sky_color};
+use crate::scene::{Camera, GBufferData, Scene, View};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+/// Name in records of the oracle itself on the stored G-buffer: what storage alone costs, whatever the
+/// arithmetic behind it.
+pub const ORACLE: &str = "oracle";
+
+/// What a method makes of a G-buffer that was stored in some formats.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PrecisionRecord {
+    /// What it is of; "precision".
+    #[serde(flatten)]
+    pub head: Head,
+    /// The formats.
+    pub storage: Storage,
+    /// Bytes of a pixel.
+    pub bytes_per_pixel: u32,
+    /// Reflecting pixels that rounding made sky.
+    pub lost: usize,
+    /// Hits against the oracle's on the unrounded G-buffer; null unless every reflector is a mirror.
+    #[serde(flatten)]
+    pub hits: HitAgreement,
+    /// Of the linear reflection colour, against the screen reference on the unrounded G-buffer.
+    pub rmse: f64,
+    /// What the reference itself is expected to err by, as an RMSE.
+    pub standard_error: f64,
+}
+
+/// A G-buffer before any format rounds it.
+#[derive(Debug, Clone)]
+pub struct Exact {
+    /// Everything in f32; reflectivity and roughness as 16-bit floats hold them.
+    pub data: GBufferData,
+    /// Reversed depth in f64.
+    pub depth: Vec<f64>,
+}
+
+impl Exact {
+    /// Traces the pixels' centres.
+    pub fn trace(world: &World, camera: &Camera, [width, height]: [u32; 2]) -> Self {
+        let rays = PrimaryRays::new(camera, [width, height]);
+        let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
+        let world_to_view = camera.world_to_view.as_dmat4();
+        let half = |v: f64| half::f16::from_f64(v).to_f32();
+        let pixel = |index: usize| {
+            let (ray, z_per_metre) = rays.ray(index);
+            let Some(hit) = world.closest(&ray) else {
+                return (0.0, Vec3::ZERO, 0.0, 0.0, sky_color(ray.direction).as_vec3());
+            };
+            let point = world.point(&ray, &hit);
+            let z = glam::DVec3::new(0.0, 0.0, hit.t * z_per_metre);
+            (
+                view_to_clip.project_point3(z).z.clamp(0.0, 1.0),
+                world_to_view.transform_vector3(point.normal).normalize_or_zero().as_vec3(),
+                half(point.reflectivity),
+                half(point.roughness),
+                world.color(&ray, &point).as_vec3(),
+            )
+        };
+        let pixels: Vec<_> = (0..width as usize * height as usize).into_par_iter().map(pixel).collect();
+        Self {
+            depth: pixels.iter().map(|p| p.0).collect(),
+            data: GBufferData {
+                width,
+                height,
+                camera: *camera,
+                depth: pixels.iter().map(|p| p.0 as f32).collect(),
+                normal: pixels.iter().map(|p| p.1).collect(),
+                reflectivity: pixels.iter().map(|p| p.2).collect(),
+                roughness: pixels.iter().map(|p| p.3).collect(),
+                color: pixels.iter().map(|p| p.4).collect(),
+            },
+        }
+    }
+}
+
+/// What is measured.
+pub struct PrecisionSpec<'a> {
+    /// Device.
+    pub gpu: &'a Gpu,
+    /// Scene.
+    pub scene: &'a Scene,
+    /// View.
+    pub view: &'a View,
+    /// Global factors.
+    pub globals: Globals,
+    /// Screen-space methods.
+    pub methods: &'a [&'static MethodInfo],
+    /// How they are set up, and the size.
+    pub setup: Setup,
+    /// Rays a pixel of the screen reference.
+    pub rays: u32,
+}
+
+/// The unrounded G-buffer, and what is true there.
+struct Truth {
+    exact: Exact,
+    /// Reflecting pixels.
+    mask: Vec<bool>,
+    /// The oracle's hits, if every reflector is a mirror.
+    hits: Option<Hits>,
+    color: Vec<[f32; 3]>,
+    standard_error: f64,
+}
+
+/// Hits in pixels, `None` for a miss.
+type Hits = Vec<Option<[f64; 2]>>;
+
+impl Truth {
+    fn new(spec: &PrecisionSpec) -> Self {
+        let materials = spec.globals.materials(spec.scene, spec.view);
+        let world = World::new(spec.scene, &materials);
+        let exact = Exact::trace(&world, &camera(spec.scene, spec.view, spec.setup.extent), spec.setup.extent);
+        let mask = exact.data.reflecting();
+        let mirrors = mask.iter().zip(&exact.data.roughness).all(|(m, r)| !m || *r <= 0.0);
+        let screen = screen(&exact.data, &mask, spec.rays);
+        Self {
+            hits: mirrors.then(|| oracle_hits(&exact.data, &mask)),
+            color: screen.color.iter().map(Vec3::to_array).collect(),
+            standard_error: screen.overall_standard_error,
+            exact,
+            mask,
+        }
+    }
+
+    fn record(
+        &self,
+        spec: &PrecisionSpec,
+        method: &str,
+        (storage, stored): (Storage, &GBufferData),
+        color: &[[f32; 3]],
+        hits: Option<&Hits>,
+    ) -> PrecisionRecord {
+        let compared = self.hits.as_ref().zip(hits);
+        PrecisionRecord {
+            head: Head::new("precision", spec.scene, spec.view, method, &spec.setup, &spec.globals, spec.gpu),
+            storage,
+            bytes_per_pixel: storage.bytes_per_pixel(),
+            lost: self.mask.iter().zip(&stored.depth).filter(|(m, d)| **m && **d <= 0.0).count(),
+            hits: compared.map(|(truth, hits)| HitAgreement::new(&self.mask, hits, truth)).unwrap_or_default(),
+            rmse: masked_rmse(&self.color, color, &self.mask),
+            standard_error: self.standard_error,
+        }
+    }
+}
+
+/// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
+fn screen(data: &GBufferData, mask: &[bool], rays: u32) -> ScreenReference {
+    ScreenReference::render(data, mask, Sampling { samples: rays, seed: 3 }, &|| ())
+}
+
+fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
+    let hierarchy = Hierarchy::new(data);
+    let hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position_px());
+    (0..mask.len() as u32).into_par_iter().map(|i| hit(i).flatten()).collect()
+}
+
+/// Every rung of the ladder for a view: the oracle (mirrors only) and each method.
+pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
+    let truth = Truth::new(spec);
+    let mut context = FrameContext::new(spec.gpu)?;
+    let setup = Setup { split: true, ..spec.setup };
+    let effect = |m: &&'static MethodInfo| Ok((m.name, Effect::new(&mut context, m, &setup, None)?));
+    let effects = spec.methods.iter().map(effect).collect::<Result<Vec<_>>>()?;
+    let mut records = Vec::new();
+    for storage in Storage::ladder() {
+        let stored = storage.store(&truth.exact);
+        if truth.hits.is_some() {
+            let color: Vec<_> = screen(&stored, &truth.mask, spec.rays).color.iter().map(Vec3::to_array).collect();
+            let hits = oracle_hits(&stored, &truth.mask);
+            records.push(truth.record(spec, ORACLE, (storage, &stored), &color, Some(&hits)));
+        }
+        let images = GBufferImages::upload_wide(&mut context, &stored)?;
+        for (name, effect) in &effects {
+            let mut frame = context.begin(Mode::Plain)?;
+            frame.begin_effect();
+            let input = Input { gbuffer: images.gbuffer(), camera: &stored.camera, scene: None };
+            let output = effect.record(&mut frame, &input)?;
+            frame.finish()?;
+            let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
+            let hits = output.traced.hits.map(|h| context.read(h.0.all())).transpose()?;
+            let hits = hits.map(|image| hit_positions(&image));
+            records.push(truth.record(spec, name, (storage, &stored), &color, hits.as_ref()));
+        }
+    }
+    Ok(records)
+}
+
+/// What a rung comes to for a method over the views.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// The formats.
+    pub storage: Storage,
+    /// Mean share of wrong hits, mirrors.
+    pub wrong_hits: Option<f64>,
+    /// The greatest of a view.
+    pub wrong_hits_worst: Option<f64>,
+    /// Mean RMSE of each roughness, in the order of [`roughness_values`].
+    pub rmse: Vec<f64>,
+}
+
+/// The roughness values of some records, in the order of their first.
+pub fn roughness_values(records: &[PrecisionRecord]) -> Vec<Option<f32>> {
+    let mut values = Vec::new();
+    for record in records {
+        if !values.contains(&record.head.roughness) {
+            values.push(record.head.roughness);
+        }
+    }
+    values
+}
+
+/// A method's rungs, in the ladder's order.
+pub fn rungs(records: &[PrecisionRecord], method: &str) -> Vec<Rung> {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let rung = |storage: Storage| {
+        let here = || records.iter().filter(move |r| r.head.method == method && r.storage == storage);
+        let wrong: Vec<f64> = here().filter_map(|r| r.hits.hit_agreement).map(|a| 1.0 - a).collect();
+        let rmse = |roughness: Option<f32>| {
+            let values: Vec<f64> = here().filter(|r| r.head.roughness == roughness).map(|r| r.rmse).collect();
+            (!values.is_empty()).then(|| mean(&values))
+        };
+        let rmse: Vec<f64> = roughness_values(records).into_iter().filter_map(rmse).collect();
+        (!rmse.is_empty()).then(|| Rung {
+            storage,
+            wrong_hits: (!wrong.is_empty()).then(|| mean(&wrong)),
+            wrong_hits_worst: wrong.iter().copied().reduce(f64::max),
+            rmse,
+        })
+    };
+    Storage::ladder().into_iter().filter_map(rung).collect()
+}
