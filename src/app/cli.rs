@@ -1,6 +1,6 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
-use super::window::ViewOptions;
+use super::view::ViewOptions;
 use crate::methods::{MethodInfo, Preset};
 use crate::passes::color_chain::ChainFilter;
 use crate::report::figures::Figure;
@@ -61,7 +61,7 @@ pub struct CommonOptions {
 }
 
 /// What is looked at, from where, and with which materials.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
     /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]

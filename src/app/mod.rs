@@ -5,8 +5,6 @@ mod compare;
 mod devices;
 mod error;
 mod error_cells;
-#[cfg(feature = "window")]
-mod fly_camera;
 mod gbuffer;
 mod progress;
 mod reference;
@@ -16,12 +14,10 @@ mod study;
 mod time;
 mod truth;
 #[cfg(feature = "window")]
-mod viewer;
-#[cfg(feature = "window")]
-mod window;
+mod view;
 #[cfg(not(feature = "window"))]
-#[path = "no_window.rs"]
-mod window;
+#[path = "no_view.rs"]
+mod view;
 
 use crate::error::Error;
 use clap::Parser;
@@ -51,7 +47,7 @@ pub fn run() -> ExitCode {
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Study(options) => study::run(options),
-        Command::View(options) => window::run(options),
+        Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
     };

@@ -7,6 +7,7 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -69,7 +70,11 @@ pub(crate) struct Shared {
     pub queue_family: u32,
     queue: Mutex<vk::Queue>,
     samplers: Samplers,
-    allocator: ManuallyDrop<Mutex<Allocator>>,
+    /// Shared with what draws the window's panel.
+    allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
+    submissions: AtomicU64,
+    #[cfg(feature = "window")]
+    pub replaced_shaders: super::shader::Replaced,
     info: DeviceInfo,
     pub limits: vk::PhysicalDeviceLimits,
     pub timestamp_mask: u64,
@@ -151,6 +156,21 @@ impl Gpu {
 
     pub(crate) fn shared(&self) -> &Shared {
         &self.shared
+    }
+
+    /// Submissions to the device's queue so far. An idle window makes none.
+    pub fn submissions(&self) -> u64 {
+        self.shared.submissions.load(Ordering::Relaxed)
+    }
+
+    /// To be called with each submission.
+    pub(super) fn count_submission(&self) {
+        self.shared.submissions.fetch_add(1, Ordering::Relaxed);
+    }
+
+    #[cfg(feature = "window")]
+    pub(super) fn share_allocator(&self) -> Arc<Mutex<Allocator>> {
+        Arc::clone(&self.shared.allocator)
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
@@ -511,7 +531,10 @@ fn open_device(
         device,
         queue_family: queue_family as u32,
         samplers,
-        allocator: ManuallyDrop::new(Mutex::new(allocator)),
+        allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
+        submissions: AtomicU64::new(0),
+        #[cfg(feature = "window")]
+        replaced_shaders: super::shader::Replaced::default(),
         info: listing.info,
         limits: properties.limits,
         timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },

@@ -58,18 +58,27 @@ impl<'a> Resource<'a> {
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
     slice: ImageSlice<'a>,
-    clear: Option<[f32; 4]>,
+    load: Load,
+}
+
+/// What a target holds when drawing begins.
+#[derive(Clone, Copy)]
+enum Load {
+    Anything,
+    Value([f32; 4]),
+    #[cfg(feature = "window")]
+    Kept,
 }
 
 impl<'a> Target<'a> {
     /// Every texel is written; what was there is lost.
     pub fn overwrite(slice: ImageSlice<'a>) -> Self {
-        Self { slice, clear: None }
+        Self { slice, load: Load::Anything }
     }
 
     /// Cleared first; for depth, the first component.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
-        Self { slice, clear: Some(value) }
+        Self { slice, load: Load::Value(value) }
     }
 }
 
@@ -271,6 +280,21 @@ impl Frame<'_> {
         })
     }
 
+    /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
+    /// they read must be ready.
+    #[cfg(feature = "window")]
+    pub(super) fn overlay(
+        &mut self,
+        name: &str,
+        slice: ImageSlice,
+        draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            let target = Target { slice, load: Load::Kept };
+            frame.rendering(&[target], None, false, |frame| draw(frame.context.commands))
+        })
+    }
+
     /// Moves levels to a use without a pass of its own: textures after their upload.
     pub fn make_ready(&mut self, slice: ImageSlice, access: Access) {
         self.use_image(slice, access);
@@ -308,6 +332,7 @@ impl Frame<'_> {
         unsafe {
             device.end_command_buffer(self.context.commands).map_err(vulkan("vkEndCommandBuffer"))?;
             let queue = self.context.gpu.queue();
+            self.context.gpu.count_submission();
             device.queue_submit2(*queue, &[submit], self.context.fence).map_err(vulkan("vkQueueSubmit2"))?;
             device.wait_for_fences(&[self.context.fence], true, u64::MAX).map_err(vulkan("vkWaitForFences"))?;
             device.reset_fences(&[self.context.fence]).map_err(vulkan("vkResetFences"))?;
@@ -453,11 +478,16 @@ impl Frame<'_> {
         }
         self.flush();
         let attachment = |t: &Target, layout, is_depth: bool| {
-            let value = t.clear.unwrap_or_default();
+            let (load, value) = match t.load {
+                Load::Anything => (vk::AttachmentLoadOp::DONT_CARE, [0.0; 4]),
+                Load::Value(value) => (vk::AttachmentLoadOp::CLEAR, value),
+                #[cfg(feature = "window")]
+                Load::Kept => (vk::AttachmentLoadOp::LOAD, [0.0; 4]),
+            };
             vk::RenderingAttachmentInfo::default()
                 .image_view(t.slice.view())
                 .image_layout(layout)
-                .load_op(if t.clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::DONT_CARE })
+                .load_op(load)
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(if is_depth {
                     vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 } }

@@ -8,6 +8,8 @@ pub mod composite;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+#[cfg(feature = "window")]
+pub mod look;
 pub mod resolution;
 pub mod scene_data;
 pub mod thesis_trace;
@@ -71,6 +73,8 @@ pub enum Content {
     Material,
     /// Texture coordinates, depth and path code.
     Hits,
+    /// Cells or texels that each pixel's ray looked at, in the first channel.
+    Steps,
 }
 
 /// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).

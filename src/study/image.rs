@@ -2,7 +2,8 @@
 
 use super::stage::{Shot, Stage};
 use crate::error::Result;
-use crate::gpu::{FrameReport, Image, Pixels};
+use crate::gpu::{FrameReport, Pixels};
+use crate::methods::{Intermediate, Output};
 use crate::passes::Content;
 use crate::passes::gbuffer::Drawn;
 
@@ -23,6 +24,24 @@ pub struct RenderedImage {
 /// Every intermediate with its file stem.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
+/// Every image of a frame, from the G-buffer to the composite.
+pub fn images<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
+    let gbuffer = shot.gbuffer.gbuffer();
+    let image = |name, content, image| Intermediate { name, content, image };
+    let mut all = vec![
+        image("albedo", Content::Color, shot.gbuffer.albedo()),
+        image("normal", Content::Normal, gbuffer.normal),
+        image("depth", Content::ReversedDepth, gbuffer.depth),
+        image("material", Content::Material, gbuffer.material),
+        image("color", Content::Color, gbuffer.color),
+        image("reflection", Content::Color, output.traced.reflection.0),
+        image("composite", Content::Color, output.composite),
+    ];
+    all.extend(output.traced.intermediates.iter().copied());
+    all.extend(output.traced.hits.map(|h| image("hits", Content::Hits, h.0)));
+    all
+}
+
 /// Renders a shot and reads it back. With `dump`, intermediates too; a method that gives its hits
 /// only when split should be made so.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
@@ -31,23 +50,11 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
     let reflection = stage.context.read(output.traced.reflection.0.all())?;
     let mut intermediates = None;
     if dump {
-        let gbuffer = shot.gbuffer.gbuffer();
-        let mut all: Vec<(String, Content, &Image)> = vec![
-            ("albedo".into(), Content::Color, shot.gbuffer.albedo()),
-            ("normal".into(), Content::Normal, gbuffer.normal),
-            ("depth".into(), Content::ReversedDepth, gbuffer.depth),
-            ("material".into(), Content::Material, gbuffer.material),
-            ("color".into(), Content::Color, gbuffer.color),
-            ("reflection".into(), Content::Color, output.traced.reflection.0),
-            ("composite".into(), Content::Color, output.composite),
-        ];
-        all.extend(output.traced.intermediates.iter().map(|i| (i.name.into(), i.content, i.image)));
-        all.extend(output.traced.hits.map(|h| ("hits".into(), Content::Hits, h.0)));
         let mut read = Vec::new();
-        for (name, kind, image) in all {
+        for Intermediate { name, content, image } in images(shot, &output) {
             for level in 0..image.levels() {
-                let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.clone() };
-                read.push((stem, kind, stage.context.read(image.level(level))?));
+                let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.to_owned() };
+                read.push((stem, content, stage.context.read(image.level(level))?));
             }
         }
         intermediates = Some(read);

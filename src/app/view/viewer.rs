@@ -1,0 +1,471 @@
+//! What a window shows: the state, the panel on it, and the pictures of it. It takes egui's input and
+//! draws one image; it knows no window, so that tests drive it as a window would.
+
+use super::against::{Against, Question};
+use super::fly_camera::{FlyCamera, Motion};
+use super::inspect::PickedRay;
+use super::panel::{self, Done, Told};
+use super::path::PathEditor;
+use super::pictures::{Answers, Pictures, Wanted};
+use super::reload::Change;
+use super::state::{STEPS, State, Tab};
+use crate::app::cli::SceneOptions;
+use crate::app::resolve;
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Overlay, Pixels};
+use crate::passes::look::{Compare, Look, LookPass};
+use crate::scene::{Scene, View, library};
+use ash::vk;
+use egui::{Context, FullOutput, RawInput};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::Receiver;
+use std::time::Duration;
+
+/// Seconds in which the camera crosses the scene, to begin with.
+const CROSSING_S: f32 = 8.0;
+
+/// Calls that may come from another thread: something is there to be shown.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// Where shaders are watched, and what was said of them.
+pub struct Shaders {
+    /// The folder.
+    pub folder: String,
+    /// Changes, as they are compiled.
+    pub changes: Receiver<Vec<Change>>,
+    /// What was last said of each that changed.
+    pub said: Vec<(&'static str, std::result::Result<(), String>)>,
+}
+
+/// A scene with everything that a user changes while looking at it.
+pub struct Viewer {
+    /// What the user changed.
+    pub state: State,
+    /// Key frames.
+    pub path: PathEditor,
+    gpu: Gpu,
+    scene: Arc<Scene>,
+    views: Vec<View>,
+    /// Of the scene that is loaded, and of the command line.
+    place: SceneOptions,
+    given: SceneOptions,
+    scenes: Vec<String>,
+    pictures: Pictures,
+    egui: Context,
+    overlay: Overlay,
+    look: LookPass,
+    screen: Image,
+    shaders: Option<Shaders>,
+    answers: Option<Answers>,
+    ray: Option<PickedRay>,
+    against: Against,
+    wake: Wake,
+    /// What the last call of [`Self::update`] made ready to be drawn.
+    triangles: Vec<egui::ClippedPrimitive>,
+    pixels_per_point: f32,
+    shown: Option<Look>,
+    frames: u64,
+    drawings: u64,
+    looking: bool,
+}
+
+/// What a frame needs of the window.
+pub struct Updated {
+    /// For egui-winit: cursor, clipboard.
+    pub platform: egui::PlatformOutput,
+    /// When to draw again, if nothing happens; `None` for not at all.
+    pub again: Option<Duration>,
+}
+
+/// What a frame is made from.
+pub struct Input {
+    /// Of egui: mouse, keys, text, size in points.
+    pub egui: RawInput,
+    /// Where the keys held ask to fly, and for how long.
+    pub motion: Motion,
+    /// Since the last frame.
+    pub seconds: f32,
+    /// Width and height of the window in pixels.
+    pub extent: [u32; 2],
+}
+
+impl Viewer {
+    /// Uploads a scene. `place` says where scenes and lenses come from; `screen_format` is sRGB.
+    pub fn new(
+        gpu: &Gpu,
+        scene: Scene,
+        state: State,
+        place: SceneOptions,
+        screen_format: vk::Format,
+        wake: Wake,
+    ) -> Result<Self> {
+        let mut scenes: Vec<String> = library::names().iter().map(ToString::to_string).collect();
+        if !scenes.contains(&state.scene) {
+            scenes.insert(0, state.scene.clone());
+        }
+        let egui = Context::default();
+        egui.all_styles_mut(|style| {
+            // What moves by itself would be drawn again and again.
+            style.animation_time = 0.0;
+            style.visuals.text_cursor.blink = false;
+        });
+        egui.set_theme(egui::Theme::Dark);
+        Ok(Self {
+            views: views(&scene, &place)?,
+            pictures: Pictures::new(gpu, &scene)?,
+            overlay: Overlay::new(gpu, screen_format)?,
+            look: LookPass::new(gpu, screen_format)?,
+            screen: screen(gpu, screen_format, [1, 1])?,
+            scene: Arc::new(scene),
+            gpu: gpu.clone(),
+            state,
+            path: PathEditor::default(),
+            given: place.clone(),
+            place,
+            scenes,
+            egui,
+            shaders: None,
+            answers: None,
+            ray: None,
+            against: Against::default(),
+            wake,
+            triangles: Vec::new(),
+            pixels_per_point: 1.0,
+            shown: None,
+            frames: 0,
+            drawings: 0,
+            looking: false,
+        })
+    }
+
+    /// A camera at a view, with a speed that fits the scene.
+    pub fn camera(scene: &Scene, view: &View) -> FlyCamera {
+        let bounds = scene.bounds();
+        let diagonal_m = bounds.min.distance(bounds.max);
+        FlyCamera::new(view, if diagonal_m.is_finite() { (diagonal_m / CROSSING_S).max(0.01) } else { 1.0 })
+    }
+
+    /// Watches shaders from now on.
+    pub fn watch(&mut self, shaders: Shaders) {
+        self.shaders = Some(shaders);
+    }
+
+    /// egui's context, which egui-winit needs too.
+    pub fn egui(&self) -> &Context {
+        &self.egui
+    }
+
+    /// Whether the mouse turns the camera.
+    pub fn is_looking(&self) -> bool {
+        self.looking
+    }
+
+    /// The scene's views.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// Frames rendered so far, and drawings of panel and picture.
+    pub fn counts(&self) -> [u64; 2] {
+        [self.frames, self.drawings]
+    }
+
+    /// Whether something is still being worked out that will be shown.
+    pub fn is_waiting(&self) -> bool {
+        self.against.is_waiting()
+    }
+
+    /// Makes the next frame be rendered, whatever it is.
+    pub fn invalidate(&mut self) {
+        self.pictures.invalidate();
+    }
+
+    /// One round: takes the input, renders if what is seen changed, asks the frame at rest if it did not,
+    /// and makes the screen's drawing ready.
+    pub fn update(&mut self, input: Input) -> Result<Updated> {
+        self.move_camera(&input);
+        self.take_shaders()?;
+        self.against.poll();
+        let (mut output, done) = self.run_panel(input.egui);
+        self.looking = done.looking;
+        let active = self.follow(&done, input.extent, output.pixels_per_point)?;
+        self.overlay.update_textures(&mut output.textures_delta)?;
+        self.triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
+        self.pixels_per_point = output.pixels_per_point;
+        let delay = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
+        let goes_on = active || self.path.playing().is_some() || input.motion.is_moving();
+        let again = if goes_on { Some(Duration::ZERO) } else { Some(delay).filter(|d| *d != Duration::MAX) };
+        Ok(Updated { platform: output.platform_output, again })
+    }
+
+    /// Draws what the last [`Self::update`] made ready: `present` gets the screen's image and what
+    /// records its drawing.
+    pub fn draw<R>(
+        &mut self,
+        present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> Result<()>) -> Result<R>,
+    ) -> Result<Option<R>> {
+        let Self { pictures, look, shown, overlay, screen, triangles, pixels_per_point, .. } = self;
+        let (Some(shown), Some((stage, kept, _))) = (shown, pictures.parts()) else { return Ok(None) };
+        self.drawings += 1;
+        let mut record = |frame: &mut Frame| {
+            look.record(frame, screen, shown, kept)?;
+            overlay.record(frame, screen.all(), *pixels_per_point, triangles)
+        };
+        present(&mut stage.context, screen, &mut record).map(Some)
+    }
+
+    /// The screen as it was last drawn, decoded to linear.
+    pub fn read_screen(&mut self) -> Result<Pixels> {
+        self.pictures.stage.context.read(self.screen.all())
+    }
+
+    /// The first picture alone, linear and without panel.
+    pub fn read_picture(&mut self) -> Result<Option<Pixels>> {
+        let Some((stage, [first, _], _)) = self.pictures.parts() else { return Ok(None) };
+        stage.context.read(first.all()).map(Some)
+    }
+
+    /// What is seen, for a title.
+    pub fn title(&self) -> String {
+        let s = &self.state;
+        let moved = if s.moved { " (moved)" } else { "" };
+        let against = match s.compare {
+            Compare::One => String::new(),
+            Compare::Split | Compare::Difference => format!(" | {}", s.sides[1].method.name),
+        };
+        let roughness = s.globals.roughness.map(|r| format!(", roughness {r:.1}")).unwrap_or_default();
+        let ms = self.pictures.shown(0).map_or(0.0, |p| p.history.total().median_ms);
+        let method = s.sides[0].method.name;
+        format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, s.view.name)
+    }
+
+    fn move_camera(&mut self, input: &Input) {
+        if input.motion.is_moving() {
+            self.state.steer(|camera| camera.fly(input.motion, input.seconds));
+        }
+        if let Some(place) = self.path.advance(input.seconds) {
+            self.state.steer(|camera| {
+                camera.put(place);
+                true
+            });
+        }
+    }
+
+    /// Takes the shaders that were compiled; one whose pipeline can't be made is not taken.
+    fn take_shaders(&mut self) -> Result<()> {
+        let Some(shaders) = &mut self.shaders else { return Ok(()) };
+        for (shader, made) in shaders.changes.try_iter().flatten() {
+            let replaced = &self.gpu.shared().replaced_shaders;
+            let said = made.and_then(|code| {
+                let before = replaced.set(shader, Some(code));
+                self.pictures.try_pipelines().map_err(|e| {
+                    replaced.set(shader, before);
+                    e.to_string()
+                })
+            });
+            if said.is_ok() {
+                self.pictures.discard_pipelines();
+            }
+            shaders.said.retain(|(name, _)| *name != shader.name);
+            shaders.said.insert(0, (shader.name, said));
+        }
+        Ok(())
+    }
+
+    fn run_panel(&mut self, input: RawInput) -> (FullOutput, Done) {
+        let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.asks();
+        let Self { state, path, pictures, egui, .. } = self;
+        let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
+        let told = Told {
+            scenes: &self.scenes,
+            views: &self.views,
+            histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
+            images: pictures.shown(0).map_or(&[], |s| &s.images),
+            answers: self.answers.as_ref(),
+            ray: self.ray.as_ref(),
+            against: &self.against,
+            reference_command: &command,
+            camera: state.camera.camera(state.view.lens.unwrap_or(self.scene.lens), 1.0),
+            extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),
+            shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.said[..])),
+            counts: [self.frames, self.drawings, self.gpu.submissions()],
+            idle: is_idle,
+        };
+        let mut done = Done::default();
+        let output = egui.run_ui(input, |ui| done = panel::show(ui, state, path, &told));
+        (output, done)
+    }
+
+    /// Brings pictures and screen to what the panel left of the state; whether there was anything to do.
+    fn follow(&mut self, done: &Done, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
+        if self.state.scene != scene_name(&self.place) {
+            self.load_scene()?;
+        }
+        if self.screen.extent() != extent {
+            self.screen = screen(&self.gpu, self.screen.format(), extent)?;
+        }
+        let area = done.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
+        let wanted = self.wanted([area[2], area[3]]);
+        let mut active = true;
+        if self.pictures.is_other(&wanted) {
+            self.pictures.render(&wanted)?;
+            self.frames += 1;
+            (self.answers, self.ray) = (None, None);
+            self.against.forget();
+        } else if self.asks() {
+            let answers = self.pictures.ask()?;
+            if self.state.tab == Tab::Live {
+                self.ask_against(&wanted, &answers);
+            }
+            self.answers = Some(answers);
+        } else {
+            active = false;
+        }
+        active |= self.pick();
+        if done.fit_range {
+            self.fit_range()?;
+            active = true;
+        }
+        let content = self.pictures.shown(0).map(|s| s.content);
+        let look = Look {
+            area,
+            compare: self.state.compare,
+            split: self.state.split,
+            gain: self.state.gain,
+            tone: self.state.shown_tone(content.unwrap_or(crate::passes::Content::Color)),
+            lens: wanted.camera.lens,
+        };
+        self.shown = Some(look);
+        Ok(active)
+    }
+
+    /// Whether the frame at rest is to be asked: the open part of the panel shows its answers.
+    fn asks(&self) -> bool {
+        let steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
+        let wants = steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
+        let looks_for_reference = self.state.tab == Tab::Live && !self.against.is_waiting() && self.against.answer.is_none();
+        wants && (self.answers.is_none() || looks_for_reference)
+    }
+
+    /// Brings the drawn ray to the picked pixel; whether it was another.
+    fn pick(&mut self) -> bool {
+        let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
+        let inspection = self.answers.as_ref().and_then(|a| a.inspection.as_ref());
+        let (Some(pixel), Some(inspection)) = (wanted, inspection) else { return false };
+        if self.ray.as_ref().is_some_and(|r| r.pixel == pixel) {
+            return false;
+        }
+        self.ray = inspection.pick(pixel);
+        self.ray.is_some()
+    }
+
+    fn ask_against(&mut self, wanted: &Wanted, answers: &Answers) {
+        let question = Question {
+            scene: Arc::clone(&self.scene),
+            materials: wanted.materials.clone(),
+            camera: wanted.camera,
+            extent: wanted.extent,
+            reflections: answers.reflections.clone(),
+        };
+        let wake = Arc::clone(&self.wake);
+        self.against.ask(question, move || wake());
+    }
+
+    /// The range from the least to the greatest number that the picture shows.
+    fn fit_range(&mut self) -> Result<()> {
+        let Some(pixels) = self.read_picture()? else { return Ok(()) };
+        let tone = self.state.tone;
+        let channels = match tone.channel {
+            Some(c) => c as usize..c as usize + 1,
+            None => 0..3,
+        };
+        let factor = tone.exposure_stops.exp2();
+        let numbers = pixels.texels().flat_map(|t| t[channels.clone()].iter()).copied().filter(|v| v.is_finite());
+        let (low, high) = numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low <= high {
+            self.state.tone.range = [low * factor, (high * factor).max(low * factor + 1e-6)];
+        }
+        Ok(())
+    }
+
+    fn wanted(&self, extent: [u32; 2]) -> Wanted {
+        self.state.wanted(&self.scene, extent)
+    }
+
+    fn area(&self) -> [u32; 2] {
+        self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]])
+    }
+
+    fn load_scene(&mut self) -> Result<()> {
+        let place = if self.state.scene == scene_name(&self.given) {
+            self.given.clone()
+        } else {
+            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.given.clone() }
+        };
+        let scene = resolve::scene(&place, "rooms")?;
+        self.views = views(&scene, &place)?;
+        let Some(first) = self.views.first().cloned() else { return Ok(()) };
+        // The old scene's memory goes before the new one's comes.
+        self.pictures.discard_pipelines();
+        self.pictures = Pictures::new(&self.gpu, &scene)?;
+        self.state.camera = Self::camera(&scene, &first);
+        self.state.show_view(&first);
+        self.state.picked = None;
+        (self.answers, self.ray) = (None, None);
+        self.scene = Arc::new(scene);
+        self.place = place;
+        Ok(())
+    }
+}
+
+/// The name of the scene that options name.
+pub fn scene_name(place: &SceneOptions) -> String {
+    match &place.scene[..] {
+        [] => "rooms".into(),
+        [one] => one.display().to_string(),
+        [first, ..] => format!("{} …", first.display()),
+    }
+}
+
+/// A scene's views with the lens of the options.
+fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
+    scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
+}
+
+fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
+    Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })
+}
+
+/// Left, top, width and height in pixels of a rectangle in points, at least a pixel of the window.
+fn pixels(area: egui::Rect, [width, height]: [u32; 2], pixels_per_point: f32) -> [u32; 4] {
+    let x = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
+    let (left, top) = (x(area.left()).min(width - 1), x(area.top()).min(height - 1));
+    let (right, bottom) = (x(area.right()).min(width), x(area.bottom()).min(height));
+    [left, top, right.saturating_sub(left).max(1), bottom.saturating_sub(top).max(1)]
+}
+
+/// The command line that makes the reference of what is seen; it can name a view, not a camera that
+/// flew away from one.
+fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
+    let (eye, look_at) = state.camera.place();
+    let place = if state.moved || state.view.name == "custom" {
+        let point = |p: glam::Vec3| format!("{},{},{}", p.x, p.y, p.z);
+        format!("--eye {} --look-at {}", point(eye), point(look_at))
+    } else {
+        format!("--view {}", state.view.name)
+    };
+    let g = &state.globals;
+    let mut factors = String::new();
+    for (flag, value) in [("roughness", g.roughness), ("normal-deviation", g.normal_deviation)] {
+        if let Some(v) = value {
+            factors += &format!(" --{flag} {v}");
+        }
+    }
+    if g.reflectivity != 1.0 {
+        factors += &format!(" --reflectivity {}", g.reflectivity);
+    }
+    let scene = &state.scene;
+    format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{factors} -o truth.png")
+}
