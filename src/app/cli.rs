@@ -28,6 +28,8 @@ pub enum Command {
     Time(TimeOptions),
     /// Measure run time against error.
     Error(ErrorOptions),
+    /// Try every method on G-buffers and cameras that break renderers.
+    Stress(StressOptions),
     /// Write a G-buffer to a file, or run a method on one from any renderer.
     #[command(subcommand, name = "gbuffer")]
     GBuffer(GBufferCommand),
@@ -193,16 +195,28 @@ pub struct TimeOptions {
     /// Widths and heights in pixels.
     #[arg(long, visible_alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
-    /// Measure a table of the thesis: its sizes and roughness values, on the view `hall`.
+    /// Measure a table of the thesis (its sizes and roughness values, on the view `hall`), or the times in its
+    /// captions, each on the view that stands for its figure.
     #[arg(long, value_enum)]
     pub table: Option<Table>,
+    /// For --table captions: rays a pixel of the reference that stands for Mitsuba.
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub reference_rays: u32,
+    /// Move the camera along a path and give frames per second: `views` (through the scene's views), a path of
+    /// the scene file, or a path file (.toml).
+    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["table", "samples", "view", "eye"])]
+    pub path: Option<PathBuf>,
+    /// For --path: frames from its beginning to its end.
+    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub frames: u32,
     /// Frames that count, for each method, size and roughness.
     #[arg(long, default_value_t = 10)]
     pub samples: usize,
     /// Frames before the first that counts.
     #[arg(long, default_value_t = 2)]
     pub warmup: usize,
-    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder.
+    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder; of a path, path.json,
+    /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// Print the records as JSON, and nothing else.
@@ -239,6 +253,28 @@ pub struct ErrorOptions {
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `ssct stress`.
+#[derive(Debug, Args)]
+pub struct StressOptions {
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Only small images and one scene: a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Only cases whose name contains this.
+    #[arg(long, value_name = "WORDS")]
+    pub case: Option<String>,
+    /// Write stress.json, stress.txt and index.html into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub device: DeviceOptions,
 }
 
 /// The subcommands of `ssct gbuffer`.
@@ -292,6 +328,8 @@ pub enum Table {
     /// Resolutions and roughness values of SSCT, HZCT and SSLR.
     #[value(name = "5.8")]
     T5_8,
+    /// The times under figures 5.2 to 5.9.
+    Captions,
 }
 
 /// Options of `ssct study`.

@@ -10,8 +10,11 @@ mod progress;
 mod reference;
 mod render;
 mod resolve;
+mod stress;
 mod study;
 mod time;
+mod time_captions;
+mod time_path;
 mod truth;
 #[cfg(feature = "window")]
 mod view;
@@ -46,6 +49,7 @@ pub fn run() -> ExitCode {
         Command::Time(options) => time::run(options),
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
+        Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
         Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),

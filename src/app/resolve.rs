@@ -4,7 +4,8 @@ use super::cli::{DeviceOptions, MethodOptions, SceneOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{Setup, Tuning};
-use crate::scene::{Scene, View, library, obj, scene_file};
+use crate::scene::path::VIEWS;
+use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
 use crate::study::Globals;
 use std::path::{Path, PathBuf};
 
@@ -69,7 +70,12 @@ pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Res
 
 /// A view with the lens that the flags ask for.
 pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Result<View> {
-    let mut lens = view.lens.unwrap_or(scene.lens);
+    view.lens = Some(lens(options, view.lens.unwrap_or(scene.lens))?);
+    Ok(view)
+}
+
+/// A lens with what the flags replace of it.
+pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
     if let Some(fov) = options.fov {
         if !(fov > 0.0 && fov < 180.0) {
             return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
@@ -84,8 +90,24 @@ pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Resul
             lens.near_m, lens.far_m
         )));
     }
-    view.lens = Some(lens);
-    Ok(view)
+    Ok(lens)
+}
+
+/// The path that a flag names: `views`, one of the scene's, or a file.
+pub fn path(scene: &Scene, name: &Path) -> Result<CameraPath> {
+    if name.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        return CameraPath::load(name);
+    }
+    let name = name.to_string_lossy();
+    if let Some(path) = scene.paths.iter().find(|p| p.name == name) {
+        return Ok(path.clone());
+    }
+    if name == VIEWS {
+        return CameraPath::through_views(scene);
+    }
+    let names: Vec<&str> = [VIEWS].into_iter().chain(scene.paths.iter().map(|p| p.name.as_str())).collect();
+    let there = names.join(", ");
+    Err(Error::Usage(format!("--path {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
 }
 
 /// The global factors: one for each `--roughness`, or one that keeps the materials' own.

@@ -3,7 +3,7 @@
 use super::cli::{Table, TimeOptions};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
+use crate::gpu::{DeviceInfo, Gpu};
 use crate::methods::{self, METHODS, MethodInfo};
 use crate::report::{files, plot, tables};
 use crate::scene::{Scene, View};
@@ -15,6 +15,12 @@ use std::io::Write;
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let common = &options.common;
+    if let Some(path) = &options.path {
+        return super::time_path::run(options, path);
+    }
+    if options.table == Some(Table::Captions) {
+        return super::time_captions::run(options);
+    }
     let table = options.table == Some(Table::T5_8);
     let scene = resolve::scene(&common.place, if table { "atrium" } else { "rooms" })?;
     let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
@@ -28,27 +34,57 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&common.device)?;
     let records = measure(options, &gpu, &scene, &view, methods, sizes, globals)?;
 
-    if let Some(folder) = &options.output {
-        files::write(&folder.join("time.json"), files::json(&records).as_bytes())?;
-        files::write(&folder.join("time-samples.csv"), files::samples_csv(&records).as_bytes())?;
-        files::write(&folder.join("time.svg"), plot::stage_bars(&records).map_err(anyhow::Error::msg)?.as_bytes())?;
-        files::write(&folder.join("time.txt"), text(&records, table).as_bytes())?;
-    }
-    let mut out = std::io::stdout().lock();
-    if options.json {
-        out.write_all(files::json(&records).as_bytes())?;
-    } else {
-        out.write_all(text(&records, table).as_bytes())?;
-    }
+    let written = Written {
+        stem: "time",
+        json: files::json(&records),
+        samples: ("time-samples.csv", files::samples_csv(&records)),
+        plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
+        text: text(&records, table),
+    };
+    written.out(options)?;
     gpu.check_validation()?;
     Ok(())
+}
+
+/// What a measurement leaves.
+pub struct Written {
+    /// Of the file names.
+    pub stem: &'static str,
+    /// Records.
+    pub json: String,
+    /// Every sample: file name and CSV.
+    pub samples: (&'static str, String),
+    /// SVG.
+    pub plot: String,
+    /// For a terminal.
+    pub text: String,
+}
+
+impl Written {
+    /// Writes the files, if a folder is asked for, and prints the records or the text.
+    pub fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
+        if let Some(folder) = &options.output {
+            let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
+            files::write(&named("json"), self.json.as_bytes())?;
+            files::write(&folder.join(self.samples.0), self.samples.1.as_bytes())?;
+            files::write(&named("svg"), self.plot.as_bytes())?;
+            files::write(&named("txt"), self.text.as_bytes())?;
+        }
+        let shown = if options.json { &self.json } else { &self.text };
+        std::io::stdout().lock().write_all(shown.as_bytes())?;
+        Ok(())
+    }
+}
+
+/// The device of some records, as a line.
+pub fn device_line(device: &DeviceInfo) -> String {
+    format!("{} ({}, {})\n", device.name, device.kind, device.driver)
 }
 
 fn text(records: &[TimeRecord], table: bool) -> String {
     let mut text = String::new();
     if let Some(first) = records.first() {
-        let d = &first.head.device;
-        text += &format!("{} ({}, {})\n", d.name, d.kind, d.driver);
+        text += &device_line(&first.head.device);
     }
     if table {
         text += &tables::table_5_8(&compare(records));

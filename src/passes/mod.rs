@@ -116,6 +116,11 @@ impl PathCode {
         matches!(self, Self::HiZ | Self::Linear | Self::Exhausted)
     }
 
+    /// Whether the ray ran out of steps before it ended.
+    pub fn is_exhausted(self) -> bool {
+        self == Self::Exhausted
+    }
+
     /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {

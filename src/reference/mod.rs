@@ -59,4 +59,4 @@ impl<T: Copy> Level<T> {
 }
 
 #[cfg(test)]
-mod testing;
+pub(crate) mod testing;

@@ -7,5 +7,7 @@ pub mod files;
 pub mod html;
 pub mod images;
 pub mod mitsuba;
+pub mod path_report;
 pub mod plot;
+pub mod stress_report;
 pub mod tables;

@@ -5,7 +5,7 @@ use crate::study::sweep::Point;
 use plotters::prelude::*;
 
 /// Colours of the stages, in the order in which they first appear.
-const STAGE_COLORS: [RGBColor; 8] = [
+pub(super) const STAGE_COLORS: [RGBColor; 8] = [
     RGBColor(0x4c, 0x78, 0xa8),
     RGBColor(0x72, 0xb7, 0xb2),
     RGBColor(0x54, 0xa2, 0x4b),
@@ -17,9 +17,9 @@ const STAGE_COLORS: [RGBColor; 8] = [
 ];
 
 /// Width of a plot in pixels: small enough that its text can still be read on a phone.
-const WIDTH: u32 = 640;
+pub(super) const WIDTH: u32 = 640;
 /// Pixels of a plot's text.
-const TEXT: u32 = 14;
+pub(super) const TEXT: u32 = 14;
 
 /// Stacked bars, one a record: the median of each stage of the effect, in milliseconds.
 pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {

@@ -1,7 +1,7 @@
 //! Tables as plain text for a terminal.
 
-use crate::study::TimeRecord;
 use crate::study::table::Compared;
+use crate::study::{TimeRecord, captions};
 
 /// Rows of cells, each column as wide as its widest cell; the first is aligned left, others right.
 pub fn aligned(rows: &[Vec<String>]) -> String {
@@ -87,6 +87,45 @@ pub fn table_5_8_cells(rows: &[Compared]) -> Vec<Vec<String>> {
 /// The thesis's table 5.8 as text.
 pub fn table_5_8(rows: &[Compared]) -> String {
     aligned(&table_5_8_cells(rows))
+}
+
+/// The thesis's captions beside our own times: milliseconds, and ratios to SSCT.
+pub fn captions(rows: &[captions::Compared]) -> String {
+    let header = [
+        "figure",
+        "view",
+        "size",
+        "roughness",
+        "against SSCT",
+        "SSCT thesis ms",
+        "other thesis ms",
+        "SSCT here ms",
+        "other here ms",
+        "other/SSCT thesis",
+        "other/SSCT here",
+    ];
+    let mut cells = vec![header.map(str::to_owned).to_vec()];
+    for row in rows {
+        let c = row.caption;
+        let other = if c.other == captions::REFERENCE { "Mitsuba".into() } else { c.other.to_uppercase() };
+        let of = |pair: Option<captions::Pair>, value: fn(&captions::Pair) -> f64| {
+            pair.map_or_else(|| "-".into(), |p| format!("{:.2}", value(&p)))
+        };
+        cells.push(vec![
+            c.figure.to_owned(),
+            c.view.to_owned(),
+            format!("{} x {}", c.size[0], c.size[1]),
+            roughness(row.roughness),
+            other,
+            of(Some(row.published), |p| p.ssct_ms),
+            of(Some(row.published), |p| p.other_ms),
+            of(row.measured, |p| p.ssct_ms),
+            of(row.measured, |p| p.other_ms),
+            of(Some(row.published), |p| p.ratio),
+            of(row.measured, |p| p.ratio),
+        ]);
+    }
+    aligned(&cells)
 }
 
 #[cfg(test)]

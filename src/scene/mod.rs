@@ -9,6 +9,7 @@ pub mod gbuffer;
 pub mod gbuffer_file;
 pub mod library;
 pub mod obj;
+pub mod path;
 pub mod pattern;
 pub mod scene_file;
 pub mod sky;
@@ -19,6 +20,7 @@ use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
 pub use gbuffer::GBufferData;
+pub use path::CameraPath;
 pub use texture::{Encoding, Texture};
 
 /// A scene, ready to be uploaded or ray traced.
@@ -38,6 +40,8 @@ pub struct Scene {
     pub lens: Lens,
     /// Named views; never empty. The first is the default.
     pub views: Vec<View>,
+    /// Named paths of the camera.
+    pub paths: Vec<CameraPath>,
     /// One sentence for each thing that had to be replaced or left out on loading.
     pub warnings: Vec<String>,
 }
@@ -222,9 +226,29 @@ impl Scene {
             view.eye *= factor;
             view.look_at *= factor;
         }
+        self.paths.iter_mut().for_each(|p| p.scale(factor));
         for light in &mut self.lights {
             if let Light::Point { position, .. } = light {
                 *position *= factor;
+            }
+        }
+    }
+
+    /// Moves everything that has a place.
+    pub fn translate(&mut self, offset: Vec3) {
+        for mesh in &mut self.meshes {
+            for v in &mut mesh.vertices {
+                v.position = (Vec3::from(v.position) + offset).to_array();
+            }
+            mesh.bounds = Aabb::of(&mesh.vertices);
+        }
+        for view in &mut self.views {
+            view.eye += offset;
+            view.look_at += offset;
+        }
+        for light in &mut self.lights {
+            if let Light::Point { position, .. } = light {
+                *position += offset;
             }
         }
     }

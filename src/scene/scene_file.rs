@@ -2,6 +2,7 @@
 //! reflects, lights, lenses and named views (DEFINITIONS, "Scene files").
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
+use super::path::PathSection;
 use super::{Lens, Light, Material, MaterialChange, Scene, Surface, View};
 use crate::error::{Error, Result};
 use glam::Vec3;
@@ -23,7 +24,7 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 /// and energies stay.
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, those of a bare OBJ
-/// stand in. A material's section replaces what the MTL file says; `[material.default]` speaks for all
+/// stand in. A `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what the MTL file says; `[material.default]` speaks for all
 /// materials without a section of their own. A section for a material that no mesh has is a warning.
 ///
 /// # Errors
@@ -33,7 +34,7 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     if !(extra_scale.is_finite() && extra_scale > 0.0) {
         return Err(Error::Usage(format!("the scale must be a positive number, not {extra_scale}")));
     }
-    let text = read(path)?;
+    let text = read(path, "a scene file")?;
     let source = Source { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let scale = match &sections.scale {
@@ -43,6 +44,8 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     let lens = source.lens(&sections.camera, Lens::default(), 0..0)?;
     let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
     let views = source.views(sections.view, lens, extra_scale)?;
+    let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale));
+    let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
 
@@ -54,6 +57,7 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     }
     scene.lights = if lights.is_empty() { vec![obj::default_light()] } else { lights };
     scene.views = if views.is_empty() { vec![obj::default_view(&scene)] } else { views };
+    scene.paths = paths;
     apply_changes(path, &changes, &mut scene);
     Ok(scene)
 }
@@ -75,6 +79,8 @@ struct Sections {
     camera: LensSection,
     #[serde(default)]
     view: BTreeMap<String, Spanned<ViewSection>>,
+    #[serde(default)]
+    path: BTreeMap<String, PathSection>,
 }
 
 #[derive(Deserialize)]
@@ -138,20 +144,20 @@ struct ViewSection {
 }
 
 /// The text of a scene file, for errors that name the line.
-struct Source<'a> {
-    path: &'a Path,
-    text: &'a str,
+pub(super) struct Source<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
 }
 
 impl Source<'_> {
     /// An error at a byte range of the text.
-    fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
+    pub(super) fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
         let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
         let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
         Error::malformed(self.path, Some(line), message)
     }
 
-    fn syntax_error(&self, error: &toml::de::Error) -> Error {
+    pub(super) fn syntax_error(&self, error: &toml::de::Error) -> Error {
         let message = error.message().trim().replace('\n', "; ");
         match error.span() {
             Some(span) => self.error(span, message),
@@ -176,7 +182,7 @@ impl Source<'_> {
         }
     }
 
-    fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
+    pub(super) fn vector(&self, what: &str, value: &Spanned<[f32; 3]>) -> Result<Vec3> {
         let vector = Vec3::from(*value.get_ref());
         if vector.is_finite() {
             return Ok(vector);
@@ -320,22 +326,23 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
     }
 }
 
-fn read(path: &Path) -> Result<String> {
+/// The text of a file; `what` says in errors what it should be.
+pub(super) fn read(path: &Path, what: &str) -> Result<String> {
     let length = std::fs::metadata(path).map_err(|e| Error::io("read", path, e))?.len();
     if length > MAX_FILE_BYTES {
-        let message = format!("a scene file of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
+        let message = format!("{what} of {length} bytes is larger than the {MAX_FILE_BYTES} that are read");
         return Err(Error::malformed(path, None, message));
     }
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();
         let line = 1 + e.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();
-        Error::malformed(path, Some(line), "a scene file must be UTF-8 text")
+        Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
     })
 }
 
-/// The file name without `.scene.toml`.
-fn stem(path: &Path) -> String {
+/// The file name without `.scene.toml` or `.toml`.
+pub(super) fn stem(path: &Path) -> String {
     let name = PathBuf::from(path.file_stem().unwrap_or_default());
     let stem = if name.extension().is_some_and(|e| e == "scene") { name.with_extension("") } else { name };
     stem.to_string_lossy().into_owned()

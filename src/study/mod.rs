@@ -1,11 +1,14 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod captions;
 pub mod compare;
 pub mod error;
 pub mod gbuffer;
 pub mod image;
+pub mod path;
 pub mod record;
 pub mod stage;
+pub mod stress;
 pub mod sweep;
 pub mod table;
 pub mod timing;

@@ -78,7 +78,7 @@ impl Page<'_> {
         let page = html! {
             (DOCTYPE)
             html lang="en" {
-                (head())
+                (head("study"))
                 body {
                     (self.header())
                     (table) (sections::table_5_8(&self.times))
@@ -108,35 +108,66 @@ impl Page<'_> {
     }
 
     fn header(&self) -> Markup {
-        let d = self.device;
-        html! {
-            header {
-                h1 { "Glossy reflections in screen space" }
-                dl {
-                    dt { "Device" }
-                    dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
-                    dt { "Program" }
-                    dd { "ssct " (Head::VERSION) ", commit " code { (Head::COMMIT) } ", definitions " (DEFINITIONS) }
-                    dt { "Command" }
-                    dd { code { (self.command) } }
-                }
-                @if d.kind == "CPU" {
-                    p { "This device is a CPU: its times are the host's. Compare only ratios, and only within this page." }
-                }
-                nav aria-label="Parts of the page" {
-                    ul { @for (id, title) in PARTS { li { a href={ "#" (id) } { (title) } } } }
-                }
-            }
-        }
+        let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
+        page_header("Glossy reflections in screen space", Some(self.device), &self.command, &parts)
     }
 }
 
-fn head() -> Markup {
+/// A page of tables, each with its title and a paragraph that says what it shows.
+pub fn tables_page(
+    title: &str,
+    device: Option<&DeviceInfo>,
+    command: &str,
+    parts: &[(&str, &str, &[Vec<String>])],
+) -> String {
+    let ids: Vec<_> = parts.iter().enumerate().map(|(n, (title, ..))| (format!("part-{n}"), *title)).collect();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (head(title))
+            body {
+                (page_header(title, device, command, &ids))
+                @for ((id, title), (_, text, cells)) in ids.iter().zip(parts) {
+                    (heading((id, title)))
+                    p { (text) }
+                    (sections::grid(cells))
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+fn page_header(title: &str, device: Option<&DeviceInfo>, command: &str, parts: &[(String, &str)]) -> Markup {
+    html! {
+        header {
+                h1 { (title) }
+                dl {
+                    @if let Some(d) = device {
+                        dt { "Device" }
+                        dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
+                    }
+                    dt { "Program" }
+                    dd { "ssct " (Head::VERSION) ", commit " code { (Head::COMMIT) } ", definitions " (DEFINITIONS) }
+                    dt { "Command" }
+                    dd { code { (command) } }
+                }
+                @if device.is_some_and(|d| d.kind == "CPU") {
+                    p { "This device is a CPU: its times are the host's. Compare only ratios, and only within this page." }
+                }
+                nav aria-label="Parts of the page" {
+                    ul { @for (id, title) in parts { li { a href={ "#" (id) } { (title) } } } }
+                }
+            }
+    }
+}
+
+fn head(title: &str) -> Markup {
     html! {
         head {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
-            title { "ssct study" }
+            title { "ssct " (title) }
             // Without it a browser asks the server for one.
             link rel="icon" href="data:,";
             style { (PreEscaped(include_str!("page.css"))) }

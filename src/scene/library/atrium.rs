@@ -77,7 +77,7 @@ pub fn scene() -> Scene {
             view("lion", [6.0, 1.0, 0.4], [13.0, 1.0, 0.4]),
             hall,
         ],
-        warnings: Vec::new(),
+        ..Scene::default()
     }
 }
 

@@ -66,7 +66,7 @@ pub fn scene() -> Scene {
             view("window", [2.0, 0.0, 0.0], [2.05, 0.1, 5.0]),
             view("ceiling", [4.0, -0.6, -3.0], [-3.0, 0.9, 4.0]),
         ],
-        warnings: Vec::new(),
+        ..Scene::default()
     }
 }
 

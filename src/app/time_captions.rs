@@ -1,0 +1,130 @@
+//! `ssct time --table captions`: the times under the thesis's figures, each measured on the view that
+//! stands for it.
+
+use super::cli::TimeOptions;
+use super::time::{Written, device_line};
+use super::{progress, resolve};
+use crate::error::{Error, Result};
+use crate::methods::{self, MethodInfo};
+use crate::report::{files, plot, tables};
+use crate::scene::{Scene, library};
+use crate::study::captions::{CAPTIONS, Caption, REFERENCE, ReferenceTime, compare, time_reference};
+use crate::study::timing::{TimeSpec, time};
+use crate::study::{Globals, TimeRecord};
+
+/// Roughness and normal deviation unless flags say otherwise: table 5.8's rougher rows. The captions
+/// give none.
+const ROUGHNESS: f32 = 0.1;
+
+/// Measures, prints and writes.
+pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
+    let place = &options.common.place;
+    if !options.method.is_empty() || !options.size.is_empty() {
+        let message = "--table captions takes methods and sizes from the captions, without --method and --size";
+        return Err(Error::Usage(message.into()).into());
+    }
+    if options.samples == 0 {
+        return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
+    }
+    let scenes = scenes(options)?;
+    let wanted = wanted(options, &scenes)?;
+    let globals = globals(options)?;
+    let gpu = resolve::gpu(&options.common.device)?;
+
+    let bar = progress::bar("captions", 0);
+    let (mut records, mut references, mut missing) = (Vec::<TimeRecord>::new(), Vec::<ReferenceTime>::new(), vec![]);
+    for (caption, scene) in &wanted {
+        let view = resolve::with_lens(scene, scene.view(caption.view)?.clone(), place)?;
+        let mut compared: Vec<&'static MethodInfo> = vec![methods::find("ssct")?];
+        match methods::find(caption.other) {
+            Ok(method) => compared.push(method),
+            Err(_) if caption.other == REFERENCE => {}
+            Err(e) => missing.push(format!("figure {}: {e}\n", caption.figure)),
+        }
+        let spec = TimeSpec {
+            gpu: &gpu,
+            scene,
+            view: &view,
+            methods: compared,
+            sizes: vec![caption.size],
+            globals: globals.clone(),
+            setup: resolve::setup(&options.common.method_options, caption.size),
+            warmup: options.warmup,
+            samples: options.samples,
+        };
+        bar.inc_length(spec.frames() as u64);
+        records.extend(time(&spec, &mut || bar.inc(1))?);
+        if caption.other == REFERENCE {
+            let timed = |g| time_reference(&gpu, scene, &view, caption.size, g, options.reference_rays);
+            references.extend(globals.iter().map(timed));
+        }
+    }
+    bar.finish_and_clear();
+
+    let mut text = device_line(gpu.info());
+    text += &tables::captions(&compare(&records, &references));
+    text.extend(missing);
+    for r in &references {
+        let h = &r.head;
+        text += &format!(
+            "In the place of Mitsuba: this program's world reference on the CPU ({} threads), first hits and {} rays a \
+             pixel of the lobe, one bounce, {} x {}. It grows with the rays; the thesis does not say its number.\n",
+            r.threads, r.rays, h.width, h.height
+        );
+    }
+    text += "\n";
+    text += &tables::times(&records);
+    let json = |v: serde_json::Result<serde_json::Value>| v.map_err(anyhow::Error::from);
+    let mut all = records.iter().map(|r| json(serde_json::to_value(r))).collect::<anyhow::Result<Vec<_>>>()?;
+    for r in &references {
+        all.push(json(serde_json::to_value(r))?);
+    }
+    let written = Written {
+        stem: "time",
+        json: files::json(&all),
+        samples: ("time-samples.csv", files::samples_csv(&records)),
+        plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
+        text,
+    };
+    written.out(options)?;
+    gpu.check_validation()?;
+    Ok(())
+}
+
+/// The scene of the flags, or the built-in ones that stand for the figures.
+fn scenes(options: &TimeOptions) -> Result<Vec<Scene>> {
+    let place = &options.common.place;
+    if place.scene.is_empty() {
+        let mut names: Vec<&str> = CAPTIONS.iter().map(|c| c.scene).collect();
+        names.sort_unstable();
+        names.dedup();
+        return Ok(names.into_iter().filter_map(library::scene).collect());
+    }
+    Ok(vec![resolve::scene(place, "")?])
+}
+
+/// The captions whose view a scene has, and that the flags ask for.
+fn wanted<'a>(options: &TimeOptions, scenes: &'a [Scene]) -> Result<Vec<(Caption, &'a Scene)>> {
+    let asked = options.common.place.view.as_deref();
+    let of = |c: &Caption| {
+        let scene = scenes.iter().find(|s| s.views.iter().any(|v| v.name == c.view))?;
+        asked.is_none_or(|view| view == c.view).then_some((*c, scene))
+    };
+    let wanted: Vec<_> = CAPTIONS.iter().filter_map(of).collect();
+    if wanted.is_empty() {
+        let views: Vec<&str> = CAPTIONS.iter().map(|c| c.view).collect();
+        let views = views.join(", ");
+        return Err(Error::Usage(format!("no caption with times is of such a view; they are of: {views}")));
+    }
+    Ok(wanted)
+}
+
+/// The flags' factors, else [`ROUGHNESS`]; the normal deviation is the roughness unless a flag gives it.
+fn globals(options: &TimeOptions) -> Result<Vec<Globals>> {
+    let mut globals = resolve::globals(&options.common.place)?;
+    for g in &mut globals {
+        g.roughness = g.roughness.or(Some(ROUGHNESS));
+        g.normal_deviation = g.normal_deviation.or(g.roughness);
+    }
+    Ok(globals)
+}

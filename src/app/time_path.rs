@@ -1,0 +1,49 @@
+//! `ssct time --path`: frames per second while the camera moves.
+
+use super::cli::TimeOptions;
+use super::time::{Written, device_line};
+use super::{progress, resolve};
+use crate::methods::{self, METHODS, MethodInfo};
+use crate::report::{files, path_report};
+use crate::study::path::{PathSpec, run as measure};
+use std::path::Path;
+
+/// Measures, prints and writes.
+pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
+    let common = &options.common;
+    let scene = resolve::scene(&common.place, "rooms")?;
+    let path = resolve::path(&scene, path)?;
+    let methods: Vec<&'static MethodInfo> = match &options.method[..] {
+        [] => METHODS.iter().filter(|m| common.method_options.suits(m)).collect(),
+        names => names.iter().map(|n| methods::find(n)).collect::<crate::error::Result<_>>()?,
+    };
+    let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
+    let mut scene = scene;
+    scene.lens = resolve::lens(&common.place, scene.lens)?;
+    let gpu = resolve::gpu(&common.device)?;
+    let spec = PathSpec {
+        gpu: &gpu,
+        scene: &scene,
+        path: &path,
+        methods,
+        globals: resolve::one_globals(&common.place, "a path is walked with one roughness")?,
+        setup: resolve::setup(&common.method_options, sizes[0]),
+        sizes,
+        warmup: options.warmup,
+        frames: options.frames as usize,
+    };
+    let bar = progress::bar("path", spec.submissions());
+    let records = measure(&spec, &mut || bar.inc(1))?;
+    bar.finish_and_clear();
+
+    let written = Written {
+        stem: "path",
+        json: files::json(&records),
+        samples: ("path-frames.csv", path_report::frames_csv(&records)),
+        plot: path_report::plot(&records).map_err(anyhow::Error::msg)?,
+        text: device_line(gpu.info()) + &path_report::text(&records),
+    };
+    written.out(options)?;
+    gpu.check_validation()?;
+    Ok(())
+}

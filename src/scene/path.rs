@@ -1,0 +1,324 @@
+//! Camera paths: key frames joined by a centripetal Catmull-Rom spline, which passes through every one
+//! of them and, unlike the uniform one, makes neither cusps nor loops where two of them lie close. A
+//! path is a file of its own (TOML), a section of a scene file, or made of a scene's views.
+
+use super::Scene;
+use super::scene_file::{Source, read, stem};
+use crate::error::{Error, Result};
+use glam::Vec3;
+use serde::Deserialize;
+use std::fmt::Write;
+use std::path::Path;
+use toml::Spanned;
+
+/// The name of the path that leads through a scene's views.
+pub const VIEWS: &str = "views";
+
+/// A place on the way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyFrame {
+    /// Camera position, world, metres.
+    pub eye: Vec3,
+    /// A point in the middle of the image.
+    pub look_at: Vec3,
+    /// When the camera is there, seconds; either all of a path's key frames have it, or none has.
+    pub time_s: Option<f32>,
+}
+
+/// A way of the camera through at least two key frames.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CameraPath {
+    /// What records call it.
+    pub name: String,
+    keys: Vec<KeyFrame>,
+    /// When each key frame is passed: seconds, or metres of way where the key frames have no time.
+    times: Vec<f32>,
+}
+
+/// What is wrong with key frames: the index of the one at fault, if one is, and a sentence.
+type Fault = (Option<usize>, String);
+
+impl CameraPath {
+    /// Joins key frames. Without times, the camera moves evenly: the time between two of them is the
+    /// way of its eye and of what it looks at.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with fewer than two key frames, for one that is not finite, looks at its own
+    /// eye or repeats the one before it, and for times that some have, or that don't increase.
+    pub fn new(name: impl Into<String>, keys: Vec<KeyFrame>) -> Result<Self> {
+        let name = name.into();
+        Self::joined(&name, keys).map_err(|(index, what)| {
+            let place = index.map_or_else(String::new, |i| format!("key frame {}: ", i + 1));
+            Error::Usage(format!("path {name}: {place}{what}"))
+        })
+    }
+
+    fn joined(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, Fault> {
+        if keys.len() < 2 {
+            return Err((None, format!("a path needs at least two key frames, not {}", keys.len())));
+        }
+        for (n, key) in keys.iter().enumerate() {
+            let fault = |what: &str| Err((Some(n), what.to_owned()));
+            if !(key.eye.is_finite() && key.look_at.is_finite() && key.time_s.is_none_or(f32::is_finite)) {
+                return fault("every number must be finite");
+            }
+            if (key.look_at - key.eye).try_normalize().is_none() {
+                return fault("it looks at its own eye; look_at must be another point");
+            }
+            if key.time_s.is_some() != keys[0].time_s.is_some() {
+                return fault("either every key frame has a time, or none has");
+            }
+            let Some(before) = n.checked_sub(1).map(|n| keys[n]) else { continue };
+            if distance(&before, key) == 0.0 {
+                return fault("it repeats the key frame before it");
+            }
+            if let (Some(before), Some(time)) = (before.time_s, key.time_s)
+                && time <= before
+            {
+                return Err((Some(n), format!("its time must be after {before}, but is {time}")));
+            }
+        }
+        let times = keys.iter().enumerate().scan(0.0, |way, (n, key)| {
+            *way += n.checked_sub(1).map_or(0.0, |before| distance(&keys[before], key));
+            Some(key.time_s.unwrap_or(*way))
+        });
+        Ok(Self { name: name.to_owned(), times: times.collect(), keys })
+    }
+
+    /// Through a scene's views in their order.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a scene with fewer than two different views.
+    pub fn through_views(scene: &Scene) -> Result<Self> {
+        let mut keys: Vec<KeyFrame> =
+            scene.views.iter().map(|v| KeyFrame { eye: v.eye, look_at: v.look_at, time_s: None }).collect();
+        keys.dedup();
+        if keys.len() < 2 {
+            return Err(Error::Usage(format!("scene {} has one view, and a path through views needs two", scene.name)));
+        }
+        Self::new(VIEWS, keys)
+    }
+
+    /// Reads a path file: an optional `name`, and `[[key]]` tables with `eye`, `look_at` and, in all of
+    /// them or in none, `time` in seconds.
+    ///
+    /// # Errors
+    /// [`Error::Io`], or [`Error::Malformed`] with file and line.
+    pub fn load(path: &Path) -> Result<Self> {
+        let text = read(path, "a path file")?;
+        let source = Source { path, text: &text };
+        let file: PathFile = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+        source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
+    }
+
+    /// The text of a path file.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("name = {}\n", toml::Value::from(self.name.as_str()));
+        for key in &self.keys {
+            let [eye, look_at] = [key.eye, key.look_at].map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+            // Writing to a string can't fail.
+            let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
+            if let Some(time) = key.time_s {
+                let _ = writeln!(text, "time = {time:?}");
+            }
+        }
+        text
+    }
+
+    /// Its key frames.
+    pub fn keys(&self) -> &[KeyFrame] {
+        &self.keys
+    }
+
+    /// Scales all coordinates about the origin.
+    pub fn scale(&mut self, factor: f32) {
+        for key in &mut self.keys {
+            key.eye *= factor;
+            key.look_at *= factor;
+        }
+        if self.keys[0].time_s.is_none() {
+            self.times.iter_mut().for_each(|t| *t *= factor);
+        }
+    }
+
+    /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
+    pub fn at(&self, share: f32) -> (Vec3, Vec3) {
+        let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
+        let time = first + share.clamp(0.0, 1.0) * (last - first);
+        let n = self.times.partition_point(|t| *t <= time).clamp(1, self.keys.len() - 1) - 1;
+        let within = (time - self.times[n]) / (self.times[n + 1] - self.times[n]);
+        let points = self.around(n);
+        let knots = knots(&points);
+        let t = knots[1] + within * (knots[2] - knots[1]);
+        (spline(points.map(|p| p.0), knots, t), spline(points.map(|p| p.1), knots, t))
+    }
+
+    /// The key frames at both ends of a segment and the ones beyond; at the path's ends, mirrored.
+    fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
+        let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
+        let mirrored = |at: (Vec3, Vec3), of: (Vec3, Vec3)| (2.0 * at.0 - of.0, 2.0 * at.1 - of.1);
+        let (from, to) = (key(n), key(n + 1));
+        let before = n.checked_sub(1).map_or_else(|| mirrored(from, to), key);
+        let after = if n + 2 < self.keys.len() { key(n + 2) } else { mirrored(to, from) };
+        [before, from, to, after]
+    }
+}
+
+/// How far two key frames are apart: eye and look-at point as one point of six coordinates, so that a
+/// camera that only turns moves too.
+fn distance(a: &KeyFrame, b: &KeyFrame) -> f32 {
+    (a.eye.distance_squared(b.eye) + a.look_at.distance_squared(b.look_at)).sqrt()
+}
+
+/// Centripetal knots: each step is the root of the distance.
+fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
+    let mut knots = [0.0; 4];
+    for n in 1..4 {
+        let (a, b) = (points[n - 1], points[n]);
+        knots[n] = knots[n - 1] + (a.0.distance_squared(b.0) + a.1.distance_squared(b.1)).sqrt().sqrt();
+    }
+    knots
+}
+
+/// Barry and Goldman's pyramid: the Catmull-Rom spline through the points 1 and 2 at `t` between their
+/// knots.
+fn spline(p: [Vec3; 4], knots: [f32; 4], t: f32) -> Vec3 {
+    let mix = |a: Vec3, b: Vec3, from: usize, to: usize| a.lerp(b, (t - knots[from]) / (knots[to] - knots[from]));
+    let a = [mix(p[0], p[1], 0, 1), mix(p[1], p[2], 1, 2), mix(p[2], p[3], 2, 3)];
+    let b = [mix(a[0], a[1], 0, 2), mix(a[1], a[2], 1, 3)];
+    mix(b[0], b[1], 1, 2)
+}
+
+/// A path file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    name: Option<String>,
+    #[serde(default)]
+    key: Vec<Spanned<KeySection>>,
+}
+
+/// A path in a scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PathSection {
+    #[serde(default)]
+    pub(super) key: Vec<Spanned<KeySection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeySection {
+    eye: Spanned<[f32; 3]>,
+    look_at: Spanned<[f32; 3]>,
+    time: Option<f32>,
+}
+
+impl Source<'_> {
+    /// A path of some sections; a fault is told with its line.
+    pub(super) fn path(&self, name: &str, sections: &[Spanned<KeySection>], extra_scale: f32) -> Result<CameraPath> {
+        let key = |section: &Spanned<KeySection>| {
+            let KeySection { eye, look_at, time } = section.get_ref();
+            let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?].map(|p| p * extra_scale);
+            Ok(KeyFrame { eye, look_at, time_s: *time })
+        };
+        let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
+        CameraPath::joined(name, keys).map_err(|(index, what)| match index.and_then(|i| sections.get(i)) {
+            Some(section) => self.error(section.span(), what),
+            None => Error::malformed(self.path, None, format!("path {name}: {what}")),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn key(eye: [f32; 3], time_s: Option<f32>) -> KeyFrame {
+        let eye = Vec3::from(eye);
+        KeyFrame { eye, look_at: eye + Vec3::Z, time_s }
+    }
+
+    fn path(eyes: &[[f32; 3]]) -> CameraPath {
+        CameraPath::new("p", eyes.iter().map(|e| key(*e, None)).collect()).expect("a path")
+    }
+
+    #[test]
+    fn it_passes_its_key_frames_at_their_times() {
+        let eyes = [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [4.0, 2.0, 1.0]];
+        let times = [2.0, 3.0, 7.0];
+        let keys = eyes.iter().zip(times).map(|(e, t)| key(*e, Some(t))).collect();
+        let timed = CameraPath::new("p", keys).expect("a path");
+        for (eye, time) in eyes.iter().zip(times) {
+            let (found, look_at) = timed.at((time - 2.0) / 5.0);
+            assert!(found.distance(Vec3::from(*eye)) < 1e-5 && look_at.distance(found + Vec3::Z) < 1e-5, "{found}");
+        }
+        assert_eq!(timed.at(-1.0), timed.at(0.0));
+        assert_eq!(timed.at(2.0), timed.at(1.0));
+        // Without times the first segment takes its share of the way: √5 of √5 + √10.
+        let share = 5_f32.sqrt() / (5_f32.sqrt() + 10_f32.sqrt());
+        assert!(path(&eyes).at(share).0.distance(Vec3::from(eyes[1])) < 1e-4);
+    }
+
+    #[test]
+    fn a_straight_way_is_walked_straight_and_evenly() {
+        let line = path(&[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [6.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
+        for n in 0..=20 {
+            let share = n as f32 / 20.0;
+            assert!(line.at(share).0.distance(Vec3::new(9.0 * share, 0.0, 0.0)) < 1e-4, "{share}");
+        }
+    }
+
+    proptest! {
+        /// The centripetal spline stays near its chord: within the segment's own length (Yuksel et
+        /// al. 2011), where the uniform one overshoots by the length of the neighbours.
+        #[test]
+        fn it_does_not_overshoot(points in prop::collection::vec(prop::array::uniform3(-5.0..5.0_f32), 4)) {
+            prop_assume!(points.windows(2).all(|p| Vec3::from(p[0]).distance(Vec3::from(p[1])) > 0.05));
+            let path = path(&points);
+            for n in 0..=60 {
+                let eye = path.at(n as f32 / 60.0).0;
+                let near = points.windows(2).map(|p| {
+                    let (a, b) = (Vec3::from(p[0]), Vec3::from(p[1]));
+                    eye.distance(a.lerp(b, ((eye - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0))) / a.distance(b)
+                });
+                let nearest = near.fold(f32::INFINITY, f32::min);
+                prop_assert!(nearest < 0.5, "{nearest} of a chord away at {n}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_is_what_was_written() {
+        let keys = vec![key([0.1, -2.0, 1e-7], Some(0.0)), key([1.0, 2.0, 3.0], Some(1.5))];
+        for keys in [keys.clone(), keys.into_iter().map(|k| KeyFrame { time_s: None, ..k }).collect()] {
+            let path = CameraPath::new("a \"walk\"", keys).expect("a path");
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), path.to_toml()).expect("written");
+            assert_eq!(CameraPath::load(file.path()).expect("read"), path);
+        }
+    }
+
+    #[test]
+    fn faults_are_told_with_their_line() {
+        let two = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
+        let cases = [
+            ("", "at least two key frames, not 0"),
+            (two, "not 1"),
+            ("[[key]]\neye = [0, 0]\n", ":2: "),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 0]\n"), ":4: it looks at its own eye"),
+            (&format!("{two}[[key]]\neye = [1, nan, 0]\nlook_at = [1, 0, 0]\n"), ":5: eye must have three finite"),
+            (&format!("{two}{two}"), ":4: it repeats"),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1.0\n"), ":4: either every"),
+            (&format!("{two}time = 1\n[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1\n"), ":5: its time"),
+            (&format!("{two}speed = 3\n"), ":4: unknown field"),
+        ];
+        for (text, expected) in cases {
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), text).expect("written");
+            let said = CameraPath::load(file.path()).expect_err(text).to_string();
+            assert!(said.contains(expected), "{said}\n{text}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The times that stand under the thesis's figures 5.2 to 5.9, and what they are here. What carries
+//! over between machines is the ratio of a figure's two times.
+
+use super::record::Head;
+use super::stage::Globals;
+use super::timing::camera;
+use super::{Stats, TimeRecord};
+use crate::gpu::Gpu;
+use crate::methods::Setup;
+use crate::reference::first_hits::FirstHits;
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, WorldReference};
+use crate::scene::{Scene, View};
+use serde::Serialize;
+use std::time::Instant;
+
+/// The name of the ground truth among the methods: Mitsuba in print, the world reference here.
+pub const REFERENCE: &str = "reference";
+
+/// The two times under a figure (thesis ch. 5; NVIDIA GeForce GTX 670, the effect without the scene).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Caption {
+    /// Its number.
+    pub figure: &'static str,
+    /// The built-in scene that stands for it.
+    pub scene: &'static str,
+    /// The view that stands for it, in that scene and in the scene files of the originals.
+    pub view: &'static str,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Milliseconds of SSCT.
+    pub ssct_ms: f64,
+    /// What stands beside SSCT: a method, or [`REFERENCE`].
+    pub other: &'static str,
+    /// Its milliseconds.
+    pub other_ms: f64,
+}
+
+const fn caption(
+    figure: &'static str,
+    [scene, view]: [&'static str; 2],
+    size: [u32; 2],
+    ssct_ms: f64,
+    other: &'static str,
+    other_ms: f64,
+) -> Caption {
+    Caption { figure, scene, view, size, ssct_ms, other, other_ms }
+}
+
+/// Every figure of the thesis with times.
+pub const CAPTIONS: [Caption; 6] = [
+    caption("5.2", ["rooms", "window-floor"], [960, 540], 2.25, "hzct", 1.12),
+    caption("5.4", ["rooms", "two-cylinders"], [960, 540], 3.94, "sslr", 1.30),
+    caption("5.5", ["rooms", "window"], [1920, 1080], 6.83, "sslr", 9.08),
+    caption("5.6", ["atrium", "atrium"], [960, 540], 1.20, "sslr", 1.20),
+    caption("5.7", ["atrium", "lion"], [960, 540], 0.74, "sslr", 0.83),
+    // 04:05 min.
+    caption("5.9", ["rooms", "corridor"], [1280, 720], 2.87, REFERENCE, 245e3),
+];
+
+/// Wall time of the world reference on the CPU.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ReferenceTime {
+    /// What it is of; the method is [`REFERENCE`].
+    #[serde(flatten)]
+    pub head: Head,
+    /// Rays a pixel.
+    pub rays: u32,
+    /// Threads that they were spread over.
+    pub threads: usize,
+    /// Milliseconds for the first hits and all rays; the hierarchy of the triangles was built before.
+    pub wall_ms: f64,
+}
+
+/// Samples the world reference once and takes its time.
+pub fn time_reference(
+    gpu: &Gpu,
+    scene: &Scene,
+    view: &View,
+    extent: [u32; 2],
+    globals: &Globals,
+    rays: u32,
+) -> ReferenceTime {
+    let materials = globals.materials(scene, view);
+    let world = World::new(scene, &materials);
+    let camera = camera(scene, view, extent);
+    let start = Instant::now();
+    let first_hits = FirstHits::trace(&world, &camera, extent);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let mut state = reference.start();
+    reference.add(&mut state, rays);
+    let wall_ms = start.elapsed().as_secs_f64() * 1e3;
+    let head = Head::new("reference", scene, view, REFERENCE, &Setup::new(extent), globals, gpu);
+    ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
+}
+
+/// Two times and their ratio.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Pair {
+    /// Milliseconds of SSCT.
+    pub ssct_ms: f64,
+    /// Milliseconds of the other.
+    pub other_ms: f64,
+    /// The other's over SSCT's.
+    pub ratio: f64,
+}
+
+impl Pair {
+    fn new(ssct_ms: f64, other_ms: f64) -> Self {
+        Self { ssct_ms, other_ms, ratio: other_ms / ssct_ms }
+    }
+}
+
+/// A caption beside its measurement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Compared {
+    /// The caption.
+    pub caption: Caption,
+    /// Roughness here; the captions give none.
+    pub roughness: Option<f32>,
+    /// In print.
+    pub published: Pair,
+    /// Here; `None` where one of the two was not measured.
+    pub measured: Option<Pair>,
+}
+
+/// Sets measurements beside their captions, one row for each caption and roughness that SSCT was
+/// measured at.
+pub fn compare(records: &[TimeRecord], references: &[ReferenceTime]) -> Vec<Compared> {
+    let of = |head: &Head, caption: &Caption| head.view == caption.view && [head.width, head.height] == caption.size;
+    let rows = CAPTIONS.iter().flat_map(|caption| {
+        let here = records.iter().filter(move |r| of(&r.head, caption));
+        here.clone().filter(|r| r.head.method == "ssct").map(move |ssct| {
+            let same = |head: &Head| head.method == caption.other && head.roughness == ssct.head.roughness;
+            let method = here.clone().find(|r| same(&r.head)).map(|r| r.total.median_ms);
+            let reference = references.iter().find(|r| of(&r.head, caption) && same(&r.head)).map(|r| r.wall_ms);
+            let Stats { median_ms, .. } = ssct.total;
+            Compared {
+                caption: *caption,
+                roughness: ssct.head.roughness,
+                published: Pair::new(caption.ssct_ms, caption.other_ms),
+                measured: method.or(reference).map(|other| Pair::new(median_ms, other)),
+            }
+        })
+    });
+    rows.collect()
+}

@@ -1,0 +1,369 @@
+//! Adversarial G-buffers, each made from its name's seed alone: sizes, depth ranges, depths, ray
+//! directions, normals, colours and roughness that break renderers (NUMERICS, "Faults of the engines").
+
+use crate::reference::random::Stream;
+use crate::scene::{Camera, GBufferData, Lens};
+use glam::{DMat4, DVec2, DVec3, Vec3};
+use half::f16;
+use rayon::prelude::*;
+
+/// A G-buffer that a method may stumble over.
+pub struct Case {
+    /// What it tries, as records name it.
+    pub name: String,
+    /// Whether its rays are defined, so that hits compare with the oracle's: normals of a finite length
+    /// above 0, and mirrors.
+    pub comparable: bool,
+    extent: [u32; 2],
+    lens: Lens,
+    texel: Box<dyn Fn(&Pixel) -> Texel + Sync>,
+}
+
+/// What a pixel shows.
+#[derive(Debug, Clone, Copy)]
+struct Texel {
+    depth: f32,
+    normal: Vec3,
+    reflectivity: f32,
+    roughness: f32,
+    color: Vec3,
+}
+
+/// Where a pixel is.
+struct Pixel<'a> {
+    x: u32,
+    y: u32,
+    extent: [u32; 2],
+    screen: &'a Screen,
+    /// Random numbers of this pixel.
+    random: Stream,
+}
+
+/// The camera of a case, with what every pixel asks of it.
+struct Screen {
+    view_to_clip: DMat4,
+    clip_to_view: DMat4,
+    lens: Lens,
+}
+
+impl Pixel<'_> {
+    /// View-space direction through the pixel's centre, z = 1.
+    fn direction(&self) -> DVec3 {
+        let at = DVec2::new(f64::from(self.x), f64::from(self.y)) + 0.5;
+        let ndc = at / DVec2::new(f64::from(self.extent[0]), f64::from(self.extent[1])) * DVec2::new(2.0, -2.0)
+            + DVec2::new(-1.0, 1.0);
+        let p = self.screen.clip_to_view.project_point3(ndc.extend(1.0));
+        p / p.z
+    }
+
+    /// Reversed depth of a view depth, clamped to the lens's range.
+    fn depth_of(&self, z: f64) -> f32 {
+        let lens = self.screen.lens;
+        let z = z.clamp(f64::from(lens.near_m), f64::from(lens.far_m));
+        (self.screen.view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32).clamp(0.0, 1.0)
+    }
+
+    fn uniform(&self, n: u64) -> f64 {
+        self.random.uniform(n)
+    }
+
+    /// A colour that tells pixels apart.
+    fn color(&self) -> Vec3 {
+        Vec3::new(self.uniform(100) as f32, self.uniform(101) as f32, self.uniform(102) as f32)
+    }
+
+    /// A mirror with a depth and a normal.
+    fn mirror(&self, depth: f32, normal: DVec3) -> Texel {
+        Texel { depth, normal: normal.as_vec3(), reflectivity: 1.0, roughness: 0.0, color: self.color() }
+    }
+
+    /// The nearest of some random tilted rectangles before a wall, and its normal: geometry that could
+    /// be. `None` where a pixel in 16 shows sky.
+    fn facets(&self, seed: u64) -> Option<(f64, DVec3)> {
+        if Stream::new(seed, 1 << 40).uniform(u64::from(self.x / 4 + self.y / 4 * 8191)) < 1.0 / 16.0 {
+            return None;
+        }
+        let direction = self.direction();
+        let lens = self.screen.lens;
+        let (near, far) = (f64::from(lens.near_m), f64::from(lens.far_m));
+        // Distances that fit any lens: between its planes in the logarithm.
+        let distance = |share: f64| near * (far / near).powf(share);
+        let mut nearest = (distance(0.6), DVec3::NEG_Z);
+        for k in 0..12 {
+            let r = Stream::new(seed, k);
+            let u = |n| r.uniform(n);
+            let (centre, half) = ([u(0), u(1)], [0.05 + 0.3 * u(2), 0.05 + 0.3 * u(3)]);
+            let at = [f64::from(self.x) + 0.5, f64::from(self.y) + 0.5];
+            let inside = (0..2).all(|a| (at[a] / f64::from(self.extent[a]) - centre[a]).abs() < half[a]);
+            let normal = DVec3::new(2.0 * u(4) - 1.0, 2.0 * u(5) - 1.0, -0.3 - u(6)).normalize();
+            let z = distance(0.05 + 0.5 * u(7));
+            // The plane through a point straight ahead of the rectangle's middle.
+            let facing = direction.dot(normal);
+            let hit = z * normal.z / facing;
+            if inside && facing < 0.0 && hit > near && hit < nearest.0 {
+                nearest = (hit, normal);
+            }
+        }
+        Some(nearest)
+    }
+
+    /// Facets, all mirrors.
+    fn facet_texel(&self, seed: u64) -> Texel {
+        match self.facets(seed) {
+            Some((z, normal)) => self.mirror(self.depth_of(z), normal),
+            None => Texel { reflectivity: 0.0, ..self.mirror(0.0, DVec3::ZERO) },
+        }
+    }
+
+    /// Facets whose normals send every ray along a direction.
+    fn aimed(&self, seed: u64, along: DVec3) -> Texel {
+        let normal = (along.normalize() - self.direction().normalize()).try_normalize().unwrap_or(DVec3::Y);
+        match self.facets(seed) {
+            Some((z, _)) => self.mirror(self.depth_of(z), normal),
+            None => self.facet_texel(seed),
+        }
+    }
+}
+
+impl Case {
+    fn new(
+        name: impl Into<String>,
+        extent: [u32; 2],
+        lens: Lens,
+        texel: impl Fn(&Pixel) -> Texel + Sync + 'static,
+    ) -> Self {
+        Self { name: name.into(), comparable: true, extent, lens, texel: Box::new(texel) }
+    }
+
+    /// One whose rays nobody can say the truth about.
+    fn without_truth(mut self) -> Self {
+        self.comparable = false;
+        self
+    }
+
+    /// Width and height in pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.extent
+    }
+
+    /// The G-buffer, with its numbers as the device stores them.
+    pub fn gbuffer(&self) -> GBufferData {
+        let [width, height] = self.extent;
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, self.lens, width as f32 / height as f32);
+        let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
+        let screen = Screen { view_to_clip, clip_to_view: view_to_clip.inverse(), lens: self.lens };
+        let texels: Vec<Texel> = (0..u64::from(width) * u64::from(height))
+            .into_par_iter()
+            .map(|i| {
+                let (x, y) = ((i % u64::from(width)) as u32, (i / u64::from(width)) as u32);
+                (self.texel)(&Pixel { x, y, extent: self.extent, screen: &screen, random: Stream::new(7, i) })
+            })
+            .collect();
+        let stored = |v: f32| f16::from_f32(v).to_f32();
+        let vector = |v: Vec3| Vec3::new(stored(v.x), stored(v.y), stored(v.z));
+        GBufferData {
+            width,
+            height,
+            camera,
+            depth: texels.iter().map(|t| t.depth).collect(),
+            normal: texels.iter().map(|t| vector(t.normal)).collect(),
+            reflectivity: texels.iter().map(|t| stored(t.reflectivity)).collect(),
+            roughness: texels.iter().map(|t| stored(t.roughness)).collect(),
+            color: texels.iter().map(|t| vector(t.color)).collect(),
+        }
+    }
+}
+
+/// The size of cases that are about something else: primes.
+const ODD: [u32; 2] = [127, 61];
+
+/// Every case; `quick` leaves the large images out.
+pub fn cases(quick: bool) -> Vec<Case> {
+    let mut all = sizes(quick);
+    all.extend(ranges());
+    all.extend(depths());
+    all.extend(directions());
+    all.extend(normals());
+    all.extend(colors());
+    all.extend(materials());
+    all
+}
+
+fn sizes(quick: bool) -> Vec<Case> {
+    let small = [[1, 1], [1, 257], [257, 1], [2, 2], [3, 5], [64, 64], [65, 63], ODD, [641, 479]];
+    let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
+    let of = |extent: &[u32; 2]| {
+        let name = format!("size {}x{}", extent[0], extent[1]);
+        Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1))
+    };
+    small.iter().chain(large).map(of).collect()
+}
+
+fn ranges() -> Vec<Case> {
+    let of = |(near_m, far_m): (f32, f32), fov: f32| {
+        let lens = Lens { near_m, far_m, fov_y_radians: fov.to_radians() };
+        let name = format!("near {near_m} far {far_m} fov {fov}");
+        Case::new(name, ODD, lens, |p: &Pixel| p.facet_texel(2))
+    };
+    vec![
+        of((1.0, 2.0), 74.0),
+        of((0.1, 1000.0), 74.0),
+        of((0.01, 1e4), 74.0),
+        of((1e-3, 1e4), 74.0),
+        of((100.0, 1e9), 74.0),
+        of((0.1, 1000.0), 1.0),
+        of((0.1, 1000.0), 175.0),
+    ]
+}
+
+fn depths() -> Vec<Case> {
+    let lens = Lens::default();
+    let flat = |name: &str, depth: f32| {
+        Case::new(name, ODD, lens, move |p: &Pixel| {
+            p.mirror(depth, DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -0.6).normalize())
+        })
+    };
+    let of = |name: &str, depth: fn(&Pixel) -> f32| {
+        Case::new(name, ODD, lens, move |p: &Pixel| {
+            let normal = DVec3::new(p.uniform(0) - 0.5, p.uniform(1) - 0.5, -p.uniform(2)).normalize_or(DVec3::Y);
+            p.mirror(depth(p), normal)
+        })
+    };
+    vec![
+        flat("depth all sky", 0.0),
+        flat("depth all at the near plane", 1.0),
+        flat("depth all equal", 0.02),
+        flat("depth the least above sky", f32::MIN_POSITIVE),
+        flat("depth denormal", 1e-40),
+        of("depth white noise", |p| p.uniform(3) as f32),
+        of("depth white noise with sky", |p| if p.uniform(4) < 0.3 { 0.0 } else { p.uniform(3) as f32 }),
+        of("depth checkerboard", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { p.depth_of(20.0) }),
+        of("depth checkerboard of sky", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { 0.0 }),
+        of("depth steps", |p| p.depth_of(1.0 + f64::from(p.x / 8))),
+        of("depth one-pixel poles", |p| if p.x % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
+        of("depth one-pixel beams", |p| if p.y % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
+        of("depth slope edge-on", |p| p.depth_of(0.2 * 1.08_f64.powi(p.x as i32))),
+        of("depth slope along the view", |p| p.depth_of(1.0 / (1e-3 + f64::from(p.y)))),
+    ]
+}
+
+fn directions() -> Vec<Case> {
+    let axes: [(&str, DVec3); 15] = [
+        ("+x", DVec3::X),
+        ("-x", DVec3::NEG_X),
+        ("+y", DVec3::Y),
+        ("-y", DVec3::NEG_Y),
+        ("+z", DVec3::Z),
+        ("-z", DVec3::NEG_Z),
+        ("+x with 1e-30 of y", DVec3::new(1.0, 1e-30, 0.0)),
+        ("+z with a denormal of x", DVec3::new(1e-40, 0.0, 1.0)),
+        ("-z with 1e-6 of x", DVec3::new(1e-6, 0.0, -1.0)),
+        ("+x +y", DVec3::new(1.0, 1.0, 0.0)),
+        ("-x +y", DVec3::new(-1.0, 1.0, 0.0)),
+        ("+x -y -z", DVec3::new(1.0, -1.0, -1.0)),
+        ("+x +z", DVec3::new(1.0, 0.0, 1.0)),
+        ("+y -z", DVec3::new(0.0, 1.0, -1.0)),
+        ("-x +z", DVec3::new(-1.0, 0.0, 1.0)),
+    ];
+    let lens = Lens::default();
+    let mut all: Vec<Case> = axes
+        .into_iter()
+        .map(|(name, along)| Case::new(format!("rays along {name}"), ODD, lens, move |p: &Pixel| p.aimed(3, along)))
+        .collect();
+    // Towards the eye, each pixel its own way: the ray stays in its pixel.
+    all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
+    // In a square image of a square lens, steps of whole pixels in x and y pass through corners.
+    all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
+        p.aimed(3, DVec3::new(if p.y % 2 == 0 { 1.0 } else { -1.0 }, 1.0, 0.0))
+    }));
+    all
+}
+
+fn normals() -> Vec<Case> {
+    let lens = Lens::default();
+    let of = |name: &str, change: fn(&Pixel, Vec3) -> Vec3| {
+        Case::new(format!("normals {name}"), ODD, lens, move |p: &Pixel| {
+            let facet = p.facet_texel(4);
+            Texel { normal: change(p, facet.normal), ..facet }
+        })
+    };
+    vec![
+        of("zero", |_, _| Vec3::ZERO).without_truth(),
+        of("three times too long", |_, n| 3.0 * n),
+        of("a thousandth too short", |_, n| 1e-3 * n),
+        of("the longest there are", |_, n| 65504.0 * n / n.abs().max_element().max(1e-6)),
+        of("turned away", |_, n| -n).without_truth(),
+        of("along the view", |p, _| p.direction().normalize().as_vec3()).without_truth(),
+        of("at a right angle to the view", |p, _| p.direction().cross(DVec3::Y).normalize().as_vec3()).without_truth(),
+        of("NaN", |_, _| Vec3::NAN).without_truth(),
+        of("infinite", |_, _| Vec3::INFINITY).without_truth(),
+        of("NaN here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::NAN } else { n }).without_truth(),
+        of("zero here and there", |p, n| if p.uniform(0) < 0.1 { Vec3::ZERO } else { n }).without_truth(),
+    ]
+}
+
+fn colors() -> Vec<Case> {
+    let lens = Lens::default();
+    let of = |name: &str, color: fn(&Pixel) -> Vec3, roughness: f32| {
+        Case::new(format!("colours {name}, roughness {roughness}"), ODD, lens, move |p: &Pixel| Texel {
+            color: color(p),
+            roughness,
+            ..p.facet_texel(5)
+        })
+        .without_truth()
+    };
+    let mut all = Vec::new();
+    for roughness in [0.0, 0.1, 0.6] {
+        all.extend([
+            of("0", |_| Vec3::ZERO, roughness),
+            of("65504", |_| Vec3::splat(65504.0), roughness),
+            of("infinite here and there", |p| odd_color(p, f32::INFINITY), roughness),
+            of("NaN here and there", |p| odd_color(p, f32::NAN), roughness),
+            of("negative here and there", |p| odd_color(p, -1.0), roughness),
+            of("minus infinity here and there", |p| odd_color(p, f32::NEG_INFINITY), roughness),
+        ]);
+    }
+    all
+}
+
+/// One pixel in ten of another colour.
+fn odd_color(p: &Pixel, odd: f32) -> Vec3 {
+    if p.uniform(0) < 0.1 { Vec3::splat(odd) } else { p.color() }
+}
+
+fn materials() -> Vec<Case> {
+    let lens = Lens::default();
+    let rough = |name: &str, roughness: fn(&Pixel) -> f32| {
+        Case::new(format!("roughness {name}"), ODD, lens, move |p: &Pixel| Texel {
+            roughness: roughness(p),
+            ..p.facet_texel(6)
+        })
+        .without_truth()
+    };
+    let reflecting = |name: &str, reflectivity: fn(&Pixel) -> f32| {
+        Case::new(format!("reflectivity {name}"), ODD, lens, move |p: &Pixel| Texel {
+            reflectivity: reflectivity(p),
+            ..p.facet_texel(6)
+        })
+        .without_truth()
+    };
+    vec![
+        rough("-1", |_| -1.0),
+        rough("1e-8", |_| 1e-8),
+        rough("6e-8, the least that is stored", |_| 6e-8),
+        rough("0.05", |_| 0.05),
+        rough("0.3", |_| 0.3),
+        rough("1", |_| 1.0),
+        rough("2", |_| 2.0),
+        rough("3.2, beyond a right angle", |_| 3.2),
+        rough("NaN", |_| f32::NAN),
+        rough("infinite", |_| f32::INFINITY),
+        rough("of every pixel its own", |p| p.uniform(9) as f32),
+        rough("mirrors and gloss in a checkerboard", |p| if (p.x + p.y) % 2 == 0 { 0.0 } else { 0.5 }),
+        reflecting("-1", |_| -1.0),
+        reflecting("NaN", |_| f32::NAN),
+        reflecting("2", |_| 2.0),
+        reflecting("in a pixel of ten", |p| if p.uniform(8) < 0.1 { 1.0 } else { 0.0 }),
+        reflecting("just above the threshold", |_| 1.01e-4),
+    ]
+}

@@ -1,0 +1,353 @@
+//! Numerical stability: every method on adversarial G-buffers and cameras, its pixels counted on the
+//! host's bits, its hits held against the oracle's.
+
+pub mod cases;
+pub mod motion;
+
+use super::gbuffer::hit_positions;
+use super::record::{DEFINITIONS, Head};
+use super::stage::{Globals, Shot, Stage};
+use super::timing::camera;
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{DeviceInfo, FrameContext, FrameReport, Gpu, Pixels};
+use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
+use crate::metrics::hits::Verdict;
+use crate::passes::gbuffer::GBufferImages;
+use crate::passes::{GBuffer, PathCode};
+use crate::reference::hierarchy::Hierarchy;
+use crate::reference::random::Stream;
+use crate::scene::{GBufferData, Lens, Scene, View};
+use cases::Case;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The method that must pass every case; the published ones must only survive.
+pub const JUDGED: &str = "unified";
+
+/// Reflecting pixels of a case whose hits are compared, at most; more are sampled.
+const COMPARED_PIXELS: usize = 8192;
+
+/// Share of the compared pixels whose hits must agree with the oracle's, ties apart.
+pub const AGREEMENT: f64 = 0.9999;
+
+/// A frame takes this long at most before it counts as runaway: milliseconds, and those of a pixel.
+/// Far above any method on any device; a loop without an end is further.
+const RUNAWAY_MS: (f64, f64) = (5_000.0, 0.02);
+
+/// What a method made of a case.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StressRecord {
+    /// "stress".
+    pub kind: &'static str,
+    /// The version of DEFINITIONS.
+    pub definitions: u32,
+    /// Of this program.
+    pub version: &'static str,
+    /// Of its source.
+    pub commit: &'static str,
+    /// Device.
+    pub device: DeviceInfo,
+    /// What was tried.
+    pub case: String,
+    /// Method name.
+    pub method: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Pixels of the image.
+    pub pixels: usize,
+    /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
+    pub nan: usize,
+    /// The same of infinities.
+    pub inf: usize,
+    /// The same of negative numbers.
+    pub negative: usize,
+    /// Pixels whose ray ran out of steps; null where the method doesn't say.
+    pub exhausted: Option<usize>,
+    /// Reflecting pixels whose hits were compared with the oracle's; null where nobody knows the truth
+    /// or the method has no hits.
+    pub compared: Option<usize>,
+    /// Share of them that agree.
+    pub hit_agreement: Option<f64>,
+    /// Those that don't, but would for a ray that differs by rounding alone.
+    pub ties: Option<usize>,
+    /// The method's time.
+    pub time_ms: f64,
+    /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], and a
+    /// bounded time.
+    pub pass: bool,
+}
+
+/// Pixels by what is wrong with them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Wrong {
+    nan: usize,
+    inf: usize,
+    negative: usize,
+}
+
+impl Wrong {
+    /// Counts pixels by the bits of their channels in some images of one size; `counts` says of which
+    /// image and pixel.
+    fn count(images: &[&Pixels], counts: impl Fn(usize, usize) -> bool) -> Self {
+        let mut wrong = Self::default();
+        let pixels = images.first().map_or(0, |p| p.values.len() / p.channels as usize);
+        for i in 0..pixels {
+            let mut seen = [false; 3];
+            for (_, image) in images.iter().enumerate().filter(|(n, _)| counts(*n, i)) {
+                let texel = &image.values[i * image.channels as usize..][..image.channels as usize];
+                texel.iter().filter_map(|v| kind(v.to_bits())).for_each(|kind| seen[kind] = true);
+            }
+            wrong.nan += usize::from(seen[0]);
+            wrong.inf += usize::from(seen[1]);
+            wrong.negative += usize::from(seen[2]);
+        }
+        wrong
+    }
+}
+
+/// 0 for a NaN, 1 for an infinity, 2 for a number below 0, by the bits; `None` for a sound number.
+/// Minus zero is sound.
+fn kind(bits: u32) -> Option<usize> {
+    let (exponent, mantissa) = (bits >> 23 & 0xff, bits & 0x7f_ffff);
+    match (exponent, mantissa) {
+        (0xff, 0) => Some(1),
+        (0xff, _) => Some(0),
+        _ if bits >> 31 == 1 && bits << 1 != 0 => Some(2),
+        _ => None,
+    }
+}
+
+/// Runs screen-space methods on a case.
+pub fn run(gpu: &Gpu, case: &Case, methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
+    let data = case.gbuffer();
+    let mut context = FrameContext::new(gpu)?;
+    let images = GBufferImages::upload(&mut context, &data)?;
+    let truth = case.comparable.then(|| Truth::new(&data));
+    let mut records = Vec::new();
+    for method in methods.iter().filter(|m| m.is_screen_space()) {
+        let made = reflect(&mut context, &images.gbuffer(), &data, method)?;
+        records.push(made.judge(gpu, &case.name, method, &data, truth.as_ref()));
+    }
+    Ok(records)
+}
+
+/// The reflecting pixels that are compared, with the oracle's hits.
+struct Truth<'a> {
+    hierarchy: Hierarchy<'a>,
+    pixels: Vec<u32>,
+    hits: Vec<Option<[f64; 2]>>,
+}
+
+impl<'a> Truth<'a> {
+    fn new(data: &'a GBufferData) -> Self {
+        let hierarchy = Hierarchy::new(data);
+        let mut pixels: Vec<u32> = (0..data.depth.len() as u32).filter(|i| data.reflects(*i as usize)).collect();
+        if pixels.len() > COMPARED_PIXELS {
+            let random = Stream::new(11, 0);
+            let total = pixels.len() as f64;
+            pixels = (0..COMPARED_PIXELS as u64).map(|n| pixels[(random.uniform(n) * total) as usize]).collect();
+        }
+        let trace = |i: &u32| hierarchy.trace(i % data.width, i / data.width).position_px();
+        let hits = pixels.par_iter().map(trace).collect();
+        Self { hierarchy, pixels, hits }
+    }
+
+    /// Pixels that agree, and those that disagree by rounding alone.
+    fn compare(&self, hits: &[Option<[f64; 2]>]) -> (usize, usize) {
+        let verdict = |n: usize| Verdict::of(hits[self.pixels[n] as usize], self.hits[n]);
+        let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != Verdict::Agrees).collect();
+        let ties = wrong.par_iter().filter(|n| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize])).count();
+        (self.pixels.len() - wrong.len(), ties)
+    }
+
+    /// Whether a ray that differs from the pixel's by a few units in the last place of an f32 ends
+    /// where the method's did.
+    fn is_tie(&self, pixel: u32, hit: Option<[f64; 2]>) -> bool {
+        let width = self.hierarchy.rays().gbuffer.width;
+        let (x, y) = (pixel % width, pixel / width);
+        let Some(direction) = self.hierarchy.rays().mirror(x, y) else { return hit.is_none() };
+        let ulp = f64::from(f32::EPSILON);
+        (0..27).any(|n| {
+            let off = DVec3::new(f64::from(n % 3 - 1), f64::from(n / 3 % 3 - 1), f64::from(n / 9 - 1));
+            let near = self.hierarchy.trace_direction(x, y, direction + 4.0 * ulp * off);
+            Verdict::of(hit, near.position_px()) == Verdict::Agrees
+        })
+    }
+}
+
+/// What a frame left.
+struct Made {
+    reflection: Pixels,
+    composite: Pixels,
+    hits: Option<Pixels>,
+    report: FrameReport,
+}
+
+impl Made {
+    fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
+        Ok(Self {
+            reflection: context.read(output.traced.reflection.0.all())?,
+            composite: context.read(output.composite.all())?,
+            hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
+            report,
+        })
+    }
+
+    fn judge(
+        &self,
+        gpu: &Gpu,
+        case: &str,
+        method: &MethodInfo,
+        data: &GBufferData,
+        truth: Option<&Truth>,
+    ) -> StressRecord {
+        let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
+        let wrong = Wrong::count(&[&self.reflection, &self.composite], |image, i| image == 0 || sound(i));
+        let exhausted = self.hits.as_ref().map(|h| {
+            let out = |t: &&[f32]| PathCode::from_channel(t[3]).is_none_or(PathCode::is_exhausted);
+            h.texels().filter(out).count()
+        });
+        let compared = self.hits.as_ref().zip(truth).map(|(hits, truth)| {
+            let (agree, ties) = truth.compare(&hit_positions(hits));
+            (truth.pixels.len(), agree, ties)
+        });
+        let pixels = data.depth.len();
+        let time_ms = self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
+        let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties) as f64 >= AGREEMENT * n as f64);
+        StressRecord {
+            kind: "stress",
+            definitions: DEFINITIONS,
+            version: Head::VERSION,
+            commit: Head::COMMIT,
+            device: gpu.info().clone(),
+            case: case.to_owned(),
+            method: method.name.to_owned(),
+            width: data.width,
+            height: data.height,
+            pixels,
+            nan: wrong.nan,
+            inf: wrong.inf,
+            negative: wrong.negative,
+            exhausted,
+            compared: compared.map(|(n, ..)| n),
+            hit_agreement: compared.and_then(|(n, agree, _)| (n > 0).then(|| agree as f64 / n as f64)),
+            ties: compared.map(|(.., ties)| ties),
+            time_ms,
+            pass: wrong == Wrong::default()
+                && exhausted.is_none_or(|n| n == 0)
+                && agrees
+                && time_ms <= RUNAWAY_MS.0 + RUNAWAY_MS.1 * pixels as f64,
+        }
+    }
+}
+
+/// One frame of a method on a G-buffer; with its hits, where it has them.
+fn reflect(context: &mut FrameContext, gbuffer: &GBuffer, data: &GBufferData, method: &MethodInfo) -> Result<Made> {
+    let setup = Setup { split: true, ..Setup::new([data.width, data.height]) };
+    let effect = Effect::new(context, method, &setup, None)?;
+    let mut frame = context.begin(Mode::Timed)?;
+    frame.begin_effect();
+    let output = effect.record(&mut frame, &Input { gbuffer: *gbuffer, camera: &data.camera, scene: None })?;
+    let report = frame.finish()?;
+    Made::read(context, report, &output)
+}
+
+/// A camera where no camera should be.
+pub struct Place {
+    /// What it tries, as records name it.
+    pub name: String,
+    view: View,
+    /// By how much the whole scene is moved, metres.
+    offset: Vec3,
+}
+
+/// Cameras inside geometry, on a reflector, at a grazing angle, and far from the origin, for a scene
+/// whose first view looks at something.
+pub fn places(scene: &Scene) -> Vec<Place> {
+    let Some(view) = scene.views.first() else { return Vec::new() };
+    let bounds = scene.bounds();
+    let place = |name: &str, eye: Vec3, look_at: Vec3, offset: f32| Place {
+        name: format!("{}: camera {name}", scene.name),
+        view: View { name: "stress".into(), eye, look_at, ..view.clone() },
+        offset: Vec3::splat(offset),
+    };
+    let floor = Vec3::new(view.eye.x, bounds.min.y, view.eye.z);
+    let ahead = view.look_at - view.eye;
+    let level = Vec3::new(ahead.x, 0.0, ahead.z).normalize_or(Vec3::Z);
+    let long = Lens { near_m: 1e-3, far_m: 1e4, ..view.lens.unwrap_or(scene.lens) };
+    let mut all = vec![
+        place("where it belongs", view.eye, view.look_at, 0.0),
+        place("on the floor", floor, floor + level, 0.0),
+        place("a millimetre above the floor", floor + 1e-3 * Vec3::Y, floor + level, 0.0),
+        place("a hand below the floor", floor - 0.1 * Vec3::Y, floor + level, 0.0),
+        place("straight down", view.eye, view.eye - Vec3::Y, 0.0),
+        place("straight up", view.eye, view.eye + Vec3::Y, 0.0),
+        place("in a corner of the bounds", bounds.min, bounds.max, 0.0),
+        place("outside, looking away", bounds.max + 10.0, bounds.max + 20.0, 0.0),
+        place("a kilometre from the origin", view.eye, view.look_at, 1e3),
+        place("1000 km from the origin", view.eye, view.look_at, 1e6),
+    ];
+    let mut wide = place("with a range of 1 to 10 million", view.eye, view.look_at, 0.0);
+    wide.view.lens = Some(long);
+    all.push(wide);
+    all
+}
+
+/// A scene moved as a whole.
+fn moved(scene: &Scene, offset: Vec3) -> Scene {
+    let mut scene = scene.clone();
+    scene.translate(offset);
+    scene
+}
+
+/// Runs every method on a scene seen from a place where no camera should be, as mirrors and as gloss.
+/// Hits of mirrors are compared on the G-buffer that the device made.
+pub fn run_place(
+    gpu: &Gpu,
+    scene: &Scene,
+    place: &Place,
+    extent: [u32; 2],
+    methods: &[&'static MethodInfo],
+) -> Result<Vec<StressRecord>> {
+    let scene = moved(scene, place.offset);
+    let mut view = place.view.clone();
+    view.eye += place.offset;
+    view.look_at += place.offset;
+    let camera = camera(&scene, &view, extent);
+    let mut stage = Stage::new(gpu, &scene)?;
+    let mut records = Vec::new();
+    for roughness in [0.0, 0.3] {
+        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, &view);
+        let name = format!("{}, roughness {roughness}", place.name);
+        for method in methods {
+            let setup = Setup { split: true, ..Setup::new(extent) };
+            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone())?;
+            let (report, _, output) = stage.output_in(Mode::Timed, &shot)?;
+            let made = Made::read(&mut stage.context, report, &output)?;
+            let data = super::gbuffer::read(&mut stage.context, &shot)?;
+            let truth = (roughness == 0.0).then(|| Truth::new(&data));
+            records.push(made.judge(gpu, &name, method, &data, truth.as_ref()));
+        }
+    }
+    Ok(records)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_told_apart_by_their_bits() {
+        let of = |v: f32| kind(v.to_bits());
+        for sound in [0.0, -0.0, 1.0, 1e-45, f32::MAX] {
+            assert_eq!(of(sound), None, "{sound}");
+        }
+        assert_eq!([f32::NAN, -f32::NAN].map(of), [Some(0); 2]);
+        assert_eq!([f32::INFINITY, f32::NEG_INFINITY].map(of), [Some(1); 2]);
+        assert_eq!([-1.0, -1e-45, f32::MIN].map(of), [Some(2); 3]);
+    }
+}

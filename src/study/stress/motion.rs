@@ -1,0 +1,287 @@
+//! Stability in motion: how much a reflection changes from frame to frame where the surface that shows
+//! it only moved on the screen.
+
+use crate::error::Result;
+use crate::gpu::{DeviceInfo, Gpu};
+use crate::methods::{MethodInfo, Setup};
+use crate::reference::screen::{Sampling, ScreenReference};
+use crate::scene::{Camera, GBufferData, Scene, View};
+use crate::study::record::{DEFINITIONS, Head};
+use crate::study::timing::camera;
+use crate::study::{Globals, Shot, Stage, gbuffer};
+use glam::{DMat4, DVec3, Vec3};
+use serde::Serialize;
+
+/// How the camera moves from one frame to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Motion {
+    /// Sideways by an eighth of a pixel at the distance of the point looked at.
+    SubPixel,
+    /// Turned by a quarter of a pixel.
+    SlowPan,
+}
+
+/// Both motions.
+pub const MOTIONS: [Motion; 2] = [Motion::SubPixel, Motion::SlowPan];
+
+impl Motion {
+    /// The name in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SubPixel => "sub-pixel",
+            Self::SlowPan => "slow-pan",
+        }
+    }
+
+    /// The view of a frame, counted from 0, in an image of some rows.
+    fn view(self, scene: &Scene, view: &View, frame: u32, rows: u32) -> View {
+        let lens = view.lens.unwrap_or(scene.lens);
+        // A pixel in the middle of the image, as a slope.
+        let pixel = 2.0 * (0.5 * lens.fov_y_radians).tan() / rows as f32;
+        let ahead = view.look_at - view.eye;
+        let right = Vec3::Y.cross(ahead).normalize_or(Vec3::X) * ahead.length();
+        let n = frame as f32;
+        match self {
+            Self::SubPixel => {
+                let step = right * (n * pixel / 8.0);
+                View { eye: view.eye + step, look_at: view.look_at + step, ..view.clone() }
+            }
+            Self::SlowPan => View { look_at: view.look_at + right * (n * pixel / 4.0), ..view.clone() },
+        }
+    }
+}
+
+/// How a method's reflection changed over some frames.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MotionRecord {
+    /// "motion".
+    pub kind: &'static str,
+    /// The version of DEFINITIONS.
+    pub definitions: u32,
+    /// Of this program.
+    pub version: &'static str,
+    /// Of its source.
+    pub commit: &'static str,
+    /// Device.
+    pub device: DeviceInfo,
+    /// Scene.
+    pub scene: String,
+    /// View that the camera starts from.
+    pub view: String,
+    /// How it moves.
+    pub motion: Motion,
+    /// Method.
+    pub method: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Global roughness.
+    pub roughness: f32,
+    /// Pairs of a pixel and the same surface a frame before.
+    pub pairs: usize,
+    /// Mean absolute difference of the linear reflection colour over the pairs and channels.
+    pub flicker: f64,
+    /// The screen reference's own.
+    pub reference_flicker: f64,
+    /// The first over the second; null where the reference stands still. A method that shows nothing
+    /// has 0, so it says nothing alone.
+    pub ratio: Option<f64>,
+    /// Mean absolute difference of the method's change and the reference's, over the reference's own
+    /// flicker: 0 for the reference, 1 for a method that shows nothing.
+    pub deviation: Option<f64>,
+}
+
+/// What is moved through.
+pub struct MotionSpec<'a> {
+    /// Device.
+    pub gpu: &'a Gpu,
+    /// Scene.
+    pub scene: &'a Scene,
+    /// View that the camera starts from.
+    pub view: &'a View,
+    /// Pixels.
+    pub extent: [u32; 2],
+    /// Roughness of everything.
+    pub roughness: f32,
+    /// Frames, ≥ 2.
+    pub frames: u32,
+    /// Rays a pixel of the reference, at roughness above 0.
+    pub rays: u32,
+}
+
+/// Moves the camera past methods, and past the screen reference.
+pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -> Result<Vec<MotionRecord>> {
+    let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
+    let materials = globals.materials(spec.scene, spec.view);
+    let mut stage = Stage::new(spec.gpu, spec.scene)?;
+    let at = |frame| -> Camera {
+        let view = motion.view(spec.scene, spec.view, frame, spec.extent[1]);
+        camera(spec.scene, &view, spec.extent)
+    };
+    let mut screens: Vec<GBufferData> = Vec::new();
+    let mut images: Vec<Vec<Vec<Vec3>>> = Vec::new();
+    for (n, method) in methods.iter().enumerate() {
+        let mut shot = Shot::new(&mut stage, method, &Setup::new(spec.extent), at(0), materials.clone())?;
+        let mut made = Vec::new();
+        for frame in 0..spec.frames {
+            shot.camera = at(frame);
+            let (_, _, output) = stage.output(&shot)?;
+            let pixels = stage.context.read(output.traced.reflection.0.all())?;
+            made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
+            if n == 0 {
+                screens.push(gbuffer::read(&mut stage.context, &shot)?);
+            }
+        }
+        images.push(made);
+    }
+    // One seed for all frames: what is left of a pixel's noise in the difference is its change.
+    let sampling = Sampling { samples: spec.rays, seed: 3 };
+    let reference: Vec<Vec<Vec3>> =
+        screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
+    let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
+    let expected = changes(&pairs, &reference, spec.extent);
+    let reference_flicker = mean(&expected, |_, change| change);
+    let record = |(method, made): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
+        let made = changes(&pairs, made, spec.extent);
+        let flicker = mean(&made, |_, change| change);
+        let off = mean(&made, |n, change| change - expected[n]);
+        let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
+        MotionRecord {
+            kind: "motion",
+            definitions: DEFINITIONS,
+            version: Head::VERSION,
+            commit: Head::COMMIT,
+            device: spec.gpu.info().clone(),
+            scene: spec.scene.name.clone(),
+            view: spec.view.name.clone(),
+            motion,
+            method: method.name.to_owned(),
+            width: spec.extent[0],
+            height: spec.extent[1],
+            roughness: spec.roughness,
+            pairs: made.len(),
+            flicker,
+            reference_flicker,
+            ratio: over_reference(flicker),
+            deviation: over_reference(off),
+        }
+    };
+    Ok(methods.iter().zip(&images).map(record).collect())
+}
+
+/// What is no colour is shown as none.
+fn sound(color: Vec3) -> Vec3 {
+    if color.is_finite() { color } else { Vec3::ZERO }
+}
+
+/// A pixel, and where its surface was a frame before, in pixels.
+struct Pair {
+    now: usize,
+    before: [f64; 2],
+}
+
+/// The reflecting pixels whose surface reflected on the screen a frame before too, in all four pixels
+/// around the place.
+fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
+    let of = |data: &GBufferData| {
+        let projection = data.view_to_clip();
+        (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
+    };
+    let (_, to_view, view_now) = of(now);
+    let (to_clip, before_to_view, view_before) = of(before);
+    let moved: DMat4 = view_before * view_now.inverse();
+    let mut pairs = Vec::new();
+    for y in 0..now.height {
+        for x in 0..now.width {
+            let index = now.index(x, y);
+            if !now.reflects(index) {
+                continue;
+            }
+            let depth = f64::from(now.depth[index]);
+            let position =
+                moved.transform_point3(now.unproject(f64::from(x) + 0.5, f64::from(y) + 0.5, depth, &to_view));
+            let Some(place) = before.project(position, &to_clip) else { continue };
+            let corner = [place.x - 0.5, place.y - 0.5].map(f64::floor);
+            let inside = corner[0] >= 0.0
+                && corner[1] >= 0.0
+                && corner[0] + 1.0 < f64::from(before.width)
+                && corner[1] + 1.0 < f64::from(before.height);
+            if !inside {
+                continue;
+            }
+            let same = (0..4).all(|k| {
+                let (px, py) = (corner[0] as u32 + k % 2, corner[1] as u32 + k / 2);
+                let i = before.index(px, py);
+                let there = before.unproject(
+                    f64::from(px) + 0.5,
+                    f64::from(py) + 0.5,
+                    f64::from(before.depth[i]),
+                    &before_to_view,
+                );
+                before.reflects(i) && is_one_surface(there, position)
+            });
+            if same {
+                pairs.push(Pair { now: index, before: [place.x, place.y] });
+            }
+        }
+    }
+    pairs
+}
+
+/// Within 2 % of the depth of each other: DEFINITIONS' tolerance for what the screen shows.
+fn is_one_surface(a: DVec3, b: DVec3) -> bool {
+    (a.z - b.z).abs() <= 0.02 * b.z
+}
+
+/// The change of each pair.
+fn changes(pairs: &[Vec<Pair>], images: &[Vec<Vec3>], [width, _]: [u32; 2]) -> Vec<Vec3> {
+    let of = |(pairs, frames): (&Vec<Pair>, &[Vec<Vec3>])| -> Vec<Vec3> {
+        pairs.iter().map(|p| frames[1][p.now] - bilinear(&frames[0], width, p.before)).collect()
+    };
+    pairs.iter().zip(images.windows(2)).flat_map(of).collect()
+}
+
+/// Mean absolute value over changes and channels of what `of` makes of a change and its index.
+fn mean(changes: &[Vec3], of: impl Fn(usize, Vec3) -> Vec3) -> f64 {
+    let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(of(n, *c).abs().element_sum()) / 3.0).sum();
+    if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
+}
+
+/// Between the four pixels around a place, all of which are on the screen.
+fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
+    let (x, y) = (x - 0.5, y - 0.5);
+    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let at = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];
+    at(0, 0).lerp(at(1, 0), fx).lerp(at(0, 1).lerp(at(1, 1), fx), fy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::testing::floor_and_wall;
+
+    #[test]
+    fn a_still_camera_pairs_each_pixel_with_itself() {
+        let data = floor_and_wall(32, 24);
+        let found = pairs(&data, &data);
+        assert!(found.len() > 32 * 24 / 2, "{} pairs", found.len());
+        for pair in &found {
+            let x = (pair.now % 32) as f64 + 0.5;
+            assert!((pair.before[0] - x).abs() < 1e-6, "{} and {x}", pair.before[0]);
+        }
+        let image: Vec<Vec3> = (0..32 * 24).map(|i| Vec3::splat(i as f32)).collect();
+        let still = mean(&changes(&[found], &[image.clone(), image], [32, 24]), |_, change| change);
+        assert!(still < 1e-2, "{still}");
+    }
+
+    #[test]
+    fn what_changes_flickers_by_as_much() {
+        let data = floor_and_wall(32, 24);
+        let of = |v: f32| vec![Vec3::splat(v); 32 * 24];
+        let found = changes(&[pairs(&data, &data)], &[of(0.25), of(0.75)], [32, 24]);
+        assert!((mean(&found, |_, change| change) - 0.5).abs() < 1e-6);
+        assert!(mean(&found, |_, change| change - 0.5) < 1e-6);
+    }
+}
