@@ -2,6 +2,8 @@
 //! writes `shaders.rs`: one `Shader` per file, with the bindings found in the module, and one Rust
 //! struct per uniform, storage or push-constant block. A block is thus declared once, in GLSL.
 
+// The window, which shares it, also asks for the files that were read.
+#[allow(dead_code)]
 #[path = "src/gpu/glsl.rs"]
 mod glsl;
 

@@ -34,7 +34,7 @@ use animation::Animation;
 use ash::vk;
 use clap::{Args, CommandFactory, ValueEnum};
 use path::PathEditor;
-use script::Script;
+use script::{Plan, Script};
 use state::{Inside, Side, State, Tab, given_options};
 use std::collections::{BTreeMap, HashSet};
 use std::io::Write;
@@ -173,15 +173,14 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     })?;
     let state = state(options, &scene, view, globals, sides);
     let is_png = options.screenshot.as_ref().is_some_and(|p| ends_with(p, "png"));
-    let script = Script {
+    let script = Script::new(Plan {
         frames: options.frames,
         path: way.filter(|_| options.frames.is_some()),
         reads_screen: is_png,
         reads_picture: options.screenshot.is_some() && !is_png,
         animation: options.animation.is_some().then(|| Animation::new(ANIMATION_DELAY_MS)),
         stay: options.stay,
-        ..Script::default()
-    };
+    });
     let mut app = App {
         gpu: gpu.clone(),
         size: options.size,
@@ -208,11 +207,11 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
 }
 
 /// The files and the record of a run by arguments.
-fn write(options: &ViewOptions, script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
+fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
     if let (Some(path), Some(pixels)) = (&options.screenshot, &script.pixels) {
         images::write_image(path, pixels)?;
     }
-    if let (Some(path), Some(animation)) = (&options.animation, script.animation) {
+    if let (Some(path), Some(animation)) = (&options.animation, script.take_animation()) {
         animation.write(path)?;
     }
     if options.json {

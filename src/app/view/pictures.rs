@@ -249,11 +249,6 @@ impl Shown {
         self.images = images.iter().map(info).collect();
         Ok(())
     }
-
-    /// Its finished picture or intermediate, linear.
-    pub fn picture(&self) -> &Image {
-        self.kept.image()
-    }
 }
 
 fn works(report: &FrameReport) -> Vec<(String, PassWork)> {

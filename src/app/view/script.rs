@@ -8,9 +8,9 @@ use crate::gpu::{Gpu, Pixels};
 use crate::scene::path::CameraPath;
 use std::time::{Duration, Instant};
 
-/// What is to be done, and what was.
+/// What is to be done.
 #[derive(Default)]
-pub struct Script {
+pub struct Plan {
     /// Frames to show; `None` leaves everything to the user.
     pub frames: Option<u32>,
     /// The way of the camera over the frames.
@@ -23,6 +23,12 @@ pub struct Script {
     pub animation: Option<Animation>,
     /// How long the window stays open after that.
     pub stay: Option<Duration>,
+}
+
+/// What was done of it.
+#[derive(Default)]
+pub struct Script {
+    plan: Plan,
     /// What was read.
     pub pixels: Option<Pixels>,
     /// Submissions when the frames were done, and when the window closed.
@@ -33,9 +39,19 @@ pub struct Script {
 }
 
 impl Script {
+    /// Before the first frame.
+    pub fn new(plan: Plan) -> Self {
+        Self { plan, ..Self::default() }
+    }
+
+    /// The animation, after the last frame.
+    pub fn take_animation(&mut self) -> Option<Animation> {
+        self.plan.animation.take()
+    }
+
     /// Whether the arguments decide what is shown.
     pub fn is_running(&self) -> bool {
-        self.frames.is_some() && self.until.is_none() && !self.is_done
+        self.plan.frames.is_some() && self.until.is_none() && !self.is_done
     }
 
     /// Whether there is nothing left to do.
@@ -45,7 +61,7 @@ impl Script {
 
     /// Frames shown of those to show, if some are missing.
     pub fn missing(&self) -> Option<(u32, u32)> {
-        self.frames.filter(|_| self.is_running()).map(|n| (self.shown, n))
+        self.plan.frames.filter(|_| self.is_running()).map(|n| (self.shown, n))
     }
 
     /// When the window closes by itself.
@@ -66,9 +82,9 @@ impl Script {
 
     /// Before a frame: it is rendered, whether anything changed or not.
     pub fn begin(&mut self, viewer: &mut Viewer) {
-        let Some(frames) = self.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
+        let Some(frames) = self.plan.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
         viewer.invalidate();
-        if let Some(path) = &self.path {
+        if let Some(path) = &self.plan.path {
             let place = path.at(self.shown as f32 / (frames - 1).max(1) as f32);
             viewer.state.steer(|camera| {
                 camera.put(place);
@@ -79,10 +95,10 @@ impl Script {
 
     /// After a frame was shown; `goes_on` says that what is shown still changes by itself.
     pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, goes_on: bool) -> Result<()> {
-        let Some(frames) = self.frames else { return Ok(()) };
+        let Some(frames) = self.plan.frames else { return Ok(()) };
         if self.shown < frames {
             self.shown += 1;
-            if let Some(animation) = &mut self.animation {
+            if let Some(animation) = &mut self.plan.animation {
                 animation.add(&viewer.read_screen()?)?;
             }
         }
@@ -90,13 +106,13 @@ impl Script {
         if self.shown < frames || goes_on {
             return Ok(());
         }
-        if self.reads_screen {
+        if self.plan.reads_screen {
             self.pixels = Some(viewer.read_screen()?);
-        } else if self.reads_picture {
+        } else if self.plan.reads_picture {
             self.pixels = viewer.read_picture()?;
         }
         self.submissions = [gpu.submissions(); 2];
-        match self.stay {
+        match self.plan.stay {
             Some(stay) => self.until = Some(Instant::now() + stay),
             None => self.is_done = true,
         }

@@ -126,7 +126,9 @@ impl App {
         let swapchain = Swapchain::new(&self.gpu, &window, self.present_mode)?;
         let proxy = self.proxy.clone();
         // A loop that is over needs no waking.
-        let wake = Arc::new(move || drop(proxy.send_event(())));
+        let wake = Arc::new(move || {
+            let _ = proxy.send_event(());
+        });
         let viewer = opening.viewer(&self.gpu, swapchain.screen_format(), wake)?;
         let egui = egui_winit::State::new(
             viewer.egui().clone(),

@@ -13,7 +13,6 @@ use super::inspect::PickedRay;
 use super::path::PathEditor;
 use super::pictures::{Answers, ImageInfo};
 use super::state::{State, Tab};
-use crate::passes::Content;
 use crate::passes::look::Compare;
 use crate::scene::{Camera, View};
 use egui::{Color32, Rect, RichText, Sense, Ui};
@@ -34,8 +33,6 @@ pub struct Told<'a> {
     pub histories: Vec<&'a super::history::History>,
     /// What the first method made.
     pub images: &'a [ImageInfo],
-    /// What the shown picture's numbers are.
-    pub content: Content,
     /// What the frame at rest was asked, if it was.
     pub answers: Option<&'a Answers>,
     /// The picked ray.

@@ -69,6 +69,9 @@ fn place(ui: &mut Ui, state: &mut State, told: &Told) {
             state.show_view(view);
         }
         ui.end_row();
+        ui.label("speed").on_hover_text("of flying; the wheel changes it");
+        ui.label(format!("{:.2} m/s", state.camera.speed_m_per_s()));
+        ui.end_row();
     });
 }
 
