@@ -73,7 +73,17 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
         (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
         (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
-        (aimed(&["--method", "magic"]), 2, "no method \"magic\"; there is: ssct, hzct"),
+        (
+            aimed(&["--method", "magic"]),
+            2,
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, environment",
+        ),
+        (
+            aimed(&["--method", "pccm", "--fallback", "pccm"]),
+            2,
+            "only screen-space methods have a fallback, and pccm is none",
+        ),
+        (aimed(&["--method", "ssct", "--fallback", "mirror"]), 2, "[possible values: none, environment, pccm]"),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
         (render(&["--size", "10x0"]), 2, "has no pixels"),
@@ -112,6 +122,8 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
             "room.obj",
         ),
         (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
+        (aimed(&["--march-stride", "0"]), 2, "must be above 0 and at most 1"),
         (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
         (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
         (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
@@ -286,14 +298,15 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
     // Per scene: direct light and each method; and two figures.
     let methods = ssct::methods::METHODS.len();
-    assert_eq!(images.len(), 2 * (1 + methods) + 2);
+    let scenes = ssct::scene::library::names().len();
+    assert_eq!(images.len(), scenes * (1 + methods) + 2);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
-    // Per cell: two references, and each method and the exact hits with their FLIP maps.
-    assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
+    // Per cell: three references, and each method and the exact hits with their FLIP maps.
+    assert_eq!(pngs.len(), 4 * (3 + 2 * (methods + 1)));
     for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {
         assert!(linked.contains(&file), "{file}");
         let text = std::fs::read_to_string(folder.path("out").join(file)).unwrap();

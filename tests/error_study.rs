@@ -70,8 +70,36 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
 }
 
 #[test]
+fn what_shows_the_environment_is_held_against_a_world_with_it() {
+    // An open square under the sky, so that the two worlds differ.
+    let run = |more: &[&str]| {
+        let what = ["error", "--scene", "street", "--roughness", "0", "--size", "64x36", "--quick"];
+        let how = ["--no-sweep", "--samples", "1", "--rays", "2", "--json"];
+        let view = ["--view", "car"];
+        ssct(&[&what[..], &view, &how, more].concat())
+    };
+    let against = |records: &[Value], method: &str| {
+        let of: Vec<_> = records.iter().filter(|r| r["method"] == method).collect();
+        of.iter().map(|r| r["against"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let plain = run(&["--method", "ssct,environment"]);
+    assert_eq!(against(&plain, "ssct"), ["oracle", "screen", "world"]);
+    assert_eq!(against(&plain, "environment"), ["world"]);
+    let behind = run(&["--method", "ssct", "--fallback", "environment"]);
+    assert_eq!(against(&behind, "ssct"), ["oracle", "world"]);
+    let world = |records: &[Value]| {
+        let found = records.iter().find(|r| r["method"] == "ssct" && r["against"] == "world").unwrap();
+        (found["params"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())
+    };
+    let (plain, behind) = (world(&plain), world(&behind));
+    assert_eq!((plain.0, behind.0), (Value::Null, "environment".into()));
+    assert_ne!(plain.1, behind.1);
+    assert_eq!(plain.2, behind.2, "the hits are the method's own");
+}
+
+#[test]
 fn the_passes_add_up_to_the_frame() {
-    let records = ssct(&["time", "--size", "640x360", "--samples", "5", "--json"]);
+    let records = ssct(&["time", "--method", "ssct,hzct", "--size", "640x360", "--samples", "5", "--json"]);
     assert_eq!(records.len(), 2, "ssct and hzct");
     for record in records {
         let median = |v: &Value| v["median_ms"].as_f64().unwrap();

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use ssct::gpu::DeviceInfo;
-use ssct::methods::Preset;
+use ssct::methods::{Fallback, Preset};
 use ssct::metrics::HitAgreement;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::Drawn;
@@ -53,6 +53,7 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     TimeRecord {
         head: head("time", method, roughness),
         split: false,
+        fallback: Fallback::None,
         passes: passes.iter().map(pass).collect(),
         total: Stats::of(&[ms]),
         frame: Stats::of(&[ms]),
@@ -66,7 +67,13 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
 fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
-        params: Params { chain_filter: ChainFilter::Hardware, tuning: Default::default() },
+        params: Params {
+            chain_filter: ChainFilter::Hardware,
+            march: Default::default(),
+            poster_filter: Default::default(),
+            fallback: Fallback::None,
+            tuning: Default::default(),
+        },
         time_ms: Some(ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },

@@ -9,11 +9,40 @@ mod common;
 use common::{clutter, clutter_camera, gpu};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::validation::ALLOWED;
-use ssct::methods::{METHODS, Preset, Setup};
+use ssct::methods::{Fallback, METHODS, MethodInfo, Preset, Setup, Tuning};
+use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::linear_trace::March;
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
+
+/// The modes of a method: all combinations for those that see the screen alone, and each fallback.
+fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
+    let usual = Setup::new(extent);
+    if !method.is_screen_space() {
+        return vec![usual];
+    }
+    let mut setups = Vec::new();
+    for preset in [Preset::Published, Preset::Author] {
+        for split in [false, true] {
+            for (chain_filter, march) in
+                [(ChainFilter::Hardware, March::Growing), (ChainFilter::Gaussian, March::Fixed)]
+            {
+                // Volumes of the largest size would take most of the test's time.
+                let small = extent[0] < 200 && chain_filter == ChainFilter::Gaussian;
+                let poster_filter = if small { PosterFilter::Volume } else { PosterFilter::Mip };
+                setups.push(Setup { preset, split, chain_filter, march, poster_filter, ..usual });
+            }
+        }
+    }
+    let blur = Tuning { distance_blur: true, ..Tuning::default() };
+    setups.push(Setup { tuning: blur, fallback: Fallback::Environment, ..usual });
+    setups.push(Setup { fallback: Fallback::Pccm, ..usual });
+    setups.push(Setup { divisor: 2, split: true, ..usual });
+    setups.push(Setup { divisor: 4, fallback: Fallback::Environment, ..usual });
+    setups
+}
 
 #[test]
 fn every_method_in_every_mode_is_valid() {
@@ -24,29 +53,21 @@ fn every_method_in_every_mode_is_valid() {
     let mut frames = 0;
     for extent in [[1, 1], [127, 61], [641, 479]] {
         for method in METHODS {
-            for preset in [Preset::Published, Preset::Author] {
-                for split in [false, true] {
-                    for chain_filter in [ChainFilter::Hardware, ChainFilter::Gaussian] {
-                        let setup = Setup { preset, split, chain_filter, ..Setup::new(extent) };
-                        let camera = clutter_camera(extent);
-                        let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
-                        let what = format!("{}, {setup:?}", method.name);
-                        // Twice each: the second frame's barriers start from the first's states.
-                        for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {
-                            let (report, drawn) = stage.run(&shot, mode).unwrap();
-                            gpu.check_validation().unwrap_or_else(|e| panic!("{what}, {mode:?}: {e}"));
-                            assert!(drawn.meshes > 0, "{what}");
-                            assert_eq!(
-                                report.passes.len(),
-                                if mode == Mode::Timed { report.recorded.len() } else { 0 }
-                            );
-                            frames += 1;
-                        }
-                        let image = render(&mut stage, &shot, true).unwrap();
-                        gpu.check_validation().unwrap_or_else(|e| panic!("{what}, read back: {e}"));
-                        assert_eq!([image.composite.width, image.composite.height], extent);
-                    }
+            for setup in setups(method, extent) {
+                let camera = clutter_camera(extent);
+                let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+                let what = format!("{}, {setup:?}", method.name);
+                // Twice each: the second frame's barriers start from the first's states.
+                for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {
+                    let (report, drawn) = stage.run(&shot, mode).unwrap();
+                    gpu.check_validation().unwrap_or_else(|e| panic!("{what}, {mode:?}: {e}"));
+                    assert!(drawn.meshes > 0, "{what}");
+                    assert_eq!(report.passes.len(), if mode == Mode::Timed { report.recorded.len() } else { 0 });
+                    frames += 1;
                 }
+                let image = render(&mut stage, &shot, true).unwrap();
+                gpu.check_validation().unwrap_or_else(|e| panic!("{what}, read back: {e}"));
+                assert_eq!([image.composite.width, image.composite.height], extent);
             }
         }
     }

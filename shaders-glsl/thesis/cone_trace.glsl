@@ -4,19 +4,8 @@
 layout(binding = 4) uniform sampler2D colorBuffer;      // pre-convolved, trilinear
 layout(binding = 5) uniform sampler2D visibilityBuffer; // pre-integrated, trilinear
 
-#define XI 0.244
-
-// Eq. 4.5. Errata: arccos, not cos; and the exponent must fall with roughness. The thesis prints
-// no range of exponents: alpha is the lobe that a roughness stands for everywhere in this project
-// (DEFINITIONS, "Surfaces"), which makes the angle the author's, half the roughness.
-float ConeAngle(float roughness) {
-    if (roughness <= 0.0)
-        return 0.0; // "for a perfect specular reflection the power would need to be infinite"
-    float alpha = log(XI) / log(cos(0.5 * roughness)) - 1.0;
-    if (alpha > 1e5)
-        return 0.5 * roughness; // the arccos of nearly 1 has no digits left; this is its limit
-    return acos(pow(XI, 1.0 / (alpha + 1.0)));
-}
+#include "thesis/cone_angle.glsl"
+#include "thesis/border_fade.glsl"
 
 // Eq. 4.6
 float IsoscelesTriangleBase(float h, float theta) {
@@ -54,12 +43,6 @@ vec3 HiZConeTrace(vec2 R_origin, vec2 R_intersection, float theta) {
     return C.rgb / C.a;                         // Return normalized reflection color
 }
 
-// Eq. 4.7
-float BorderFade(vec2 R_intersection) {
-    float D_boundary = length(R_intersection - vec2(0.5)) * 2.0;
-    return 1.0 - max(0.0, min((D_boundary - thesis.fade_start) / (thesis.fade_end - thesis.fade_start), 1.0));
-}
-
 // Reflection colour, and its fade in a; a miss is black.
 vec4 Reflection(vec2 texCoord, vec3 hit, vec3 reflectionVS, float roughness) {
     if (hit == vec3(-1.0))
@@ -67,7 +50,7 @@ vec4 Reflection(vec2 texCoord, vec3 hit, vec3 reflectionVS, float roughness) {
     vec3 color = HiZConeTrace(texCoord, hit.xy, ConeAngle(roughness));
     float fade = 1.0;
     if (thesis.fade != 0) {
-        fade = BorderFade(hit.xy);
+        fade = BorderFade(hit.xy, thesis.fade_start, thesis.fade_end);
         if (thesis.fade_towards_camera > 0.0)
             fade *= clamp(reflectionVS.z * thesis.fade_towards_camera, 0.0, 1.0);
     }

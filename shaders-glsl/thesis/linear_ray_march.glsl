@@ -1,10 +1,30 @@
-// Linear ray march with growing stride, and binary search (thesis 4.2.2, second listing).
+// Linear ray march (thesis 4.2.2): with a constant stride, as the first listing, and with a growing one
+// and binary search, as the second.
 // Needs parameters.glsl and hiZBuffer, whose level 0 is the listing's depthBuffer.
 
 #define INVALID_RAY vec3(-1.0)
 
 bool LeftScreen(vec2 ray) {
     return any(lessThan(ray, vec2(0.0))) || any(greaterThan(ray, vec2(1.0)));
+}
+
+// First listing. Departure: leaving the screen ends the march, as the text says of practice.
+vec3 UniformRayMarch(vec3 ray, vec3 dir, float stride, int count) {
+    for (int i = 0; i < count; ++i) {
+        if (LeftScreen(ray.xy))
+            break;
+
+        // Sample depth value at current ray position. Erratum: the listing lacks ".r".
+        float depth = textureLod(hiZBuffer, ray.xy, 0.0).r;
+
+        // Check if ray steps through the depth buffer
+        if (ray.z > depth)
+            return ray; // Return final intersection
+
+        // Step to the next sample position
+        ray += dir * stride;
+    }
+    return INVALID_RAY; // No intersection found
 }
 
 vec3 BinarySearch(vec3 ray, vec3 dir) {
@@ -34,6 +54,7 @@ vec3 BinarySearch(vec3 ray, vec3 dir) {
     return ray; // Intersection already found, but we could not refine it to the minimum
 }
 
+// Second listing.
 vec3 LinearRayMarch(vec3 ray, vec3 dir, float stride) {
     vec3 prevRay = ray;
     int edgeHits = 0;

@@ -26,4 +26,8 @@ layout(std140, binding = 0) uniform ThesisBlock {
     float fade_end;                // I_end of Eq. 4.7
     float fade_towards_camera;     // hzct: factor of its fade; 0: none
     int fade;                      // 0: no fade at all
+    int uniform_march_count;       // sslr: steps
+    float uniform_stride_min;      // sslr: step at roughness 0, in screen space
+    float uniform_stride_max;      // sslr: step at roughness 1
+    float uniform_march_back;      // sslr: share of the last step that the hit goes back by
 } thesis;

@@ -1,22 +1,9 @@
 // The ray-tracing pass (thesis 4.2.7, 4.2.10, Alg. 6). FALLBACK chooses between `ssct` and `hzct`.
 // Needs parameters.glsl.
 
-layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimum and maximum; nearest
-layout(binding = 2) uniform sampler2D normalBuffer;    // view space
-layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
-
+#include "thesis/pixel.glsl"
 #include "thesis/linear_ray_march.glsl"
-#include "thesis/reflection_ray.glsl"
 #include "thesis/hi_z_ray_trace.glsl"
-
-// How a ray ended; the codes are those of `passes::PathCode`.
-#define PATH_NONE          0.0 // the pixel does not reflect
-#define PATH_HI_Z          1.0 // hit by Hi-Z traversal
-#define PATH_LINEAR        2.0 // hit by the linear fallback
-#define PATH_MISS          3.0 // Hi-Z traversal left the screen
-#define PATH_LINEAR_MISS   4.0 // the linear fallback found nothing
-#define PATH_EXHAUSTED     5.0 // out of iterations; the thesis takes it for a hit
-#define PATH_UNTRACED      6.0 // towards the camera, and no fallback
 
 struct Trace {
     vec3 hit;          // texture coordinates and standard depth; INVALID_RAY for a miss
@@ -45,18 +32,12 @@ vec3 RayTrace(vec3 P_ss, vec3 V_ss, out float path) {
 }
 
 Trace TracePixel(vec2 fragCoord) {
-    ivec2 pixel = ivec2(fragCoord);
     Trace trace = Trace(INVALID_RAY, PATH_NONE, vec3(0.0), 0.0);
-    vec2 material = texelFetch(materialBuffer, pixel, 0).rg;
-    vec3 normal = texelFetch(normalBuffer, pixel, 0).xyz;
-    // Early out: sky and what reflects nothing (author's program: both thresholds).
-    if (material.r <= 1e-4 || dot(normal, normal) <= 1e-4)
+    Pixel pixel = ReadPixel(fragCoord);
+    if (!pixel.reflects)
         return trace;
-
-    vec2 texCoord = fragCoord / thesis.resolution;
-    float depth = texelFetch(hiZBuffer, pixel, 0).r;
-    vec3 V_ss = ReflectionRay(texCoord, depth, normalize(normal), trace.reflection);
-    trace.hit = RayTrace(vec3(texCoord, depth), V_ss, trace.path);
-    trace.roughness = material.g;
+    trace.hit = RayTrace(pixel.P_ss, pixel.V_ss, trace.path);
+    trace.reflection = pixel.reflection;
+    trace.roughness = pixel.roughness;
     return trace;
 }

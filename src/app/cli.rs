@@ -1,8 +1,10 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
 use super::view::ViewOptions;
-use crate::methods::{MethodInfo, Preset};
+use crate::methods::{Fallback, Preset};
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
@@ -65,7 +67,7 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// A built-in scene (rooms, atrium), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Scale factor on the scene's coordinates.
@@ -115,25 +117,36 @@ pub struct MethodOptions {
     /// Circles of the cone, instead of the preset's.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
     pub cone_samples: Option<u32>,
-    /// How the colour chain is filtered.
+    /// Pixels that ssr and ssr-fast march at once.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub pixel_step: Option<u32>,
+    /// Blur in ssr-fast by the distance from the viewer.
+    #[arg(long)]
+    pub distance_blur: bool,
+    /// How the colour chain of ssct and hzct is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
     /// Trace at a lower resolution and bring the reflection back to full size.
     #[arg(long, value_enum, default_value_t)]
     pub resolution_scale: ResolutionScale,
-    /// Trace rays and cones in two passes instead of one.
+    /// Which of the thesis's two listings the method linear marches by.
+    #[arg(long, value_enum, default_value_t)]
+    pub march: March,
+    /// How the method poster pre-filters the G-buffer.
+    #[arg(long, value_enum, default_value_t)]
+    pub poster_filter: PosterFilter,
+    /// First step of the linear march and of the poster's, 1 being the screen's side, instead of the preset's.
+    #[arg(long, value_name = "S", value_parser = stride)]
+    pub march_stride: Option<f32>,
+    /// Trace rays and cones in two passes instead of one; every method then also keeps its hits.
     #[arg(long)]
     pub split: bool,
     /// Fade reflections at the screen's border.
     #[arg(long, value_enum, default_value_t)]
     pub fade: Switch,
-}
-
-impl MethodOptions {
-    /// Whether a method can run with these options at all.
-    pub fn suits(&self, method: &MethodInfo) -> bool {
-        method.is_screen_space() || self.resolution_scale == ResolutionScale::Full
-    }
+    /// What is seen behind a screen-space method where its reflection fades out.
+    #[arg(long, value_enum, default_value_t)]
+    pub fallback: Fallback,
 }
 
 /// Which device, and whether it is watched.
@@ -152,9 +165,10 @@ pub struct DeviceOptions {
 pub struct RenderOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles.
-    #[arg(long, default_value = "ssct")]
-    pub method: String,
+    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles. Without it,
+    /// the method that --figure is of, or ssct.
+    #[arg(long)]
+    pub method: Option<String>,
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
@@ -164,7 +178,7 @@ pub struct RenderOptions {
     /// Write every intermediate into a folder, as PNG and EXR.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
-    /// Write a figure of the thesis instead of the image.
+    /// Write a figure of the thesis or the poster instead of the image.
     #[arg(long, value_enum, requires = "output")]
     pub figure: Option<Figure>,
     /// Write only the reflection, before fade and reflectivity.
@@ -393,6 +407,14 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
         (Ok(w), Ok(h)) => Ok([w, h]),
         _ => Err(wrong()),
+    }
+}
+
+/// A part of the screen's side.
+fn stride(text: &str) -> Result<f32, String> {
+    match text.trim().parse::<f32>() {
+        Ok(s) if s > 0.0 && s <= 1.0 => Ok(s),
+        _ => Err(format!("{text:?}: must be above 0 and at most 1")),
     }
 }
 

@@ -4,7 +4,7 @@ use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::{progress, resolve};
 use crate::error::Result;
-use crate::methods::{self, METHODS, MethodInfo};
+use crate::methods;
 use crate::report::{error_report, files};
 use crate::scene::{Scene, View, library};
 use crate::study::error::Variant;
@@ -34,10 +34,6 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
 /// What the flags ask for.
 fn plan(options: &ErrorOptions) -> Result<Plan> {
     let common = &options.common;
-    let methods: Vec<&'static MethodInfo> = match &options.method[..] {
-        [] => METHODS.iter().filter(|m| common.method_options.suits(m)).collect(),
-        names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
-    };
     let scenes = match (&common.place.scene[..], options.quick) {
         ([], false) => library::names().iter().filter_map(|n| library::scene(n)).collect(),
         _ => vec![resolve::scene(&common.place, "rooms")?],
@@ -53,6 +49,7 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         sizes => sizes.to_vec(),
     };
     let base = resolve::setup(&common.method_options, sizes[0]);
+    let methods = methods::choose(&options.method, &base)?;
     let variants = if options.quick || options.no_sweep {
         methods.iter().map(|method| Variant { method, setup: base }).collect()
     } else {

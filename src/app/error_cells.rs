@@ -108,7 +108,7 @@ fn cell(spec: &ErrorSpec, stage: &mut Option<Stage>, folder: Option<&Path>) -> a
 
 /// Everything that a cell depends on.
 fn key(spec: &ErrorSpec) -> serde_json::Value {
-    let setup = |s: &Setup| serde_json::json!([s.preset, s.tuning, s.chain_filter, s.fade, s.divisor]);
+    let setup = |s: &Setup| serde_json::json!(s);
     let variants: Vec<_> = spec.variants.iter().map(|v| (v.method.name, setup(&v.setup))).collect();
     let g = spec.globals;
     let view = spec.view;

@@ -34,7 +34,9 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    // As for the methods: with a fallback, what escapes brings the environment.
+    let escape = if common.method_options.fallback.is_none() { Escape::Black } else { Escape::Environment };
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
     let target = Target {
         standard_error: f64::from(options.standard_error),
         samples_max: options.max_rays,

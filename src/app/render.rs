@@ -2,7 +2,8 @@
 
 use super::cli::RenderOptions;
 use super::resolve;
-use crate::methods;
+use crate::methods::{self, Setup};
+use crate::report::figures::Figure;
 use crate::report::{figures, images};
 use crate::study::timing::camera;
 use crate::study::{Shot, Stage, image};
@@ -10,11 +11,12 @@ use std::io::Write;
 
 /// Renders one image, its intermediates or a figure.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
-    if options.method == "reference" {
+    let method = options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct");
+    if method == "reference" {
         return super::reference::run(options);
     }
     let common = &options.common;
-    let method = methods::find(&options.method)?;
+    let method = methods::find(method)?;
     let globals = resolve::one_globals(&common.place, "render makes one image")?;
     if let Some(path) = &options.output {
         images::check_extension(path)?;
@@ -25,8 +27,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     // The hits exist only where ray trace and cone trace are two passes; the image is the same.
     let inside = options.dump.is_some() || options.figure.is_some();
-    let mut setup = resolve::setup(&common.method_options, options.size);
-    setup.split |= inside;
+    let setup = resolve::setup(&common.method_options, options.size);
+    let setup = Setup { split: setup.split || inside, ..options.figure.map_or(setup, |f| f.setup(setup)) };
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);
     let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, &view))?;

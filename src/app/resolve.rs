@@ -145,11 +145,17 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
             iterations: options.iterations,
             start_level: options.start_level,
             cone_samples: options.cone_samples,
+            march_stride: options.march_stride,
+            pixel_step: options.pixel_step,
+            distance_blur: options.distance_blur,
         },
         split: options.split,
         chain_filter: options.chain_filter,
+        march: options.march,
+        poster_filter: options.poster_filter,
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,
+        fallback: options.fallback,
     }
 }

@@ -5,12 +5,12 @@ use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{METHODS, Setup};
+use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
-use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_AND_ENVIRONMENT, WORLD_REFERENCE};
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{TimeSpec, camera, time};
 use crate::study::{Globals, Shot, Stage, TimeRecord, image};
@@ -60,6 +60,20 @@ impl Plan {
         let command = format!("ssct study --samples {samples}");
         Ok(Self { views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
     }
+
+    /// What is timed of a view.
+    fn time<'a>(
+        &self,
+        gpu: &'a Gpu,
+        scene: &'a Scene,
+        view: &'a View,
+        methods: Vec<&'static MethodInfo>,
+        sizes: Vec<[u32; 2]>,
+        globals: Vec<Globals>,
+    ) -> TimeSpec<'a> {
+        let setup = Setup::new(self.size);
+        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples: self.samples }
+    }
 }
 
 /// Runs the study and writes its folder.
@@ -77,7 +91,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         bar.inc_length((shown.len() * METHODS.len()) as u64);
         views.extend(pictures(&gpu, scene, &shown, folder, &plan, &bar)?);
         for view in shown {
-            view_records.extend(timed(&gpu, scene, view, &[plan.size], &[GLOSSY], plan.samples, &bar)?);
+            let (methods, sizes, globals) = (METHODS.iter().collect(), vec![plan.size], vec![GLOSSY]);
+            view_records.extend(timed(&plan.time(&gpu, scene, view, methods, sizes, globals), &bar)?);
         }
     }
     let figures = thesis_figures(&gpu, &scenes, folder, &plan)?;
@@ -171,35 +186,18 @@ fn pictures(
     Ok(galleries)
 }
 
-fn timed(
-    gpu: &Gpu,
-    scene: &Scene,
-    view: &View,
-    sizes: &[[u32; 2]],
-    globals: &[Globals],
-    samples: usize,
-    bar: &ProgressBar,
-) -> Result<Vec<TimeRecord>> {
-    let spec = TimeSpec {
-        gpu,
-        scene,
-        view,
-        methods: METHODS.iter().collect(),
-        sizes: sizes.to_vec(),
-        globals: globals.to_vec(),
-        setup: Setup::new(sizes[0]),
-        warmup: 1,
-        samples,
-    };
+fn timed(spec: &TimeSpec, bar: &ProgressBar) -> Result<Vec<TimeRecord>> {
     bar.inc_length(spec.frames() as u64);
-    time(&spec, &mut || bar.inc(1))
+    time(spec, &mut || bar.inc(1))
 }
 
 /// Table 5.8 on the atrium's view `hall`.
 fn table_5_8(gpu: &Gpu, scenes: &[Scene], plan: &Plan, bar: &ProgressBar) -> Result<Vec<TimeRecord>> {
     let Some(atrium) = scenes.iter().find(|s| s.name == "atrium") else { return Ok(Vec::new()) };
     let globals = [0.0, 0.1].map(|r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: Some(r) });
-    timed(gpu, atrium, atrium.view("hall")?, &plan.table_sizes, &globals, plan.samples, bar)
+    let methods = METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect();
+    let sizes = plan.table_sizes.clone();
+    timed(&plan.time(gpu, atrium, atrium.view("hall")?, methods, sizes, globals.to_vec()), bar)
 }
 
 /// The quick error study of the rooms.
@@ -216,7 +214,7 @@ fn errors(
     cells.run(gpu, Some(&folder.join(ERROR_FOLDER)), &mut || bar.inc(1))
 }
 
-/// Figures 4.4 and 4.5 on the first scene.
+/// Figures 4.4, 4.5, 4.9 and 4.10 on the first scene.
 fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Result<Vec<Picture>> {
     let Some(scene) = scenes.first() else { return Ok(Vec::new()) };
     let wanted = [
@@ -234,14 +232,29 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
             "corridor",
             "Figure 4.5: rays traced by Hi-Z (green) and by the linear march (red); darker where nothing was hit",
         ),
+        (
+            Figure::RayTraceColorChain,
+            "figure-4.9",
+            plan.size,
+            "corridor",
+            "Figure 4.9: first five levels of the ray trace color buffer of SSLR",
+        ),
+        (
+            Figure::MaskChain,
+            "figure-4.10",
+            plan.size,
+            "corridor",
+            "Figure 4.10: first five levels of the mask buffer of SSLR",
+        ),
     ];
     let mut stage = Stage::new(gpu, scene)?;
     let mut pictures = Vec::new();
     for (figure, stem, extent, view, caption) in wanted {
         let view = scene.view(view)?;
         let camera = camera(scene, view, extent);
-        let setup = Setup { split: true, ..Setup::new(extent) };
-        let shot = Shot::new(&mut stage, &METHODS[0], &setup, camera, GLOSSY.materials(scene, view))?;
+        let setup = figure.setup(Setup { split: true, ..Setup::new(extent) });
+        let method = methods::find(figure.method())?;
+        let shot = Shot::new(&mut stage, method, &setup, camera, GLOSSY.materials(scene, view))?;
         if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;
@@ -261,7 +274,7 @@ fn error_settings(plan: &Plan) -> String {
     )
 }
 
-/// Each cell: method, screen reference and FLIP map in a row, then the world reference.
+/// Each cell: method, its reference and FLIP map in a row, then the world reference.
 fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
@@ -279,11 +292,15 @@ fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
         let reflection =
             |name: &str, caption: &str| picture(error_report::picture_file(&stem, name), name, caption.into());
         let mut pictures = Vec::new();
-        for name in METHODS.iter().map(|m| m.name).chain([EXACT_HITS]) {
+        // Each beside what its errors are against.
+        let screen = reflection(SCREEN_REFERENCE, "screen reference");
+        let world = reflection(WORLD_AND_ENVIRONMENT, "world reference with the sky");
+        let methods = METHODS.iter().map(|m| (m.name, if m.is_screen_space() { &screen } else { &world }));
+        for (name, reference) in methods.chain([(EXACT_HITS, &screen)]) {
             let flip = error_report::flip_file(&stem, name);
             pictures.extend([
                 reflection(name, name),
-                reflection(SCREEN_REFERENCE, "screen reference"),
+                reference.clone(),
                 picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}: dark is right")),
             ]);
         }

@@ -26,8 +26,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
-        [] => METHODS.iter().filter(|m| common.method_options.suits(m)).collect(),
-        names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
+        names => methods::choose(names, &resolve::setup(&common.method_options, [1, 1]))?,
     };
     let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, table)?;

@@ -3,7 +3,7 @@
 use super::cli::TimeOptions;
 use super::time::{Written, device_line};
 use super::{progress, resolve};
-use crate::methods::{self, METHODS, MethodInfo};
+use crate::methods;
 use crate::report::{files, path_report};
 use crate::study::path::{PathSpec, run as measure};
 use std::path::Path;
@@ -13,10 +13,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "rooms")?;
     let path = resolve::path(&scene, path)?;
-    let methods: Vec<&'static MethodInfo> = match &options.method[..] {
-        [] => METHODS.iter().filter(|m| common.method_options.suits(m)).collect(),
-        names => names.iter().map(|n| methods::find(n)).collect::<crate::error::Result<_>>()?,
-    };
+    let methods = methods::choose(&options.method, &resolve::setup(&common.method_options, [1, 1]))?;
     let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
     let mut scene = scene;
     scene.lens = resolve::lens(&common.place, scene.lens)?;

@@ -62,7 +62,6 @@ pub(crate) struct Shared {
     pub entry: ash::Entry,
     pub instance: ash::Instance,
     debug: Option<Debug>,
-    #[cfg(feature = "window")]
     pub physical: vk::PhysicalDevice,
     pub device: ash::Device,
     pub push_descriptor: ash::khr::push_descriptor::Device,
@@ -194,6 +193,23 @@ impl Gpu {
     pub fn max_image_size(&self) -> u32 {
         let l = &self.shared.limits;
         l.max_image_dimension2_d.min(l.max_framebuffer_width).min(l.max_framebuffer_height)
+    }
+
+    /// The largest width, height and depth of a volume.
+    pub fn max_volume_size(&self) -> u32 {
+        self.shared.limits.max_image_dimension3_d
+    }
+
+    /// An error unless images of a format can be filtered linearly; Vulkan promises it of no format
+    /// with 32 bits a channel.
+    pub fn require_linear_filter(&self, format: vk::Format) -> Result<()> {
+        // SAFETY: the physical device is the one that this device was made from.
+        let properties =
+            unsafe { self.shared.instance.get_physical_device_format_properties(self.shared.physical, format) };
+        if properties.optimal_tiling_features.contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR) {
+            return Ok(());
+        }
+        Err(Error::Usage(format!("{} cannot filter {format:?} images linearly", self.info().name)))
     }
 
     /// Names an object for RenderDoc, Nsight and the validation layers.
@@ -526,7 +542,6 @@ fn open_device(
         entry,
         instance,
         debug,
-        #[cfg(feature = "window")]
         physical,
         device,
         queue_family: queue_family as u32,

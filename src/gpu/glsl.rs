@@ -91,8 +91,30 @@ pub struct Interface {
 /// # Errors
 /// A sentence on what of it has no twin in Rust.
 pub fn interface(words: &[u32], name: &str) -> Result<Interface, String> {
-    let module = rspirv::dr::load_words(words).map_err(|e| format!("{name}: {e}"))?;
-    Reflection::new(&module, name).interface()
+    let (words, local_size) = without_local_size_ids(words);
+    let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
+    Reflection::new(&module, name, local_size).interface()
+}
+
+/// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
+/// LocalSizeId; returned are the ids of the three constants.
+fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
+    const HEADER: usize = 5;
+    let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
+    let mut at = HEADER;
+    while at < words.len() {
+        let instruction = &words[at..at + (words[at] >> 16).max(1) as usize];
+        at += instruction.len();
+        match *instruction {
+            [head, _, mode, x, y, z]
+                if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
+            {
+                found = Some([x, y, z]);
+            }
+            _ => kept.extend_from_slice(instruction),
+        }
+    }
+    (kept, found)
 }
 
 /// A block's Rust twin.
@@ -110,12 +132,14 @@ pub struct Block {
 struct Reflection<'a> {
     module: &'a Module,
     name: &'a str,
+    /// Ids of the workgroup's three sides.
+    local_size: Option<[Word; 3]>,
     names: HashMap<Word, String>,
     member_names: HashMap<(Word, u32), String>,
 }
 
 impl<'a> Reflection<'a> {
-    fn new(module: &'a Module, name: &'a str) -> Self {
+    fn new(module: &'a Module, name: &'a str, local_size: Option<[Word; 3]>) -> Self {
         let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
         for i in &module.debug_names {
             match (i.class.opcode, i.operands.as_slice()) {
@@ -128,7 +152,7 @@ impl<'a> Reflection<'a> {
                 _ => {}
             }
         }
-        Self { module, name, names, member_names }
+        Self { module, name, local_size, names, member_names }
     }
 
     fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
@@ -190,7 +214,10 @@ impl<'a> Reflection<'a> {
         let mut found = Interface {
             bindings: Vec::new(),
             push_size: 0,
-            local_size: self.module.execution_modes_of(ExecutionMode::LocalSize),
+            local_size: match self.local_size {
+                Some([x, y, z]) => [self.constant_u32(x)?, self.constant_u32(y)?, self.constant_u32(z)?],
+                None => [1; 3],
+            },
             blocks: BTreeMap::new(),
         };
         for (id, class, pointee) in self.variables()? {
@@ -289,27 +316,5 @@ impl<'a> Reflection<'a> {
             }
             _ => return Err(wrong()),
         })
-    }
-}
-
-trait ExecutionModes {
-    fn execution_modes_of(&self, wanted: ExecutionMode) -> [u32; 3];
-}
-
-impl ExecutionModes for Module {
-    /// The literal operands of an execution mode; 1, 1, 1 where it is not set.
-    fn execution_modes_of(&self, wanted: ExecutionMode) -> [u32; 3] {
-        for i in &self.execution_modes {
-            if i.operands.get(1) == Some(&Operand::ExecutionMode(wanted)) {
-                let v: Vec<u32> = i.operands[2..]
-                    .iter()
-                    .filter_map(|o| if let Operand::LiteralBit32(v) = o { Some(*v) } else { None })
-                    .collect();
-                if let [x, y, z] = v[..] {
-                    return [x, y, z];
-                }
-            }
-        }
-        [1, 1, 1]
     }
 }

@@ -1,4 +1,4 @@
-//! Images with one view per mip level and one over all of them, and the samplers.
+//! Images with one view per mip level (or slice of a volume) and one over all of them, and the samplers.
 
 use super::device::{Gpu, vulkan};
 use super::memory;
@@ -45,6 +45,9 @@ pub struct Image {
     whole_view: vk::ImageView,
     format: vk::Format,
     extent: [u32; 2],
+    /// Slices of a volume, each with a view to render into; else 1 and no such view.
+    depth: u32,
+    slice_views: Vec<vk::ImageView>,
     layers: u32,
     states: Vec<Cell<State>>,
     name: String,
@@ -52,12 +55,13 @@ pub struct Image {
     borrowed: bool,
 }
 
-/// A range of an image's mip levels, as a shader or an attachment sees it.
+/// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
 #[derive(Clone, Copy)]
 pub struct ImageSlice<'a> {
     image: &'a Image,
     base: u32,
     count: u32,
+    slice: Option<u32>,
 }
 
 impl Image {
@@ -74,12 +78,41 @@ impl Image {
                 gpu.info().name
             )));
         }
-        let cube = desc.layers == 6;
+        Self::make(gpu, desc, None)
+    }
+
+    /// Makes a volume of some slices: sampled as a whole, rendered into and copied slice by slice. It has
+    /// one level and one layer.
+    ///
+    /// # Errors
+    /// As for [`Self::new`], with the limit of volumes.
+    pub fn volume(gpu: &Gpu, desc: &ImageDesc, depth: u32) -> Result<Self> {
+        assert_eq!((desc.levels, desc.layers), (1, 1), "{}: a volume has one level and one layer", desc.name);
+        let [width, height] = desc.extent;
+        let limit = gpu.max_volume_size().min(gpu.max_image_size());
+        if [width, height, depth].iter().any(|side| *side == 0 || *side > limit) {
+            return Err(Error::Usage(format!(
+                "a volume of {width}x{height}x{depth} is impossible: each side must be 1 to {limit} on {}",
+                gpu.info().name
+            )));
+        }
+        Self::make(gpu, desc, Some(depth))
+    }
+
+    fn make(gpu: &Gpu, desc: &ImageDesc, slices: Option<u32>) -> Result<Self> {
+        use vk::{ImageCreateFlags as F, ImageViewType as V};
+        let [width, height] = desc.extent;
+        let depth = slices.unwrap_or(1);
+        let (image_type, flags, view_type) = match (slices, desc.layers) {
+            (Some(_), _) => (vk::ImageType::TYPE_3D, F::TYPE_2D_ARRAY_COMPATIBLE, V::TYPE_3D),
+            (None, 6) => (vk::ImageType::TYPE_2D, F::CUBE_COMPATIBLE, V::CUBE),
+            (None, _) => (vk::ImageType::TYPE_2D, F::empty(), V::TYPE_2D),
+        };
         let info = vk::ImageCreateInfo::default()
-            .flags(if cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() })
-            .image_type(vk::ImageType::TYPE_2D)
+            .flags(flags)
+            .image_type(image_type)
             .format(desc.format)
-            .extent(vk::Extent3D { width, height, depth: 1 })
+            .extent(vk::Extent3D { width, height, depth })
             .mip_levels(desc.levels)
             .array_layers(desc.layers)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -98,6 +131,8 @@ impl Image {
             whole_view: vk::ImageView::null(),
             format: desc.format,
             extent: desc.extent,
+            depth,
+            slice_views: Vec::new(),
             layers: desc.layers,
             states: vec![Cell::default(); desc.levels as usize],
             name: desc.name.to_owned(),
@@ -115,9 +150,14 @@ impl Image {
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         if desc.usage.intersects(view_usages) {
-            image.whole_view = image.view(0, desc.levels, cube)?;
+            image.whole_view = image.view(view_type, image.range(0, desc.levels))?;
             for level in 0..desc.levels {
-                image.level_views.push(image.view(level, 1, cube)?);
+                image.level_views.push(image.view(view_type, image.range(level, 1))?);
+            }
+            for slice in 0..slices.unwrap_or(0) {
+                // A slice of a volume is a layer of its 2D views.
+                let range = vk::ImageSubresourceRange { base_array_layer: slice, ..image.range(0, 1) };
+                image.slice_views.push(image.view(V::TYPE_2D, range)?);
             }
         }
         Ok(image)
@@ -135,6 +175,8 @@ impl Image {
             whole_view: vk::ImageView::null(),
             format,
             extent,
+            depth: 1,
+            slice_views: Vec::new(),
             layers: 1,
             states: vec![Cell::default()],
             name: "swapchain".to_owned(),
@@ -151,16 +193,17 @@ impl Image {
         }
     }
 
-    fn view(&self, base: u32, count: u32, cube: bool) -> Result<vk::ImageView> {
+    fn view(&self, kind: vk::ImageViewType, range: vk::ImageSubresourceRange) -> Result<vk::ImageView> {
         let info = vk::ImageViewCreateInfo::default()
             .image(self.handle)
-            .view_type(if cube { vk::ImageViewType::CUBE } else { vk::ImageViewType::TYPE_2D })
+            .view_type(kind)
             .format(self.format)
-            .subresource_range(self.range(base, count));
+            .subresource_range(range);
         // SAFETY: the image is bound; the view is destroyed in `drop`.
         let view = unsafe { self.gpu.raw().create_image_view(&info, None) }
             .map_err(vulkan(format!("vkCreateImageView for {}", self.name)))?;
-        self.gpu.name(view, &format!("{} levels {base}+{count}", self.name));
+        let (level, layer) = (range.base_mip_level, range.base_array_layer);
+        self.gpu.name(view, &format!("{} levels {level}+{} from layer {layer}", self.name, range.level_count));
         Ok(view)
     }
 
@@ -179,6 +222,11 @@ impl Image {
         self.states.len() as u32
     }
 
+    /// Slices of a volume; else 1.
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
     /// Array layers: 6 for a cube map.
     pub fn layers(&self) -> u32 {
         self.layers
@@ -192,12 +240,26 @@ impl Image {
     /// One mip level.
     pub fn level(&self, level: u32) -> ImageSlice<'_> {
         assert!(level < self.levels(), "{} has {} levels, not {level}", self.name, self.levels());
-        ImageSlice { image: self, base: level, count: 1 }
+        ImageSlice { image: self, base: level, count: 1, slice: None }
+    }
+
+    /// One slice of a volume.
+    pub fn slice(&self, slice: u32) -> ImageSlice<'_> {
+        assert!((slice as usize) < self.slice_views.len(), "{} has no slice {slice}", self.name);
+        ImageSlice { image: self, base: 0, count: 1, slice: Some(slice) }
+    }
+
+    /// What can be read back at once: the slices of a volume, else the mip levels.
+    pub fn parts(&self) -> Vec<ImageSlice<'_>> {
+        match self.slice_views.len() as u32 {
+            0 => (0..self.levels()).map(|l| self.level(l)).collect(),
+            slices => (0..slices).map(|s| self.slice(s)).collect(),
+        }
     }
 
     /// All mip levels.
     pub fn all(&self) -> ImageSlice<'_> {
-        ImageSlice { image: self, base: 0, count: self.levels() }
+        ImageSlice { image: self, base: 0, count: self.levels(), slice: None }
     }
 
     /// Bytes that its memory takes.
@@ -240,15 +302,23 @@ impl<'a> ImageSlice<'a> {
         level_extent(self.image.extent, self.base)
     }
 
+    /// The slices that it covers: the first, and how many.
+    pub(crate) fn slices(&self) -> (u32, u32) {
+        self.slice.map_or((0, self.image.depth), |s| (s, 1))
+    }
+
     pub(crate) fn view(&self) -> vk::ImageView {
-        if self.count == self.image.levels() {
+        if let Some(slice) = self.slice {
+            self.image.slice_views[slice as usize]
+        } else if self.count == self.image.levels() {
             self.image.whole_view
         } else {
             self.image.level_views[self.base as usize]
         }
     }
 
-    /// The tracked state of each level.
+    /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
+    /// one layout for them all.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Cell<State>)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
         self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
@@ -260,7 +330,7 @@ impl Drop for Image {
         let device = self.gpu.raw();
         // SAFETY: submissions are waited for before resources go (`FrameContext`); null is allowed.
         unsafe {
-            for view in self.level_views.drain(..) {
+            for view in self.level_views.drain(..).chain(self.slice_views.drain(..)) {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);

@@ -46,15 +46,20 @@ impl Image {
 }
 
 impl FrameContext {
-    /// Reads a mip level back.
+    /// Reads a mip level or a slice of a volume back; layers below one another.
     ///
     /// # Errors
     /// [`Error::Usage`] for a format without a decoder.
+    ///
+    /// # Panics
+    /// If the slice is a whole volume of more than one slice.
     pub fn read(&mut self, slice: ImageSlice) -> Result<Pixels> {
+        assert_eq!(slice.slices().1, 1, "{}: a volume is read slice by slice", slice.image().name());
         let format = slice.image().format();
         let (channels, texel_bytes, decode) = decoder(format)
             .ok_or_else(|| Error::Usage(format!("{}: {format:?} cannot be read back", slice.image().name())))?;
         let [width, height] = slice.extent();
+        let height = height * slice.image().layers();
         let bytes = u64::from(width) * u64::from(height) * texel_bytes as u64;
         let buffer = Buffer::new(self.gpu(), "readback", bytes, vk::BufferUsageFlags::TRANSFER_DST, Place::Readback)?;
         self.once(|frame| frame.download("readback", slice, &buffer))?;

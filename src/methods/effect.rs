@@ -4,12 +4,13 @@ use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
+use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 
 /// What an effect made in a frame.
 #[derive(Clone)]
 pub struct Output<'a> {
-    /// The method's intermediates, and the reflection that was composited.
+    /// The method's intermediates and hits, and the reflection that was composited.
     pub traced: Traced<'a>,
     /// The finished image, linear.
     pub composite: &'a Image,
@@ -19,6 +20,7 @@ pub struct Output<'a> {
 pub struct Effect {
     method: Box<dyn Method>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
+    fallback: Option<(Box<dyn Method>, FallbackPass)>,
     composite: CompositePass,
 }
 
@@ -27,7 +29,8 @@ impl Effect {
     /// that sees only the screen does without.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the method needs a scene and there is none.
+    /// [`Error::Usage`] if the method or its fallback needs a scene and there is none, or if there is a
+    /// fallback behind a method that is no screen-space method.
     pub fn new(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -42,15 +45,34 @@ impl Effect {
             return Err(Error::Usage(format!("--resolution-scale is for screen-space methods; {name} is none")));
         }
         let gpu: Gpu = context.gpu().clone();
+        let fallback = setup.fallback.method().map(|behind| -> Result<_> {
+            let name = behind.name;
+            if !info.is_screen_space() {
+                let method = info.name;
+                return Err(Error::Usage(format!(
+                    "--fallback {name}: only screen-space methods have a fallback, and {method} is none"
+                )));
+            }
+            if scene.is_none() {
+                return Err(Error::Usage(format!(
+                    "--fallback {name} needs the scene; a G-buffer alone does not show it"
+                )));
+            }
+            Ok(((behind.create)(&gpu, setup)?, FallbackPass::new(&gpu, setup.extent)?))
+        });
         let (extent, divisor) = (setup.extent, setup.divisor);
-        let mut inner = *setup;
+        let mut inner = Setup { composite: setup.composite && fallback.is_none() && divisor == 1, ..*setup };
         let mut scaled = None;
         if divisor != 1 {
-            inner = Setup { extent: resolution::divided(extent, divisor), composite: false, ..inner };
+            inner.extent = resolution::divided(extent, divisor);
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
-        let method = (info.create)(&gpu, &inner)?;
-        let mut effect = Self { method, scaled, composite: CompositePass::new(&gpu, extent)? };
+        let mut effect = Self {
+            method: (info.create)(&gpu, &inner)?,
+            scaled,
+            fallback: fallback.transpose()?,
+            composite: CompositePass::new(&gpu, extent)?,
+        };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
         }
@@ -59,12 +81,15 @@ impl Effect {
 
     /// Makes what outlives frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        if let Some((behind, _)) = &mut self.fallback {
+            behind.prepare(context, scene)?;
+        }
         self.method.prepare(context, scene)
     }
 
     /// Records every pass after lighting.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        let traced = match &self.scaled {
+        let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
                 let gbuffer = downsample.record(frame, &input.gbuffer)?;
@@ -74,6 +99,11 @@ impl Effect {
                 Traced { reflection, hits: None, ..small }
             }
         };
+        if let Some((behind, pass)) = &self.fallback {
+            let behind = behind.record(frame, input)?;
+            traced.reflection = pass.record(frame, traced.reflection, behind.reflection)?;
+            traced.intermediates.extend(behind.intermediates);
+        }
         let composite = match traced.composite {
             Some(made) => made,
             None => self.composite.record(frame, &input.gbuffer, traced.reflection)?,

@@ -2,22 +2,31 @@
 //! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
 //! them, down to the composite, is [`effect`].
 
+pub mod capture;
 pub mod effect;
+pub mod environment;
 pub mod hzct;
+pub mod linear;
+pub mod pccm;
+pub mod poster;
 pub mod ssct;
+pub mod sslr;
+pub mod ssr;
+pub mod ssr_fast;
 pub mod thesis;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::passes::{Content, GBuffer, Hits, PosterFilter, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output};
 pub use thesis::{Preset, Tuning};
 
 /// What a method is made for.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Setup {
     /// Width and height in pixels.
     pub extent: [u32; 2],
@@ -25,10 +34,14 @@ pub struct Setup {
     pub preset: Preset,
     /// Numbers that replace the preset's.
     pub tuning: Tuning,
-    /// Ray trace and cone trace as two passes, which also gives the hits.
+    /// Ray trace and cone trace as two passes where a method has both; where it has hits, it gives them.
     pub split: bool,
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    pub march: March,
+    /// How `poster` pre-filters the G-buffer.
+    pub poster_filter: PosterFilter,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
     /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
@@ -36,6 +49,37 @@ pub struct Setup {
     pub divisor: u32,
     /// Whether a method may make the composite along the way; [`Effect`] decides.
     pub composite: bool,
+    /// What is seen behind a screen-space method's reflection where that fades out.
+    pub fallback: Fallback,
+}
+
+/// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fallback {
+    /// Nothing: black.
+    #[default]
+    None,
+    /// The method `environment`.
+    Environment,
+    /// The method `pccm`.
+    Pccm,
+}
+
+impl Fallback {
+    /// The method that is behind.
+    pub fn method(self) -> Option<&'static MethodInfo> {
+        match self {
+            Self::None => None,
+            Self::Environment => Some(&environment::INFO),
+            Self::Pccm => Some(&pccm::INFO),
+        }
+    }
+
+    /// Whether there is none.
+    pub fn is_none(&self) -> bool {
+        *self == Self::None
+    }
 }
 
 impl Setup {
@@ -47,9 +91,12 @@ impl Setup {
             tuning: Tuning::default(),
             split: false,
             chain_filter: ChainFilter::default(),
+            march: March::default(),
+            poster_filter: PosterFilter::default(),
             fade: true,
             divisor: 1,
             composite: true,
+            fallback: Fallback::None,
         }
     }
 
@@ -82,7 +129,7 @@ pub struct SceneInput<'a> {
 /// An image that a method made along the way, for whoever looks inside.
 #[derive(Clone, Copy)]
 pub struct Intermediate<'a> {
-    /// File stem; a level's number follows it where there is more than one.
+    /// File stem; the number of a level, or of a volume's slice, follows it where there is more than one.
     pub name: &'static str,
     /// What its numbers are.
     pub content: Content,
@@ -154,8 +201,36 @@ impl MethodInfo {
     }
 }
 
+/// Settings for the study of run time against error of a method without parameters of its own: as
+/// published, and at half resolution.
+pub fn full_and_half(base: Setup) -> Vec<Setup> {
+    let published = Setup { preset: Preset::Published, ..base };
+    vec![published, Setup { divisor: 2, ..published }]
+}
+
 /// Every method.
-pub const METHODS: &[MethodInfo] = &[ssct::INFO, hzct::INFO];
+pub const METHODS: &[MethodInfo] = &[
+    ssct::INFO,
+    hzct::INFO,
+    sslr::INFO,
+    linear::INFO,
+    poster::INFO,
+    ssr::INFO,
+    ssr_fast::INFO,
+    pccm::INFO,
+    environment::INFO,
+];
+
+/// The methods of some names; without names, every method that can be set up so.
+pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
+    if names.is_empty() {
+        return Ok(METHODS
+            .iter()
+            .filter(|m| (setup.fallback.is_none() && setup.divisor == 1) || m.is_screen_space())
+            .collect());
+    }
+    names.iter().map(|name| find(name)).collect()
+}
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {

@@ -21,7 +21,7 @@ pub enum Preset {
 pub const UNBOUNDED: i32 = 1024;
 
 /// Numbers that replace a preset's, for studies of run time against error; `None` keeps them.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 pub struct Tuning {
     /// Bound of the Hi-Z traversal's iterations, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -32,6 +32,15 @@ pub struct Tuning {
     /// Circles of the cone, ≥ 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cone_samples: Option<u32>,
+    /// First step of the linear march and of the poster's, in screen space (1 is the screen's side), > 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub march_stride: Option<f32>,
+    /// Pixels that Schmidt's marches take at once, ≥ 1; none: 1, as listing 4 prints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixel_step: Option<u32>,
+    /// Whether `ssr-fast` blurs by the viewer's distance (Schmidt's listing 5, `toggleBlur`).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub distance_blur: bool,
 }
 
 /// Settings of the thesis's methods for the study of run time against error: both presets, around
@@ -85,6 +94,9 @@ pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: 
         view_direction_epsilon: 1e-5,
         cross_offset: 0.5,
         linear_march_stride: 0.001,
+        uniform_march_count: 200,
+        uniform_stride_min: 0.001,
+        uniform_stride_max: 0.1,
         fade_towards_camera: if variant.fallback { 0.0 } else { 10.0 },
         // Printed, and the same in the author's program.
         linear_march_count: 100,
@@ -104,6 +116,7 @@ pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: 
             depth_delta_epsilon: 0.01, // the same
             binary_search_first: 1.0,  // the same: dir * stride
             cone_lengthened: 0,        // Alg. 5, line 2
+            uniform_march_back: 0.0,   // §4.3.1: no refinement; first listing of §4.2.2
             ..shared
         },
         Preset::Author => ThesisBlock {
@@ -114,6 +127,7 @@ pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: 
             // A quarter of the last step; the listing's stride has grown since that step.
             binary_search_first: 0.25 / 1.5,
             cone_lengthened: 1,
+            uniform_march_back: 0.5,
             ..shared
         },
     };
@@ -121,6 +135,7 @@ pub fn parameters(variant: &Variant, camera: &Camera, extent: [u32; 2], levels: 
         iterations: tuning.iterations.map_or(block.iterations, |n| n as i32),
         start_level: tuning.start_level.map_or(block.start_level, |l| l.min(levels - 1) as i32),
         cone_samples: tuning.cone_samples.map_or(block.cone_samples, |n| n as i32),
+        linear_march_stride: tuning.march_stride.unwrap_or(block.linear_march_stride),
         ..block
     }
 }

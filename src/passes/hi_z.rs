@@ -19,6 +19,19 @@ pub struct HiZPass {
 impl HiZPass {
     /// A full chain over a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::with_levels(gpu, extent, image::full_chain(extent))
+    }
+
+    /// Level 0 alone: the depth buffer of the linear marches, which filter it.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Usage`] on a device that can't filter its format.
+    pub fn depth_alone(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        gpu.require_linear_filter(FORMAT)?;
+        Self::with_levels(gpu, extent, 1)
+    }
+
+    fn with_levels(gpu: &Gpu, extent: [u32; 2], levels: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
             depth: GraphicsPipeline::fullscreen(gpu, &THESIS_DEPTH_FRAG, &[FORMAT])?,
@@ -29,7 +42,7 @@ impl HiZPass {
                     name: "hi-z",
                     format: FORMAT,
                     extent,
-                    levels: image::full_chain(extent),
+                    levels,
                     layers: 1,
                     usage: U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC,
                 },

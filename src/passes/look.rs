@@ -140,7 +140,7 @@ fn shade(content: Content) -> i32 {
         Content::Normal => 1,
         Content::ReversedDepth => 2,
         Content::StandardDepth => 3,
-        Content::Share | Content::Material | Content::Hits => 4,
+        Content::Share | Content::Material | Content::Hits | Content::LinearDepth => 4,
         Content::Steps => 5,
     }
 }

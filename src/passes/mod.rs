@@ -5,13 +5,24 @@
 
 pub mod color_chain;
 pub mod composite;
+pub mod cone_march;
+pub mod cube_filter;
+pub mod environment;
+pub mod fallback;
+pub mod filtered_gbuffer;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
 #[cfg(feature = "window")]
 pub mod look;
+pub mod linear_trace;
+pub mod mask_chain;
+pub mod pccm;
 pub mod resolution;
 pub mod scene_data;
+pub mod schmidt_trace;
+pub mod sslr_reflection;
+pub mod sslr_trace;
 pub mod thesis_trace;
 pub mod visibility;
 
@@ -52,9 +63,46 @@ pub struct ColorChain<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Hits<'a>(pub &'a Image);
 
+/// Radiance by direction in world axes, a roughness a level (`cube_filter::level_roughness`): six faces
+/// in Vulkan's order. RGBA16F.
+#[derive(Clone, Copy)]
+pub struct CubeMap<'a>(pub &'a Image);
+
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
+
+/// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
+#[derive(Clone, Copy)]
+pub struct RayTraceColor<'a> {
+    /// Colour, 0 for a miss, and the ray's length in screen space, clamped to 1, in a. RGBA8, of which
+    /// the colour is sRGB-encoded.
+    pub color: &'a Image,
+    /// 1 where a ray hit, else 0. R8.
+    pub mask: &'a Image,
+}
+
+/// The poster's G-buffer, pre-filtered: mip chains, or volumes whose slices stand for the levels.
+#[derive(Clone, Copy)]
+pub struct FilteredGBuffer<'a> {
+    /// View-space z in metres; the far plane's where nothing stands. R32F.
+    pub depth: &'a Image,
+    /// View-space normal, averaged without normalising. RGBA16F.
+    pub normal: &'a Image,
+    /// Lit colour, linear. RGBA16F.
+    pub color: &'a Image,
+}
+
+/// How the G-buffer is pre-filtered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PosterFilter {
+    /// Hardware mip-mapping (the poster's figure 2a).
+    #[default]
+    Mip,
+    /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
+    Volume,
+}
 
 /// What an image's numbers are, for whoever draws it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +115,8 @@ pub enum Content {
     ReversedDepth,
     /// Standard depth, minimum and maximum.
     StandardDepth,
+    /// View-space z in metres.
+    LinearDepth,
     /// Shares 0…1.
     Share,
     /// Reflectivity and roughness.
@@ -77,18 +127,18 @@ pub enum Content {
     Steps,
 }
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/thesis/ray_trace.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
     None = 0,
     /// Hit by Hi-Z traversal.
     HiZ = 1,
-    /// Hit by the linear fallback.
+    /// Hit by a linear march: the fallback's, or the method's own.
     Linear = 2,
     /// Hi-Z traversal left the screen.
     Miss = 3,
-    /// The linear fallback found nothing.
+    /// A linear march found nothing.
     LinearMiss = 4,
     /// Out of iterations; the thesis takes it for a hit.
     Exhausted = 5,
@@ -121,7 +171,7 @@ impl PathCode {
         self == Self::Exhausted
     }
 
-    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or the linear fallback.
+    /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted => Some(true),

@@ -3,8 +3,9 @@
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
-use crate::scene::{Aabb, Encoding, Light, Scene, Texture, Vertex, sky};
+use crate::scene::{Aabb, Encoding, Light, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
+use glam::Vec3;
 
 /// Side of a face of the sky's cube map, in texels.
 const SKY_SIZE: u32 = 256;
@@ -18,6 +19,7 @@ pub struct SceneData {
     /// The environment as a cube map in world axes.
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
+    probes: Vec<Probe>,
 }
 
 /// A mesh in device memory.
@@ -63,8 +65,30 @@ impl SceneData {
             white: texture(context, &white)?,
             sky: environment(context)?,
             lights: scene.lights.clone(),
+            probes: probes(scene),
         })
     }
+
+    /// The sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
+    pub fn sky(&self) -> &Image {
+        &self.sky
+    }
+
+    /// Where cube maps are captured; never empty.
+    pub fn probes(&self) -> &[Probe] {
+        &self.probes
+    }
+}
+
+/// The scene's probes, or one in its middle.
+fn probes(scene: &Scene) -> Vec<Probe> {
+    if !scene.probes.is_empty() {
+        return scene.probes.clone();
+    }
+    let bounds = scene.bounds();
+    // Without meshes there are no bounds, and any box will do.
+    let is_bounded = bounds.min.is_finite() && bounds.max.is_finite();
+    vec![Probe::in_the_middle_of(if is_bounded { bounds } else { Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE } })]
 }
 
 fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {
@@ -115,7 +139,7 @@ fn environment(context: &mut FrameContext) -> Result<Image> {
             extent: [SKY_SIZE, SKY_SIZE],
             levels: 1,
             layers: 6,
-            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+            usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
         },
     )?;
     let texels: Vec<u16> =

@@ -1,11 +1,14 @@
-//! The thesis's figures 4.4 (visibility chain) and 4.5 (Hi-Z and linear rays) from intermediates.
+//! Figures of the thesis from intermediates: 4.4 (visibility chain), 4.5 (Hi-Z and linear rays), 4.9 and
+//! 4.10 (the chains of SSLR); and the poster's figure 2, which is the image under three set-ups.
 
 use super::images::{Rgb, display, paths, picture};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
-use crate::passes::Content;
+use crate::methods::Setup;
+use crate::passes::{Content, PosterFilter};
 use crate::scene::Lens;
 use crate::study::Intermediates;
+use std::ops::Range;
 
 /// A figure of the thesis that `ssct render --figure` makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
@@ -16,7 +19,46 @@ pub enum Figure {
     /// Which rays Hi-Z traces (green) and which the linear march (red), over the lit scene.
     #[value(name = "4.5")]
     RaySplit,
+    /// The first five mip levels of SSLR's ray trace colour.
+    #[value(name = "4.9")]
+    RayTraceColorChain,
+    /// The first five mip levels of SSLR's mask.
+    #[value(name = "4.10")]
+    MaskChain,
+    /// The poster's figure 2a: mip-mapping, which may cause artifacts; without fading.
+    #[value(name = "poster-2a")]
+    PosterMip,
+    /// The poster's figure 2b: the same with the Gaussian filter.
+    #[value(name = "poster-2b")]
+    PosterGaussian,
+    /// The poster's figure 2c: with fading too.
+    #[value(name = "poster-2c")]
+    PosterFade,
 }
+
+impl Figure {
+    /// The method that it is of.
+    pub fn method(self) -> &'static str {
+        match self {
+            Self::VisibilityChain | Self::RaySplit => "ssct",
+            Self::RayTraceColorChain | Self::MaskChain => "sslr",
+            Self::PosterMip | Self::PosterGaussian | Self::PosterFade => "poster",
+        }
+    }
+
+    /// How the method is set up for it.
+    pub fn setup(self, setup: Setup) -> Setup {
+        match self {
+            Self::PosterMip => Setup { poster_filter: PosterFilter::Mip, fade: false, ..setup },
+            Self::PosterGaussian => Setup { poster_filter: PosterFilter::Volume, fade: false, ..setup },
+            Self::PosterFade => Setup { poster_filter: PosterFilter::Volume, fade: true, ..setup },
+            _ => setup,
+        }
+    }
+}
+
+/// Levels of the figures 4.9 and 4.10.
+const SSLR_LEVELS: usize = 5;
 
 /// Draws a figure.
 ///
@@ -24,8 +66,13 @@ pub enum Figure {
 /// [`Error::Usage`] if the method has not what the figure shows.
 pub fn draw(figure: Figure, all: &Intermediates, lens: &Lens) -> Result<Rgb> {
     match figure {
-        Figure::VisibilityChain => visibility_chain(all, lens),
+        Figure::VisibilityChain => chain(all, "visibility", 1..usize::MAX, lens),
         Figure::RaySplit => ray_split(all),
+        Figure::RayTraceColorChain => chain(all, "ray-trace-color", 0..SSLR_LEVELS, lens),
+        Figure::MaskChain => chain(all, "mask", 0..SSLR_LEVELS, lens),
+        Figure::PosterMip | Figure::PosterGaussian | Figure::PosterFade => {
+            Ok(display(find(all, Content::Color, "composite")?))
+        }
     }
 }
 
@@ -36,15 +83,18 @@ fn find<'a>(all: &'a Intermediates, kind: Content, stem: &str) -> Result<&'a Pix
         .ok_or_else(|| Error::Usage(format!("this method has no {stem} to make the figure of")))
 }
 
-/// Level 1 at the left, the smaller ones stacked at its right, as the thesis sets them.
-fn visibility_chain(all: &Intermediates, lens: &Lens) -> Result<Rgb> {
+/// Some levels of a chain: the first at the left, the smaller ones stacked at its right, as the thesis
+/// sets them.
+fn chain(all: &Intermediates, name: &str, wanted: Range<usize>, lens: &Lens) -> Result<Rgb> {
+    let level = |stem: &str| stem.strip_prefix(name)?.strip_prefix('-')?.parse().ok();
     let levels: Vec<Rgb> = all
         .iter()
-        .filter(|(stem, kind, _)| *kind == Content::Share && stem != "visibility-0")
+        .filter(|(stem, ..)| level(stem).is_some_and(|l: usize| wanted.contains(&l)))
         .map(|(_, kind, pixels)| picture(*kind, pixels, lens))
         .collect();
     let Some(first) = levels.first() else {
-        return Err(Error::Usage("figure 4.4 needs a method with a visibility chain, and more than one level".into()));
+        let least = wanted.start + 1;
+        return Err(Error::Usage(format!("the figure needs a method with a chain {name} of more than {least} levels")));
     };
     let gap = 4;
     let column = levels.get(1).map_or(0, |l| l.width + gap);

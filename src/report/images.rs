@@ -157,6 +157,7 @@ pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> R
             Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
             Content::ReversedDepth => &["depth"],
             Content::StandardDepth => &["min", "max"],
+            Content::LinearDepth => &["z"],
             Content::Share => &["share"],
             Content::Material => &["reflectivity", "roughness"],
             Content::Hits => &["u", "v", "depth", "path"],
@@ -182,6 +183,7 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         Content::StandardDepth => {
             Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0])
         }
+        Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
         Content::Steps => {
             let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
@@ -211,13 +213,17 @@ pub fn paths(hits: &Pixels) -> Rgb {
     })
 }
 
-/// Brightness of a reversed depth: near is bright. The logarithm spreads what depth compresses; a
-/// hundred times the near distance is mid-grey.
+/// Brightness of a reversed depth; the sky is black.
 fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
     if reversed <= 0.0 {
         return 0;
     }
-    let z = lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m));
+    distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
+}
+
+/// Brightness of a view-space z: near is bright. The logarithm spreads what depth compresses; a hundred
+/// times the near distance is mid-grey.
+fn distance_shade(z: f32, lens: &Lens) -> u8 {
     let share = (z / lens.near_m).ln() / (1e4_f32).ln();
     (linear_to_srgb((1.0 - share).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }

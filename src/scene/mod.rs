@@ -11,6 +11,7 @@ pub mod library;
 pub mod obj;
 pub mod path;
 pub mod pattern;
+pub mod proxies;
 pub mod scene_file;
 pub mod sky;
 pub mod texture;
@@ -21,6 +22,7 @@ use glam::Vec3;
 pub use camera::{Camera, Lens, View};
 pub use gbuffer::GBufferData;
 pub use path::CameraPath;
+pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
 /// A scene, ready to be uploaded or ray traced.
@@ -36,6 +38,12 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Direct lights.
     pub lights: Vec<Light>,
+    /// Where cube maps are captured, with their proxy boxes; never empty in a loaded scene.
+    pub probes: Vec<Probe>,
+    /// Rectangles that stand in reflections for things of the scene.
+    pub impostors: Vec<Impostor>,
+    /// Lights with an extent, which only the method `area-light` sees.
+    pub area_lights: Vec<AreaLight>,
     /// The lens of every view that does not say otherwise.
     pub lens: Lens,
     /// Named views; never empty. The first is the default.
@@ -178,6 +186,21 @@ pub enum Light {
     },
 }
 
+impl Light {
+    /// What the light adds to the shading of a point with a unit normal, ≥ 0; the sum over the lights
+    /// is cut off at 1 (DEFINITIONS, "Surfaces").
+    pub fn shading(&self, position: Vec3, normal: Vec3) -> f32 {
+        match *self {
+            Self::Point { position: light, energy } => {
+                let to_light = light - position;
+                let d = to_light.length();
+                normal.dot(to_light.normalize_or_zero()).max(0.0) / (1.0 + d / energy + d * d / energy)
+            }
+            Self::Directional { direction, energy } => normal.dot(-direction).max(0.0) * energy,
+        }
+    }
+}
+
 /// An axis-aligned box. The default is empty (min > max).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Aabb {
@@ -214,7 +237,7 @@ impl Scene {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin, views and lights too.
+    /// Scales all coordinates about the origin: those of views, lights, probes and impostors too.
     pub fn scale(&mut self, factor: f32) {
         for mesh in &mut self.meshes {
             for v in &mut mesh.vertices {
@@ -232,6 +255,9 @@ impl Scene {
                 *position *= factor;
             }
         }
+        self.probes.iter_mut().for_each(|p| p.scale(factor));
+        self.impostors.iter_mut().for_each(|i| i.scale(factor));
+        self.area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
     }
 
     /// Moves everything that has a place.
@@ -251,6 +277,9 @@ impl Scene {
                 *position += offset;
             }
         }
+        self.probes.iter_mut().for_each(|p| p.translate(offset));
+        self.impostors.iter_mut().for_each(|i| i.centre += offset);
+        self.area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
     }
 
     /// Number of triangles.

@@ -14,7 +14,7 @@ mod tangents;
 mod text;
 mod viewpoint;
 
-use super::{Light, Scene, Surface};
+use super::{Light, Probe, Scene, Surface};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 /// - A mesh is a group's triangles of one material; large ones are split in space.
 /// - Materials by MTL: `Kd`, `Ks`, `Pr` or else `Ns`, their maps, `map_d` and `bump`, by the table that
 ///   opens `obj/mtl.rs`. Equal names in two files stay two materials; unused materials are dropped.
-/// - One view, `default`, that frames the bounds, and one directional light.
+/// - One view, `default`, that frames the bounds, one directional light, and one probe in the middle.
 ///
 /// # Errors
 /// [`Error::Io`] for a file that cannot be read; [`Error::Malformed`] with file and line for wrong
@@ -88,10 +88,11 @@ pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_unlit(files, options)?;
     scene.views = vec![viewpoint::default_view(&scene)];
     scene.lights = vec![default_light()];
+    scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     Ok(scene)
 }
 
-/// As [`load`], without view and light.
+/// As [`load`], without view, light and probe.
 pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));

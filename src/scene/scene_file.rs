@@ -1,9 +1,11 @@
 //! `NAME.scene.toml`: which OBJ files make a scene, and what they do not say themselves: what
 //! reflects, lights, lenses and named views (DEFINITIONS, "Scene files").
 
+mod proxies;
+
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
-use super::{Lens, Light, Material, MaterialChange, Scene, Surface, View};
+use super::{Lens, Light, Material, MaterialChange, Probe, Scene, Surface, View};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use serde::Deserialize;
@@ -20,11 +22,13 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Loads a scene file with the OBJ files that it names (relative to it).
 ///
 /// `extra_scale` (1 for none, finite and > 0) enlarges the scene as a whole: it multiplies the file's
-/// `scale`, and the positions of views and point lights, which are in metres, go along with it; lenses
-/// and energies stay.
+/// `scale`, and what the file places in metres (views, point lights, probes, impostors, area lights)
+/// goes along with it; lenses and energies stay.
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, those of a bare OBJ
-/// stand in. A `[path.NAME]` with `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what the MTL file says; `[material.default]` speaks for all
+/// stand in, and without a `[[probe]]` one in the middle of the bounds. A `[path.NAME]` with
+/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what
+/// the MTL file says; `[material.default]` speaks for all
 /// materials without a section of their own. A section for a material that no mesh has is a warning.
 ///
 /// # Errors
@@ -48,6 +52,9 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     let paths = paths.collect::<Result<Vec<_>>>()?;
     let changes = source.changes(sections.material)?;
     let files = source.meshes(sections.mesh)?;
+    let mut probes = sections.probe.iter().map(|p| source.probe(p)).collect::<Result<Vec<_>>>()?;
+    let mut area_lights = sections.area_light.iter().map(|l| source.area_light(l)).collect::<Result<Vec<_>>>()?;
+    let images = sections.impostor.iter().map(|i| source.impostor(i)).collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
     let mut scene = obj::load_unlit(&files, &ObjOptions { handedness: sections.handedness, scale })?;
@@ -58,6 +65,19 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     scene.lights = if lights.is_empty() { vec![obj::default_light()] } else { lights };
     scene.views = if views.is_empty() { vec![obj::default_view(&scene)] } else { views };
     scene.paths = paths;
+    if probes.is_empty() {
+        scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
+    }
+    probes.iter_mut().for_each(|p| p.scale(extra_scale));
+    area_lights.iter_mut().for_each(|l| l.shape.scale(extra_scale));
+    scene.probes.append(&mut probes);
+    scene.area_lights = area_lights;
+    for (mut impostor, texture) in images {
+        impostor.scale(extra_scale);
+        impostor.texture = scene.textures.len();
+        scene.textures.push(texture);
+        scene.impostors.push(impostor);
+    }
     apply_changes(path, &changes, &mut scene);
     Ok(scene)
 }
@@ -81,6 +101,12 @@ struct Sections {
     view: BTreeMap<String, Spanned<ViewSection>>,
     #[serde(default)]
     path: BTreeMap<String, PathSection>,
+    #[serde(default)]
+    probe: Vec<proxies::ProbeSection>,
+    #[serde(default)]
+    impostor: Vec<proxies::ImpostorSection>,
+    #[serde(default)]
+    area_light: Vec<Spanned<proxies::AreaLightSection>>,
 }
 
 #[derive(Deserialize)]

@@ -10,14 +10,15 @@ use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::display_byte;
 use crate::methods::ssct::ThesisMethod;
-use crate::methods::{MethodInfo, Setup, Tuning};
+use crate::methods::{Fallback, MethodInfo, Setup, Tuning};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
-use crate::passes::Hits;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::linear_trace::March;
+use crate::passes::{Hits, PosterFilter};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
@@ -38,11 +39,28 @@ pub struct Variant {
     pub setup: Setup,
 }
 
+impl Variant {
+    /// What an escaped ray brings in the world that the variant is held against: the environment where
+    /// a fallback shows it, or the method itself, which sees more than the screen.
+    pub fn escape(&self) -> Escape {
+        if self.setup.fallback.is_none() && self.method.is_screen_space() { Escape::Black } else { Escape::Environment }
+    }
+}
+
 /// The parameters of a variant, as records show them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Params {
     /// How the colour chain is filtered.
     pub chain_filter: ChainFilter,
+    /// Which listing `linear` marches by.
+    #[serde(default)]
+    pub march: March,
+    /// How `poster` pre-filters the G-buffer.
+    #[serde(default)]
+    pub poster_filter: PosterFilter,
+    /// What is behind the method, if anything is.
+    #[serde(default, skip_serializing_if = "Fallback::is_none")]
+    pub fallback: Fallback,
     /// What replaces the preset's numbers.
     #[serde(flatten)]
     pub tuning: Tuning,
@@ -54,9 +72,11 @@ pub struct Params {
 pub enum Against {
     /// Hits against oracle 1; mirrors only.
     Oracle,
-    /// The image against the screen reference.
+    /// The image against the screen reference, in which a miss is black; not for what shows the
+    /// environment there.
     Screen,
-    /// Hits (mirrors only) and the image against the triangles.
+    /// Hits (mirrors only) and the image against the triangles; what escapes is black, or the
+    /// environment for what shows it ([`Variant::escape`]).
     World,
 }
 
@@ -91,7 +111,8 @@ pub struct Strip {
     pub name: String,
     /// The image, three channels a pixel.
     pub color: Vec<[f32; 3]>,
-    /// Its errors against the screen reference, for methods.
+    /// Its errors, for methods: against the screen reference, or the world's for what shows the
+    /// environment.
     pub error: Option<ErrorMaps>,
 }
 
@@ -147,7 +168,20 @@ struct Truth {
     /// Where the screen shows the ends of the mirror rays in the world.
     world_hits: Vec<Option<[f64; 2]>>,
     screen: Reference,
+    /// With nothing where a ray escapes.
     world: Reference,
+    /// With the environment there, if a variant shows it.
+    world_and_environment: Option<Reference>,
+}
+
+impl Truth {
+    /// The world that a variant is held against.
+    fn world(&self, escape: Escape) -> &Reference {
+        match (escape, &self.world_and_environment) {
+            (Escape::Environment, Some(reference)) => reference,
+            _ => &self.world,
+        }
+    }
 }
 
 /// A reference image.
@@ -169,29 +203,38 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     let times = totals(spec, stage, &shots)?;
     let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
-    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials);
+    let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
+    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment);
 
     cell.strips.push(Strip { name: SCREEN_REFERENCE.into(), color: truth.screen.color.clone(), error: None });
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
+    if let Some(world) = &truth.world_and_environment {
+        cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
+    }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
         let color = colors(&stage.context.read(output.traced.reflection.0.all())?);
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
-        let split = shot(stage, &Setup { split: true, ..variant.setup }, variant.method)?;
-        let (_, _, output) = stage.output(&split)?;
-        let hits =
-            output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?.map(|p| gbuffer::hit_positions(&p));
+        let mut hits = None;
+        if variant.method.is_screen_space() {
+            let setup = Setup { split: true, fallback: Fallback::None, ..variant.setup };
+            let split = shot(stage, &setup, variant.method)?;
+            let (_, _, output) = stage.output(&split)?;
+            let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
+            hits = image.map(|p| gbuffer::hit_positions(&p));
+        }
         let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
-        cell.records.extend(head.against_all(&truth, &color, hits.as_deref()));
-        cell.strips.push(method_strip(variant.method.name, &color, &truth, spec.extent));
+        cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_deref()));
+        cell.strips.push(method_strip(variant.method.name, &color, &truth, variant.escape(), spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
-        let color = exact_hits_with_cone(spec, &truth, &variant.setup)?;
-        let head = Record::new(spec, EXACT_HITS, &variant.setup, None);
-        cell.records.extend(head.against_all(&truth, &color, None));
-        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, spec.extent));
-        let head = Record::new(spec, SCREEN_REFERENCE, &variant.setup, None);
+        let setup = Setup { fallback: Fallback::None, ..variant.setup };
+        let color = exact_hits_with_cone(spec, &truth, &setup)?;
+        let head = Record::new(spec, EXACT_HITS, &setup, None);
+        cell.records.extend(head.against_all(&truth, Escape::Black, &color, None));
+        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, Escape::Black, spec.extent));
+        let head = Record::new(spec, SCREEN_REFERENCE, &setup, None);
         cell.records.push(head.image(Against::World, &truth, &truth.world, &truth.screen.color));
     }
     Ok(cell)
@@ -203,6 +246,8 @@ pub const EXACT_HITS: &str = "exact-hits+cone";
 pub const SCREEN_REFERENCE: &str = "screen-reference";
 /// Name of the world reference's picture.
 pub const WORLD_REFERENCE: &str = "world-reference";
+/// Name of its picture with the environment where rays escape.
+pub const WORLD_AND_ENVIRONMENT: &str = "world-reference-environment";
 
 /// The fields that a variant's records share.
 struct Record(ErrorRecord);
@@ -213,7 +258,13 @@ impl Record {
         let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
         Self(ErrorRecord {
             head,
-            params: Params { chain_filter: setup.chain_filter, tuning: setup.tuning },
+            params: Params {
+                chain_filter: setup.chain_filter,
+                march: setup.march,
+                poster_filter: setup.poster_filter,
+                fallback: setup.fallback,
+                tuning: setup.tuning,
+            },
             time_ms,
             against: Against::Screen,
             hits: HitAgreement::default(),
@@ -236,7 +287,13 @@ impl Record {
         }
     }
 
-    fn against_all(&self, truth: &Truth, color: &[[f32; 3]], hits: Option<&[Option<[f64; 2]>]>) -> Vec<ErrorRecord> {
+    fn against_all(
+        &self,
+        truth: &Truth,
+        escape: Escape,
+        color: &[[f32; 3]],
+        hits: Option<&[Option<[f64; 2]>]>,
+    ) -> Vec<ErrorRecord> {
         let hits = hits.filter(|_| truth.mirrors);
         let mut records = Vec::new();
         if let Some(hits) = hits {
@@ -244,8 +301,10 @@ impl Record {
             let hits = HitAgreement::new(&truth.mask, hits, &oracle);
             records.push(ErrorRecord { against: Against::Oracle, hits, ..self.0.clone() });
         }
-        records.push(self.image(Against::Screen, truth, &truth.screen, color));
-        let mut world = self.image(Against::World, truth, &truth.world, color);
+        if escape == Escape::Black {
+            records.push(self.image(Against::Screen, truth, &truth.screen, color));
+        }
+        let mut world = self.image(Against::World, truth, truth.world(escape), color);
         if let Some(hits) = hits {
             let w = world::agreement(&truth.mask, &truth.world_hits, hits);
             let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
@@ -262,10 +321,11 @@ impl Record {
     }
 }
 
-fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, [width, height]: [u32; 2]) -> Strip {
+fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, escape: Escape, [width, height]: [u32; 2]) -> Strip {
+    let reference = if escape == Escape::Black { &truth.screen } else { truth.world(escape) };
     let error = ErrorMaps {
-        rmse: error_map(&truth.screen.color, color, &truth.mask),
-        flip: FlipMap::new(&truth.screen.display, &display(color), width, height),
+        rmse: error_map(&reference.color, color, &truth.mask),
+        flip: FlipMap::new(&reference.display, &display(color), width, height),
     };
     Strip { name: name.to_owned(), color: color.to_vec(), error: Some(error) }
 }
@@ -305,7 +365,7 @@ fn totals(spec: &ErrorSpec, stage: &mut Stage, shots: &[Shot]) -> Result<Vec<Sta
     Ok(samples.iter().map(|s| Stats::of(s)).collect())
 }
 
-fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material]) -> Truth {
+fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material], with_environment: bool) -> Truth {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
     let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
     let hierarchy = Hierarchy::new(&data);
@@ -315,10 +375,12 @@ fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material]) -> Truth {
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
-    let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape: Escape::Black, seed: 2 };
-    let mut state = reference.start();
-    reference.add(&mut state, spec.rays);
-    let world_image = reference.image(&state);
+    let world = |escape| {
+        let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape, seed: 2 };
+        let mut state = reference.start();
+        reference.add(&mut state, spec.rays);
+        Reference::new(&reference.image(&state).reflection, state.overall_standard_error())
+    };
     let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
     let world_hits =
         if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
@@ -327,7 +389,8 @@ fn truth(spec: &ErrorSpec, data: GBufferData, materials: &[Material]) -> Truth {
         oracle,
         world_hits,
         screen: Reference::new(&screen.color, screen.overall_standard_error),
-        world: Reference::new(&world_image.reflection, state.overall_standard_error()),
+        world: world(Escape::Black),
+        world_and_environment: with_environment.then(|| world(Escape::Environment)),
         data,
         mask,
     }

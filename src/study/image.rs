@@ -52,9 +52,10 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
     if dump {
         let mut read = Vec::new();
         for Intermediate { name, content, image } in images(shot, &output) {
-            for level in 0..image.levels() {
-                let stem = if image.levels() > 1 { format!("{name}-{level}") } else { name.to_owned() };
-                read.push((stem, content, stage.context.read(image.level(level))?));
+            let parts = image.parts();
+            for (n, part) in parts.iter().enumerate() {
+                let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.to_owned() };
+                read.push((stem, content, stage.context.read(*part)?));
             }
         }
         intermediates = Some(read);

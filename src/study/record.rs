@@ -4,7 +4,7 @@
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu};
-use crate::methods::{Preset, Setup};
+use crate::methods::{Fallback, Preset, Setup};
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Scene, View};
 use serde::{Deserialize, Serialize};
@@ -150,6 +150,9 @@ pub struct TimeRecord {
     pub head: Head,
     /// Whether ray trace and cone trace were two passes.
     pub split: bool,
+    /// What is behind the method, if anything is.
+    #[serde(skip_serializing_if = "Fallback::is_none")]
+    pub fallback: Fallback,
     /// Every pass of the frame, in order.
     pub passes: Vec<PassRecord>,
     /// Sum of the counted passes, sample by sample.

@@ -4,7 +4,9 @@ use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
+use crate::passes::PosterFilter;
 use crate::passes::color_chain::ChainFilter;
+use crate::passes::linear_trace::March;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -18,23 +20,46 @@ pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
     methods.iter().flat_map(of).collect()
 }
 
+/// A record's method with what is behind it.
+fn method_name(record: &ErrorRecord) -> String {
+    let method = &record.head.method;
+    match record.params.fallback.method() {
+        Some(behind) => format!("{method} + {}", behind.name),
+        None => method.clone(),
+    }
+}
+
 /// What a record's variant is called: method, preset, and the parameters that differ from it.
 pub fn name(record: &ErrorRecord) -> String {
-    let mut name = record.head.method.clone();
+    let mut name = method_name(record);
     if record.head.preset == Preset::Author {
         name += " author";
     }
     if record.params.chain_filter == ChainFilter::Gaussian {
         name += " gaussian";
     }
+    if record.params.march == March::Fixed {
+        name += " fixed";
+    }
+    if record.params.poster_filter == PosterFilter::Volume {
+        name += " volume";
+    }
     if record.head.resolution_scale != 1.0 {
         name += &format!(" scale {}", record.head.resolution_scale);
     }
     let t = record.params.tuning;
-    for (label, value) in [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples)] {
+    for (label, value) in
+        [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples), ("step", t.pixel_step)]
+    {
         if let Some(value) = value {
             name += &format!(" {label} {value}");
         }
+    }
+    if let Some(stride) = t.march_stride {
+        name += &format!(" stride {stride}");
+    }
+    if t.distance_blur {
+        name += " blur";
     }
     name
 }
@@ -106,8 +131,11 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let base = |r: &&ErrorRecord| {
         let t = r.params;
+        let plain = t.chain_filter == ChainFilter::default()
+            && t.march == March::default()
+            && t.poster_filter == PosterFilter::default();
         let published = r.head.preset == Preset::Published && r.head.resolution_scale == 1.0;
-        published && t.tuning == Tuning::default() && t.chain_filter == ChainFilter::Hardware
+        published && t.tuning == Tuning::default() && plain
     };
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
@@ -118,13 +146,14 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     for source in &mut found {
         let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
         for r in &here {
-            let known = source.rmse.iter().any(|(m, a, _)| *m == r.head.method && *a == r.against);
+            let name = method_name(r);
+            let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);
             if known || r.rmse.is_none() {
                 continue;
             }
-            let same = here.iter().filter(|o| o.head.method == r.head.method && o.against == r.against);
+            let same = here.iter().filter(|o| method_name(o) == name && o.against == r.against);
             let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
-            source.rmse.push((r.head.method.clone(), r.against, Stats::of(&values).median_ms));
+            source.rmse.push((name, r.against, Stats::of(&values).median_ms));
         }
     }
     found

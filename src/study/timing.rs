@@ -108,6 +108,7 @@ fn time_shots(
         records.push(TimeRecord {
             head,
             split: spec.setup.split,
+            fallback: spec.setup.fallback,
             passes,
             total: Stats::of(&reports.iter().map(sum).collect::<Vec<_>>()),
             frame: Stats::of(&reports.iter().map(|r| r.frame_ms).collect::<Vec<_>>()),

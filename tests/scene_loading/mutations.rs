@@ -13,7 +13,10 @@ const MTL: &str = "newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump
 
 const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurface = \"sky\"\n[material.m]\n\
     roughness = 0.5\n[camera]\nnear = 0.1\n[[light]]\nkind = \"point\"\nposition = [1.0, 2.0, 3.0]\nenergy = 1.0\n\
-    [view.a]\neye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nmaterials = { n = { reflectivity = 1.0 } }\n";
+    [view.a]\neye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nmaterials = { n = { reflectivity = 1.0 } }\n\
+    [[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\nmax = [1.0, 1.0, 1.0]\n[[impostor]]\nfile = \"x.png\"\n\
+    centre = [0, 0, 0]\nhalf_u = [1, 0, 0]\nhalf_v = [0, -1, 0]\n[[area_light]]\nkind = \"sphere\"\n\
+    radiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n";
 
 /// A place as a share of the text, what to do there, and a byte for it.
 type Mutation = (prop::sample::Index, u8, u8);

@@ -2,12 +2,13 @@
 
 use super::*;
 use ssct::error::Result;
-use ssct::scene::{Lens, Light, Surface, scene_file};
+use ssct::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
 
 fn folder(text: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
     folder.write("a.mtl", b"newmtl floor\nKs 0.5 0.5 0.5\nNs 100\nnewmtl wall\nKs 0.25 0.25 0.25\n");
     folder.write("test.scene.toml", text.as_bytes());
+    folder.image("sign.png", 4, 2, |x, y| [x as u8 * 60, y as u8 * 200, 9, if x == 0 { 0 } else { 255 }]);
     folder
 }
 
@@ -65,6 +66,45 @@ look_at = [0, 0, 1]
 
 [view.mole.materials.floor]
 reflectivity = 0.0
+
+[[probe]]
+name = "door"
+position = [1, 2, 3]
+min = [0, 0, 0]
+max = [2, 4, 5]
+
+[[impostor]]
+file = "sign.png"
+centre = [0, 2, 1]
+half_u = [1, 0, 0]
+half_v = [0, -0.5, 0]
+
+[[impostor]]
+name = "the same"
+file = "sign.png"
+centre = [0, 2, 2]
+half_u = [0, 0, 1]
+half_v = [0, -0.5, 0]
+
+[[area_light]]
+kind = "sphere"
+radiance = [1, 0.5, 0.25]
+centre = [1, 2, 3]
+radius = 0.5
+
+[[area_light]]
+kind = "capsule"
+radiance = [1, 1, 1]
+a = [0, 1, 0]
+b = [0, 2, 0]
+radius = 0.125
+
+[[area_light]]
+kind = "rectangle"
+radiance = [2, 2, 2]
+centre = [0, 3, 0]
+half_u = [1, 0, 0]
+half_v = [0, 0, 2]
 "#;
 
 #[test]
@@ -101,6 +141,42 @@ fn every_key_arrives() {
 }
 
 #[test]
+fn probes_impostors_and_area_lights_arrive() {
+    let scene = load(&folder(FULL), 1.0).unwrap();
+    let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(2.0, 4.0, 5.0) };
+    assert_eq!(scene.probes, [Probe { name: "door".into(), position: Vec3::new(1.0, 2.0, 3.0), bounds }]);
+    let [sign, same] = &scene.impostors[..] else { panic!("two impostors") };
+    let half_v = -0.5 * Vec3::Y;
+    let expected = Impostor {
+        name: "sign.png".into(),
+        centre: Vec3::new(0.0, 2.0, 1.0),
+        half_u: Vec3::X,
+        half_v,
+        texture: sign.texture,
+    };
+    assert_eq!((sign, same.name.as_str(), same.half_u), (&expected, "the same", Vec3::Z));
+    assert_eq!(sign.normal(), Vec3::NEG_Z, "an image that reads to the right and down faces the viewer");
+    let image = &scene.textures[sign.texture];
+    assert_eq!((image.width, image.height, image.encoding), (4, 2, Encoding::Srgb));
+    assert_eq!((image.rgba[3], image.rgba[7], &scene.textures[same.texture].rgba), (0, 255, &image.rgba));
+    let rectangle = AreaShape::Rectangle { centre: 3.0 * Vec3::Y, half_u: Vec3::X, half_v: 2.0 * Vec3::Z };
+    assert_eq!(
+        scene.area_lights,
+        [
+            AreaLight {
+                shape: AreaShape::Sphere { centre: Vec3::new(1.0, 2.0, 3.0), radius: 0.5 },
+                radiance: Vec3::new(1.0, 0.5, 0.25)
+            },
+            AreaLight {
+                shape: AreaShape::Capsule { a: Vec3::Y, b: 2.0 * Vec3::Y, radius: 0.125 },
+                radiance: Vec3::ONE
+            },
+            AreaLight { shape: rectangle, radiance: Vec3::splat(2.0) },
+        ]
+    );
+}
+
+#[test]
 fn views_change_materials_only_for_themselves() {
     let scene = load(&folder(FULL), 1.0).unwrap();
     let of = |name: &str| {
@@ -118,6 +194,13 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
     assert_eq!(scene.bounds().max, Vec3::new(6.0, 6.0, 0.0));
     assert_eq!((scene.views[0].eye, scene.views[0].look_at), (Vec3::NEG_Z * 3.0, Vec3::Z * 3.0));
     assert_eq!(scene.lights[0], Light::Point { position: Vec3::new(3.0, 6.0, 9.0), energy: 4.0 });
+    assert_eq!(
+        (scene.probes[0].position, scene.probes[0].bounds.max),
+        (Vec3::new(3., 6., 9.), Vec3::new(6., 12., 15.))
+    );
+    let AreaShape::Sphere { centre, radius } = scene.area_lights[0].shape else { panic!("a sphere") };
+    assert_eq!((centre, radius), (Vec3::new(3.0, 6.0, 9.0), 1.5));
+    assert_eq!((scene.impostors[1].centre, scene.impostors[1].half_u), (Vec3::new(0.0, 6.0, 6.0), 3.0 * Vec3::Z));
     assert_eq!(scene.lens.near_m, 0.5);
 }
 
@@ -126,6 +209,10 @@ fn little_suffices() {
     let scene = load(&folder("[[mesh]]\nfile = 'A.OBJ'\n"), 1.0).unwrap();
     assert_eq!((scene.name.as_str(), scene.views[0].name.as_str()), ("test", "default"));
     assert_eq!((scene.lights.len(), scene.lens.fov_y_radians), (1, Lens::default().fov_y_radians));
+    let middle = Probe { name: "middle".into(), position: Vec3::new(0.5, 0.5, 0.0), bounds: scene.bounds() };
+    assert_eq!((scene.probes, scene.impostors.len(), scene.area_lights.len()), (vec![middle], 0, 0));
+    let bare = folder("").load("a.obj", &LEFT).unwrap();
+    assert_eq!((bare.probes[0].position, bare.probes.len()), (Vec3::new(0.5, 0.5, 0.0), 1));
     assert!(normal(&scene.meshes[0].vertices[0]).z < 0.0, "right-handed unless it says otherwise");
     let reflectivities: Vec<_> = scene.materials.iter().map(|m| m.reflectivity).collect();
     assert!((reflectivities[0] - 0.5).abs() < 1e-6 && (reflectivities[1] - 0.25).abs() < 1e-6);
@@ -147,6 +234,9 @@ fn unknown_materials_are_warnings() {
 
 #[test]
 fn errors_name_the_line() {
+    let impostor = |file: &str, half_v: &str| {
+        format!("[[impostor]]\nfile = '{file}'\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\nhalf_v = {half_v}\n")
+    };
     let view = |rest: &str| format!("[view.v]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n{rest}\n");
     let cases = [
         ("[camera]\nfov_y_deg = 180\n".into(), "4: fov_y_deg must lie between 0 and 180, but is 180"),
@@ -180,6 +270,29 @@ fn errors_name_the_line() {
             "5: energy must be a number > 0, not 0",
         ),
         ("[[mesh]]\nfile = 'gone.obj'\n".into(), "4: there is no file \"gone.obj\" here"),
+        (
+            "[[probe]]\nname = 'a'\nposition = [0, 0, 0]\nmin = [0, 0, 0]\nmax = [1, 0, 1]\n".into(),
+            "7: max must be greater than min along every axis",
+        ),
+        (
+            "[[probe]]\nname = 'a'\nposition = [0, 2, 0]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n".into(),
+            "5: position must lie between min and max",
+        ),
+        (impostor("gone.png", "[0, 1, 0]"), "4: there is no file \"gone.png\" here"),
+        (impostor("sign.png", "[0, 0, 0]"), "7: half_v must not be zero"),
+        (impostor("sign.png", "[1, 1, 0]"), "7: half_u and half_v must stand at right angles"),
+        (
+            "[[area_light]]\nkind = 'sphere'\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\n".into(),
+            "3: a sphere has a centre and a radius, and nothing else beside its radiance",
+        ),
+        (
+            "[[area_light]]\nkind = 'sphere'\nradiance = [1, -1, 1]\ncentre = [0, 0, 0]\nradius = 1\n".into(),
+            "5: radiance must not be negative, but is [1, -1, 1]",
+        ),
+        (
+            "[[area_light]]\nkind = 'capsule'\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 0\n".into(),
+            "8: radius must be a number > 0, not 0",
+        ),
     ];
     for (rest, expected) in cases {
         let folder = folder(&format!("[[mesh]]\nfile = 'a.obj'\n{rest}"));
@@ -197,6 +310,9 @@ fn syntax_errors_and_unknown_keys_name_the_line() {
         ("handedness = 'both'\n", "1: unknown variant `both`"),
         ("\n[camera\n", "2: "),
         ("[camera]\nnear = 'close'\n", "2: invalid type"),
+        ("[[probe]]\nnam = 'a'\n", "2: unknown field `nam`"),
+        ("[[impostor]]\nfile = 'a.png'\nalpha = 1\n", "3: unknown field `alpha`"),
+        ("[[area_light]]\nkind = 'disc'\n", "2: unknown variant `disc`"),
         ("[[light]]\nkind = 'point'\n", "1: missing field `energy`"),
         ("[view.v]\neye = [0, 0]\nlook_at = [0, 0, 1]\n", "2: invalid length 2"),
         ("[view.v]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[view.v]\n", "4: duplicate key"),

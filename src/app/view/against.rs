@@ -24,6 +24,8 @@ pub struct Question {
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
+    /// What escaped rays bring: as for the methods, the environment where that is behind them.
+    pub escape: Escape,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
 }
@@ -108,7 +110,7 @@ fn answer(q: &Question, cache: Option<PathBuf>) -> Answer {
     };
     let world = World::new(&q.scene, &q.materials);
     let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: q.escape, seed: 1 };
     let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return Answer::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
@@ -122,5 +124,53 @@ fn answer(q: &Question, cache: Option<PathBuf>) -> Answer {
         samples: state.samples,
         standard_error: state.overall_standard_error(),
         methods: q.reflections.iter().map(errors).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::library;
+    use crate::study::Globals;
+    use crate::study::timing::camera;
+
+    #[test]
+    fn the_kept_reference_is_found_and_only_for_what_it_is_of() {
+        let extent = [32, 18];
+        let scene = Arc::new(library::scene("rooms").unwrap());
+        let view = scene.views[0].clone();
+        let globals = Globals { roughness: Some(0.0), ..Globals::default() };
+        let materials = globals.materials(&scene, &view);
+        let camera = camera(&scene, &view, extent);
+        let cache = tempfile::tempdir().unwrap();
+        let black = vec![[0.0; 3]; 32 * 18];
+        let question = |reflections, materials, escape| Question {
+            scene: Arc::clone(&scene),
+            materials,
+            camera,
+            extent,
+            escape,
+            reflections,
+        };
+        let ask = |q: &Question| answer(q, Some(cache.path().to_path_buf()));
+        let first = question(vec![black.clone()], materials.clone(), Escape::Black);
+        assert_eq!(ask(&first), Answer::NoReference);
+        assert_eq!(answer(&first, None), Answer::NoReference);
+
+        let world = World::new(&scene, &materials);
+        let first_hits = FirstHits::trace(&world, &camera, extent);
+        let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+        let mut state = reference.start();
+        reference.add(&mut state, 2);
+        state.save(&kept_in(cache.path(), &reference)).unwrap();
+        let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
+        let answered = ask(&question(vec![truth, black], materials.clone(), Escape::Black));
+        let Answer::Errors { samples: 2, methods, .. } = answered else { panic!("{answered:?}") };
+        assert_eq!((methods[0].rmse, methods[0].relative_mse, methods[0].flip), (0.0, Some(0.0), 0.0));
+        assert!(methods[1].rmse > 0.05 && methods[1].relative_mse == Some(1.0) && methods[1].flip > 0.05, "{methods:?}");
+
+        assert_eq!(ask(&question(Vec::new(), materials, Escape::Environment)), Answer::NoReference);
+        let rougher = Globals { roughness: Some(0.5), ..globals }.materials(&scene, &view);
+        assert_eq!(ask(&question(Vec::new(), rougher, Escape::Black)), Answer::NoReference);
     }
 }

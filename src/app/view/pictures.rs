@@ -35,7 +35,7 @@ pub struct Wanted {
 pub struct ImageInfo {
     /// Its name.
     pub name: &'static str,
-    /// Mip levels.
+    /// Mip levels, or slices of a volume.
     pub levels: u32,
     /// Width and height of level 0.
     pub extent: [u32; 2],
@@ -236,16 +236,18 @@ impl Shown {
         let images: Vec<_> =
             image::images(&self.shot, &output).into_iter().filter(|i| i.image.layers() == 1).collect();
         let asked = wanted.inside.as_ref().and_then(|inside| {
-            images.iter().find(|i| i.name == inside.name).map(|i| (i, inside.level.min(i.image.levels() - 1)))
+            let image = images.iter().find(|i| i.name == inside.name)?;
+            let parts = image.image.parts();
+            parts.get(inside.level as usize).or(parts.last()).map(|part| (image.content, *part))
         });
         let (content, slice) = match asked {
-            Some((i, level)) => (i.content, i.image.level(level)),
+            Some(asked) => asked,
             None => (Content::Color, output.composite.all()),
         };
         self.content = content;
         stage.context.once(|frame| self.kept.record(frame, slice))?;
         let info =
-            |i: &crate::methods::Intermediate| ImageInfo { name: i.name, levels: i.image.levels(), extent: i.image.extent() };
+            |i: &crate::methods::Intermediate| ImageInfo { name: i.name, levels: i.image.parts().len() as u32, extent: i.image.extent() };
         self.images = images.iter().map(info).collect();
         Ok(())
     }

@@ -4,7 +4,7 @@
 use super::fly_camera::FlyCamera;
 use crate::app::cli::MethodOptions;
 use crate::app::resolve;
-use crate::methods::{METHODS, MethodInfo, Setup};
+use crate::methods::{Fallback, METHODS, MethodInfo, Setup};
 use crate::passes::Content;
 use crate::passes::look::{Compare, Tone};
 use crate::scene::View;
@@ -21,7 +21,8 @@ pub struct Side {
     pub setup: Setup,
     /// The options as the command line takes them: those that are set.
     pub options: BTreeMap<String, String>,
-    /// What is wrong with them, if something is; the setup is then the last right one.
+    /// What is wrong with them, if something is; the setup is then the last right one, or leaves out
+    /// what the method has not.
     pub fault: Option<String>,
 }
 
@@ -56,11 +57,15 @@ impl Side {
         });
         let parsed = command.try_get_matches_from(arguments).and_then(|m| MethodOptions::from_arg_matches(&m));
         self.fault = match parsed {
-            Ok(options) if options.suits(self.method) => {
-                self.setup = resolve::setup(&options, self.setup.extent);
-                None
+            Ok(options) => {
+                let setup = resolve::setup(&options, self.setup.extent);
+                // What only screen-space methods have is left out for others, which refuse it.
+                let plain = Setup { divisor: 1, fallback: Fallback::None, ..setup };
+                let fits = self.method.is_screen_space() || setup == plain;
+                self.setup = if fits { setup } else { plain };
+                let name = self.method.name;
+                (!fits).then(|| format!("{name} takes no resolution scale and no fallback: they are left out"))
             }
-            Ok(_) => Some(format!("{} does not take these options", self.method.name)),
             Err(e) => Some(one_line(&e.to_string())),
         };
     }

@@ -12,8 +12,10 @@ use super::state::{STEPS, State, Tab};
 use crate::app::cli::SceneOptions;
 use crate::app::resolve;
 use crate::error::Result;
+use crate::methods::Fallback;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Overlay, Pixels};
 use crate::passes::look::{Compare, Look, LookPass};
+use crate::reference::world::Escape;
 use crate::scene::{Scene, View, library};
 use ash::vk;
 use egui::{Context, FullOutput, RawInput};
@@ -108,6 +110,8 @@ impl Viewer {
         egui.all_styles_mut(|style| {
             // What moves by itself would be drawn again and again.
             style.animation_time = 0.0;
+            style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
+            style.visuals.override_text_color = Some(egui::Color32::from_gray(220));
             style.visuals.text_cursor.blink = false;
         });
         egui.set_theme(egui::Theme::Dark);
@@ -240,6 +244,30 @@ impl Viewer {
         format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, s.view.name)
     }
 
+    /// What the first method made in the last frame.
+    #[cfg(test)]
+    pub fn images(&self) -> Vec<super::pictures::ImageInfo> {
+        self.pictures.shown(0).map(|s| s.images.clone()).unwrap_or_default()
+    }
+
+    /// The ray that is drawn.
+    #[cfg(test)]
+    pub fn ray(&self) -> Option<&PickedRay> {
+        self.ray.as_ref()
+    }
+
+    /// The frame at rest on the host, if it was asked.
+    #[cfg(test)]
+    pub fn inspection(&self) -> Option<&super::inspect::Inspection> {
+        self.answers.as_ref()?.inspection.as_ref()
+    }
+
+    /// What was last said of each shader that changed.
+    #[cfg(test)]
+    pub fn said_of_shaders(&self) -> Vec<(&'static str, std::result::Result<(), String>)> {
+        self.shaders.as_ref().map(|s| s.said.clone()).unwrap_or_default()
+    }
+
     fn move_camera(&mut self, input: &Input) {
         if input.motion.is_moving() {
             self.state.steer(|camera| camera.fly(input.motion, input.seconds));
@@ -366,6 +394,10 @@ impl Viewer {
             materials: wanted.materials.clone(),
             camera: wanted.camera,
             extent: wanted.extent,
+            escape: match wanted.sides.first().map(|s| s.setup.fallback) {
+                None | Some(Fallback::None) => Escape::Black,
+                Some(_) => Escape::Environment,
+            },
             reflections: answers.reflections.clone(),
         };
         let wake = Arc::clone(&self.wake);
@@ -465,6 +497,9 @@ fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     }
     if g.reflectivity != 1.0 {
         factors += &format!(" --reflectivity {}", g.reflectivity);
+    }
+    if let Some(fallback) = state.sides[0].options.get("fallback") {
+        factors += &format!(" --fallback {fallback}");
     }
     let scene = &state.scene;
     format!("ssct render --method reference --scene {scene} {place} --size {width}x{height}{factors} -o truth.png")

@@ -41,15 +41,27 @@ impl Frame<'_> {
     /// the bits mean.
     pub fn copy(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
         assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
+        assert_eq!(from.slices().1, to.slices().1, "{name}: a copy has as many slices as its source");
+        self.copy_between(name, from, to, layers(&to))
+    }
+
+    fn copy_between(
+        &mut self,
+        name: &str,
+        from: ImageSlice,
+        to: ImageSlice,
+        target: vk::ImageSubresourceLayers,
+    ) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_image(from, Access::TransferRead);
             frame.use_image(to, Access::TransferWrite);
             frame.flush();
-            let [width, height] = from.extent();
             let regions = [vk::ImageCopy2::default()
                 .src_subresource(layers(&from))
-                .dst_subresource(layers(&to))
-                .extent(vk::Extent3D { width, height, depth: 1 })];
+                .src_offset(offset(&from))
+                .dst_subresource(target)
+                .dst_offset(offset(&to))
+                .extent(extent(&from))];
             let info = vk::CopyImageInfo2::default()
                 .src_image(from.image().handle())
                 .src_image_layout(vk::ImageLayout::TRANSFER_SRC_OPTIMAL)
@@ -60,6 +72,15 @@ impl Frame<'_> {
             unsafe { frame.device().cmd_copy_image2(frame.context.commands, &info) };
             Ok(())
         })
+    }
+
+    /// Copies the bits of one level into one layer of another of the same size: a cube map's face, in
+    /// Vulkan's order.
+    pub fn copy_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
+        assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
+        assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
+        let target = layers(&to).base_array_layer(layer).layer_count(1);
+        self.copy_between(name, from, to, target)
     }
 
     /// Fills a colour image's levels with one value.
@@ -150,11 +171,19 @@ fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
     }
 }
 
-fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
+/// Where a slice begins in its volume.
+fn offset(slice: &ImageSlice) -> vk::Offset3D {
+    vk::Offset3D { x: 0, y: 0, z: slice.slices().0 as i32 }
+}
+
+fn extent(slice: &ImageSlice) -> vk::Extent3D {
     let [width, height] = slice.extent();
-    vk::BufferImageCopy::default().image_subresource(layers(slice)).image_extent(vk::Extent3D {
-        width,
-        height,
-        depth: 1,
-    })
+    vk::Extent3D { width, height, depth: slice.slices().1 }
+}
+
+fn whole(slice: &ImageSlice) -> vk::BufferImageCopy {
+    vk::BufferImageCopy::default()
+        .image_subresource(layers(slice))
+        .image_offset(offset(slice))
+        .image_extent(extent(slice))
 }

@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Column, Wall};
-use super::{Finish, furnishing, materials, thesis_lens, view};
+use super::{Finish, furnishing, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Dye, Pattern, Wood};
 use crate::scene::{Light, MaterialChange, Mesh, Scene, sky};
 use glam::{Vec2, Vec3};
@@ -76,6 +76,11 @@ pub fn scene() -> Scene {
             view("atrium", [10.5, 1.7, -0.3], [-4.0, 2.2, 0.2]),
             view("lion", [6.0, 1.0, 0.4], [13.0, 1.0, 0.4]),
             hall,
+        ],
+        probes: vec![
+            probe("court-east", [4.0, 2.0, 0.4], [LINES_X[1], 0.0, LINES_Z[1]], [LINES_X[6], WALL_TOP, LINES_Z[2]]),
+            probe("court-west", [-5.0, 2.0, 0.4], [LINES_X[1], 0.0, LINES_Z[1]], [LINES_X[6], WALL_TOP, LINES_Z[2]]),
+            probe("south-gallery", [-2.0, 1.7, -3.9], [LINES_X[0], 0.0, LINES_Z[0]], [LINES_X[7], 3.8, LINES_Z[1]]),
         ],
         ..Scene::default()
     }

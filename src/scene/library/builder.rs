@@ -43,6 +43,16 @@ impl MeshBuilder {
         self
     }
 
+    /// An empty mesh of the same material.
+    pub fn renamed(&self, name: &str) -> Self {
+        Self { turned: self.turned, ..Self::new(name, self.material, self.image_m) }
+    }
+
+    /// Whether it has no triangle yet.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
     /// The finished mesh.
     pub fn build(self) -> Mesh {
         let bounds = Aabb::of(&self.vertices);
@@ -120,6 +130,36 @@ impl MeshBuilder {
                 }
             }
         }
+    }
+
+    /// A rectangle that shows one image from edge to edge, upright for the viewer for whom the halves
+    /// run right and up.
+    pub fn picture(&mut self, centre: Vec3, half_right: Vec3, half_up: Vec3) {
+        let (right, up) = (half_right.normalize(), half_up.normalize());
+        let axes = Axes { normal: up.cross(right), right, up };
+        let first = self.vertices.len() as u32;
+        for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+            let image = 0.5 * Vec2::new(1.0 + a, b - 1.0);
+            self.push(centre + a * half_right + b * half_up, image * self.image_m, axes);
+        }
+        self.triangle(first, first + 2, first + 1);
+        self.triangle(first, first + 3, first + 2);
+    }
+
+    /// A round, smooth bar along a path, open at its ends: `at` gives centre and radius from t = 0 to
+    /// t = 1. `across` is any direction that the path never takes.
+    pub fn tube(&mut self, steps: [u32; 2], across: Vec3, at: impl Fn(f32) -> (Vec3, f32)) {
+        let points: Vec<(Vec3, f32)> = (0..=16).map(|k| at(k as f32 / 16.0)).collect();
+        let length: f32 = points.windows(2).map(|p| p[0].0.distance(p[1].0)).sum();
+        let thickest = points.iter().fold(0.0_f32, |r, p| r.max(p.1));
+        self.surface(Vec3::ZERO, steps, |s, t| {
+            let (centre, radius) = at(t);
+            let along = (at(t + STEP).0 - at(t - STEP).0).normalize_or(Vec3::Y);
+            let side = (across - along * along.dot(across)).normalize_or(along.any_orthonormal_vector());
+            let (sin, cos) = (TAU * s).sin_cos();
+            let out = cos * side + sin * side.cross(along);
+            (centre + radius * out, Vec2::new(s * TAU * thickest, t * length))
+        });
     }
 
     /// A disc or regular polygon across y.

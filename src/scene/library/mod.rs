@@ -1,85 +1,189 @@
 //! The built-in scenes: generated, without files, with the views, lights and proportions of the
-//! scenes that the thesis shows, so that everything runs out of the box.
+//! scenes that the theses show, so that everything runs out of the box.
 
 mod atrium;
 mod builder;
+mod car;
+mod cathedral;
+mod corridor;
+mod fittings;
 mod furnishing;
+mod house;
 mod masonry;
+mod museum;
+mod portrait;
 mod rooms;
+mod skeleton;
+mod street;
 
-use super::pattern::{self, Pattern};
-use super::{Lens, Material, Scene, Surface, Texture, View};
+use super::pattern::{self, Pattern, Picture};
+use super::{Aabb, Lens, Material, Probe, Scene, Surface, Texture, View};
 use builder::MeshBuilder;
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// The names that [`scene`] knows.
 pub fn names() -> &'static [&'static str] {
-    &["rooms", "atrium"]
+    &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
 }
 
 /// A built-in scene by its name; `None` for a name that is not in [`names`].
 ///
 /// `rooms` stands for the thesis's two rooms (figures 5.1–5.5 and 5.9), `atrium` for Crytek Sponza
-/// (figures 5.6–5.8).
+/// (figures 5.6–5.8). `street`, `museum` and `cathedral` stand for the three scenes of Schmidt's thesis
+/// (2013, section 5.1), `corridor` for the narrow rooms that its section 5.2 recommends for
+/// parallax-corrected cube maps.
 pub fn scene(name: &str) -> Option<Scene> {
     match name {
         "rooms" => Some(rooms::scene()),
         "atrium" => Some(atrium::scene()),
+        "street" => Some(street::scene()),
+        "museum" => Some(museum::scene()),
+        "cathedral" => Some(cathedral::scene()),
+        "corridor" => Some(corridor::scene()),
         _ => None,
     }
 }
 
 /// A material of a built-in scene; the scenes keep these in tables and name them by index.
+#[derive(Clone, Copy)]
 struct Finish {
     name: &'static str,
-    /// `None` for windows, which show the sky.
-    pattern: Option<Pattern>,
+    look: Look,
+    /// Linear factor on the images.
+    tint: Vec3,
     reflectivity: f32,
+    roughness: f32,
+    normal_deviation: f32,
+}
+
+/// Where a material's images come from.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// An image that repeats, with its relief.
+    Pattern(Pattern),
+    /// An image from edge to edge.
+    Picture(Picture),
+    /// None: one even colour.
+    Paint,
+    /// None: the surface shows the sky.
+    Window,
 }
 
 impl Finish {
+    const fn of(name: &'static str, look: Look, reflectivity: f32) -> Self {
+        Self { name, look, tint: Vec3::ONE, reflectivity, roughness: 0.0, normal_deviation: 1.0 }
+    }
+
     const fn new(name: &'static str, pattern: Pattern, reflectivity: f32) -> Self {
-        Self { name, pattern: Some(pattern), reflectivity }
+        Self::of(name, Look::Pattern(pattern), reflectivity)
+    }
+
+    const fn picture(name: &'static str, picture: Picture) -> Self {
+        Self::of(name, Look::Picture(picture), 0.0)
+    }
+
+    /// An even colour, linear albedo.
+    const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
+        Self::of(name, Look::Paint, 0.0).tinted(red, green, blue)
     }
 
     const fn window(name: &'static str) -> Self {
-        Self { name, pattern: None, reflectivity: 0.0 }
+        Self::of(name, Look::Window, 0.0)
+    }
+
+    const fn tinted(self, red: f32, green: f32, blue: f32) -> Self {
+        Self { tint: Vec3::new(red, green, blue), ..self }
+    }
+
+    const fn reflecting(self, reflectivity: f32, roughness: f32) -> Self {
+        Self { reflectivity, roughness, ..self }
+    }
+
+    /// Polished, so that the relief counts only so far.
+    const fn smoothed(self, normal_deviation: f32) -> Self {
+        Self { normal_deviation, ..self }
     }
 
     /// An empty mesh with the scale of this material's images.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
-        MeshBuilder::new(name, material, self.pattern.map_or(1.0, Pattern::size_m))
+        let image_m = if let Look::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
+        MeshBuilder::new(name, material, image_m)
     }
 }
 
-/// Materials in the order of the table, and the images they use, each pattern once.
-fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
-    let mut patterns: Vec<Pattern> = Vec::new();
-    for pattern in finishes.iter().filter_map(|f| f.pattern) {
-        if !patterns.contains(&pattern) {
-            patterns.push(pattern);
+/// The images of a look, or their indices.
+struct Maps<T> {
+    albedo: T,
+    normal: Option<T>,
+    mask: Option<T>,
+    reflectivity: Option<T>,
+}
+
+impl Look {
+    fn images(self) -> Option<Maps<Texture>> {
+        match self {
+            Self::Pattern(pattern) => {
+                let (albedo, normal) = pattern::images(pattern);
+                let reflectivity = pattern::reflectivity_image(pattern);
+                Some(Maps { albedo, normal: Some(normal), mask: None, reflectivity })
+            }
+            Self::Picture(picture) => {
+                let (albedo, mask) = pattern::picture_images(picture);
+                Some(Maps { albedo, normal: None, mask, reflectivity: None })
+            }
+            Self::Paint | Self::Window => None,
         }
     }
-    let textures = patterns
-        .par_iter()
-        .flat_map_iter(|&pattern| {
-            let (albedo, normal) = pattern::images(pattern);
-            [albedo, normal]
+}
+
+/// Materials in the order of the table, and the images they use, each look once.
+fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
+    let mut looks: Vec<Look> = Vec::new();
+    for finish in finishes {
+        if !looks.contains(&finish.look) {
+            looks.push(finish.look);
+        }
+    }
+    let made: Vec<Option<Maps<Texture>>> = looks.par_iter().map(|look| look.images()).collect();
+    let mut textures = Vec::new();
+    let mut keep = |texture| {
+        textures.push(texture);
+        textures.len() - 1
+    };
+    let maps: Vec<Option<Maps<usize>>> = made
+        .into_iter()
+        .map(|maps| {
+            maps.map(|m| Maps {
+                albedo: keep(m.albedo),
+                normal: m.normal.map(&mut keep),
+                mask: m.mask.map(&mut keep),
+                reflectivity: m.reflectivity.map(&mut keep),
+            })
         })
         .collect();
     let material = |finish: &Finish| {
-        let images = finish.pattern.and_then(|p| patterns.iter().position(|&q| q == p));
+        let maps = looks.iter().position(|&look| look == finish.look).and_then(|k| maps[k].as_ref());
         Material {
             name: finish.name.to_owned(),
-            albedo_map: images.map(|k| 2 * k),
-            normal_map: images.map(|k| 2 * k + 1),
+            albedo: finish.tint,
+            albedo_map: maps.map(|m| m.albedo),
+            normal_map: maps.and_then(|m| m.normal),
+            alpha_mask: maps.and_then(|m| m.mask),
             reflectivity: finish.reflectivity,
-            surface: if images.is_some() { Surface::Lit } else { Surface::Sky },
-            ..Material::default()
+            reflectivity_map: maps.and_then(|m| m.reflectivity),
+            roughness: finish.roughness,
+            normal_deviation: finish.normal_deviation,
+            surface: if finish.look == Look::Window { Surface::Sky } else { Surface::Lit },
         }
     };
     (finishes.iter().map(material).collect(), textures)
+}
+
+/// A probe of a box.
+fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
+    let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
+    Probe { name: name.to_owned(), position: Vec3::from(position), bounds }
 }
 
 /// A view with the scene's lens and materials.

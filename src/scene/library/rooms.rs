@@ -4,9 +4,9 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
-use super::{Finish, materials, thesis_lens, view};
+use super::{Finish, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Pattern, Wood};
-use crate::scene::{Light, Mesh, Scene};
+use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
 use glam::{Vec2, Vec3};
 
 const STONES: usize = 0;
@@ -66,8 +66,37 @@ pub fn scene() -> Scene {
             view("window", [2.0, 0.0, 0.0], [2.05, 0.1, 5.0]),
             view("ceiling", [4.0, -0.6, -3.0], [-3.0, 0.9, 4.0]),
         ],
+        probes: vec![
+            probe("right-room", [2.0, 0.0, 0.3], [PARTITION_X[1], FLOOR_Y, -5.0], [6.0, CEILING_Y, 5.0]),
+            probe("left-room", [-4.1, 0.0, 0.0], [-6.0, FLOOR_Y, -5.0], [PARTITION_X[0], CEILING_Y, 5.0]),
+        ],
+        area_lights: area_lights(),
         ..Scene::default()
     }
+}
+
+/// The skylight and the two windows, as bright as their lights make them.
+fn area_lights() -> Vec<AreaLight> {
+    let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
+        shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
+        radiance: Vec3::new(0.75, 0.85, 1.0),
+    };
+    let (x, z) = SKYLIGHT;
+    let mut lights = vec![pane(
+        Vec3::new(x[0], 1.95, z[0]),
+        Vec3::new(x[1], 1.95, z[1]),
+        0.5 * (x[1] - x[0]) * Vec3::X,
+        0.5 * (z[1] - z[0]) * Vec3::Z,
+    )];
+    lights.extend(WINDOWS.map(|(x, y)| {
+        pane(
+            Vec3::new(x[0], y[0], GLASS_Z),
+            Vec3::new(x[1], y[1], GLASS_Z),
+            0.5 * (x[1] - x[0]) * Vec3::X,
+            0.5 * (y[1] - y[0]) * Vec3::NEG_Y,
+        )
+    }));
+    lights
 }
 
 fn mesh(name: &str, material: usize) -> MeshBuilder {

@@ -1,7 +1,7 @@
 //! What must hold of every triangle, material and view of the built-in scenes.
 
 use super::*;
-use crate::scene::{Light, Vertex};
+use crate::scene::{AreaShape, Light, Vertex};
 use std::sync::LazyLock;
 
 /// The built-in scenes, made once for all tests.
@@ -39,9 +39,11 @@ fn indices_materials_and_textures_exist() {
             assert_eq!(mesh.bounds, crate::scene::Aabb::of(&mesh.vertices));
         }
         for material in &scene.materials {
-            let maps = [material.albedo_map, material.normal_map];
+            let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
             assert!(maps.into_iter().flatten().all(|t| t < scene.textures.len()), "{material:?}");
-            assert_eq!(maps[0].is_some(), material.surface == Surface::Lit, "{material:?}");
+            // What shows no image has a colour of its own, or is a window.
+            let is_even = maps == [None; 4] && material.albedo != Vec3::ONE;
+            assert!(is_even || maps[0].is_some() == (material.surface == Surface::Lit), "{material:?}");
         }
         for (k, material) in scene.materials.iter().enumerate() {
             assert!(scene.meshes.iter().any(|m| m.material == k), "nothing is made of {}", material.name);
@@ -107,7 +109,7 @@ fn tangents_follow_the_texture() {
 #[test]
 fn texture_scale_is_true_to_the_metre() {
     for scene in SCENES.iter() {
-        let floor = scene.meshes.iter().find(|m| m.name == "floor").expect("a floor");
+        let floor = scene.meshes.iter().find(|m| ["floor", "road"].contains(&m.name.as_str())).expect("a floor");
         let (a, b) = (floor.vertices[0], floor.vertices[1]);
         let metres = Vec3::from(a.position).distance(Vec3::from(b.position));
         let images = glam::Vec2::from(a.uv).distance(glam::Vec2::from(b.uv));
@@ -158,6 +160,73 @@ fn eyes_have_free_space_around_them() {
 }
 
 #[test]
+fn probes_stand_free_inside_boxes_that_fit_the_scene() {
+    for scene in SCENES.iter() {
+        let bounds = scene.bounds();
+        assert!(scene.probes.len() >= 2, "{}: two maps to blend", scene.name);
+        for probe in &scene.probes {
+            let Aabb { min, max } = probe.bounds;
+            let inside = |p: Vec3| p.cmpgt(min).all() && p.cmplt(max).all();
+            assert!(inside(probe.position), "{}: {probe:?}", scene.name);
+            assert!(min.cmpge(bounds.min - 0.01).all() && max.cmple(bounds.max + 0.01).all(), "{probe:?}");
+            for (name, corners) in triangles(scene) {
+                let corners = corners.map(|v| Vec3::from(v.position));
+                assert!(!is_near(probe.position, corners, 0.25), "{} {}: {name} there", scene.name, probe.name);
+            }
+        }
+    }
+}
+
+/// Every length of an area light: those between its points, and its own.
+fn lengths(shape: &AreaShape) -> Vec<f32> {
+    match *shape {
+        AreaShape::Sphere { centre, radius } => vec![centre.length(), radius],
+        AreaShape::Capsule { a, b, radius } => vec![a.length(), b.length(), a.distance(b), radius],
+        AreaShape::Rectangle { centre, half_u, half_v } => vec![centre.length(), half_u.length(), half_v.length()],
+    }
+}
+
+#[test]
+fn a_scale_enlarges_probes_impostors_and_area_lights() {
+    let sizes = |scene: &Scene| {
+        let mut all: Vec<f32> = scene.area_lights.iter().flat_map(|l| lengths(&l.shape)).collect();
+        all.extend(scene.probes.iter().flat_map(|p| [p.position, p.bounds.min, p.bounds.max].map(Vec3::length)));
+        all.extend(scene.impostors.iter().flat_map(|i| [i.centre, i.half_u, i.half_v].map(Vec3::length)));
+        all
+    };
+    let before = built("street");
+    let mut scaled = before.clone();
+    scaled.scale(2.5);
+    assert!(before.area_lights.len() >= 2 && before.impostors.len() >= 5);
+    for (was, is) in sizes(before).into_iter().zip(sizes(&scaled)) {
+        assert!((is - 2.5 * was).abs() < 1e-3, "{was} became {is}");
+    }
+}
+
+#[test]
+fn every_shape_of_area_light_occurs() {
+    let shapes: Vec<AreaShape> = SCENES.iter().flat_map(|s| &s.area_lights).map(|l| l.shape).collect();
+    assert!(shapes.iter().any(|s| matches!(s, AreaShape::Sphere { .. })));
+    assert!(shapes.iter().any(|s| matches!(s, AreaShape::Capsule { .. })));
+    assert!(shapes.iter().any(|s| matches!(s, AreaShape::Rectangle { .. })));
+    // The lamps of the corridor's ceiling shine down.
+    for light in &built("corridor").area_lights {
+        let AreaShape::Rectangle { half_u, half_v, .. } = light.shape else { panic!("{light:?}") };
+        assert!(half_u.cross(half_v).normalize().abs_diff_eq(Vec3::NEG_Y, 1e-5), "{light:?}");
+    }
+}
+
+#[test]
+fn the_road_is_wet_in_places() {
+    let street = built("street");
+    let road = street.materials.iter().find(|m| m.name == "road").expect("a road");
+    let map = &street.textures[road.reflectivity_map.expect("a map of its reflectivity")];
+    let share = |from: u8| map.rgba.chunks(4).filter(|t| t[0] >= from).count() as f32 / (map.rgba.len() / 4) as f32;
+    assert!((0.05..0.4).contains(&share(200)), "puddles: {}", share(200));
+    assert!(share(40) > 0.99, "damp everywhere: {}", share(40));
+}
+
+#[test]
 fn views_and_reflectivities_are_those_of_the_thesis() {
     let rooms = built("rooms");
     let names: Vec<_> = rooms.views.iter().map(|v| v.name.as_str()).collect();
@@ -188,5 +257,7 @@ fn scenes_are_the_same_at_every_call() {
         for (p, q) in a.meshes.iter().zip(&b.meshes) {
             assert!(p.vertices == q.vertices && p.indices == q.indices, "{name}: {}", p.name);
         }
+        assert_eq!((&a.materials, &a.lights, &a.views), (&b.materials, &b.lights, &b.views), "{name}");
+        assert_eq!((&a.probes, &a.impostors, &a.area_lights), (&b.probes, &b.impostors, &b.area_lights), "{name}");
     }
 }

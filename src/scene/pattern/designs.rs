@@ -127,6 +127,12 @@ pub fn plaster(at: Vec2) -> Sample {
     Sample { height_m: 0.006 * strokes, albedo }
 }
 
+/// Plaster that was smoothed and painted evenly.
+pub fn stucco(at: Vec2) -> Sample {
+    let strokes = grain(at, [10, 10], 4, 223);
+    Sample { height_m: 0.003 * strokes, albedo: Vec3::new(0.51, 0.49, 0.45) * (0.94 + 0.12 * strokes) }
+}
+
 /// Woven cloth of one colour with a lozenge ornament in a paler one.
 pub fn cloth(at: Vec2, dye: Vec3) -> Sample {
     let threads = 64.0;
@@ -153,4 +159,60 @@ pub fn foliage(at: Vec2, size_m: f32) -> Sample {
     let tone = unit(cell.id, 157);
     let leaf = Vec3::new(0.06, 0.17, 0.03).lerp(Vec3::new(0.20, 0.30, 0.07), tone);
     Sample { height_m: 0.005 * depth + 0.003 * tone, albedo: leaf * (0.35 + 0.65 * depth) }
+}
+
+/// How wet a road is at a point: 1 in a puddle, between 0.2 and 0.35 where it is only damp.
+pub fn wetness(at: Vec2) -> f32 {
+    0.2 + 0.15 * grain(at, [12, 12], 3, 163) + 0.65 * puddle(at)
+}
+
+/// 1 in a puddle, 0 outside, with soft shores.
+fn puddle(at: Vec2) -> f32 {
+    smoothstep(0.53, 0.58, 0.8 * grain(at, [3, 2], 4, 167) + 0.2 * grain(at, [10, 10], 2, 169))
+}
+
+/// Wet asphalt: chippings in bitumen, level and darker under puddles.
+pub fn asphalt(at: Vec2) -> Sample {
+    let chips = grain(at, [120, 120], 2, 173);
+    let under = puddle(at);
+    let tone = 0.8 + 0.35 * grain(at, [5, 5], 4, 179);
+    let dry = Vec3::new(0.062, 0.062, 0.066) * tone * (0.55 + 0.9 * chips);
+    let height_m = (1.0 - under) * (0.0035 * chips + 0.004 * grain(at, [8, 8], 2, 181));
+    Sample { height_m, albedo: dry.lerp(Vec3::new(0.022, 0.024, 0.028), 0.85 * under) }
+}
+
+/// Polished marble, four by four squares of white and black with veins.
+pub fn marble(at: Vec2, size_m: f32) -> Sample {
+    let scaled = at * 4.0;
+    let id = scaled.floor().as_ivec2().rem_euclid(IVec2::splat(4));
+    let inside = scaled - scaled.floor();
+    let edge = (0.5 - (inside - 0.5).abs()).min_element() * size_m / 4.0;
+    let face = smoothstep(0.0012, 0.004, edge);
+    let bend = grain(at, [8, 8], 4, 191 + (3 * id.x + 5 * id.y) as u32) - 0.5;
+    let vein = smoothstep(0.045, 0.0, bend.abs());
+    let clouds = grain(at, [12, 12], 4, 193);
+    let square = if (id.x + id.y) % 2 == 0 {
+        Vec3::new(0.50, 0.48, 0.44) * (0.9 + 0.2 * clouds) * (1.0 - 0.3 * vein)
+    } else {
+        Vec3::new(0.045, 0.05, 0.055) * (0.7 + 0.6 * clouds) + 0.10 * vein
+    };
+    Sample { height_m: 0.0008 * face, albedo: Vec3::splat(0.10).lerp(square, face) }
+}
+
+/// Terrazzo: chips of three stones in grey cement, brass strips between the fields.
+pub fn terrazzo(at: Vec2, size_m: f32) -> Sample {
+    const CHIPS: [Vec3; 4] = [
+        Vec3::new(0.30, 0.27, 0.22),
+        Vec3::new(0.08, 0.08, 0.08),
+        Vec3::new(0.22, 0.12, 0.08),
+        Vec3::new(0.17, 0.17, 0.15),
+    ];
+    let grid = IVec2::new(140, 140);
+    let cell = cells(at * grid.as_vec2(), Vec2::ONE, grid, 0.95, 197);
+    let chip = CHIPS[(unit(cell.id, 199) * 4.0) as usize % 4];
+    let cement = Vec3::new(0.19, 0.185, 0.17) * (0.9 + 0.2 * grain(at, [20, 20], 3, 211));
+    let stone = cement.lerp(chip, smoothstep(0.08, 0.2, cell.border));
+    let edge = (0.5 - ((at * 2.0).fract_gl() - 0.5).abs()).min_element() * 0.5 * size_m;
+    let strip = smoothstep(0.006, 0.003, edge);
+    Sample { height_m: 0.0005 * strip, albedo: stone.lerp(Vec3::new(0.36, 0.26, 0.10), strip) }
 }

@@ -6,9 +6,13 @@
 //! every machine and at every call.
 
 mod designs;
+mod lettering;
 mod noise;
+pub mod pictures;
 
-pub(crate) use noise::{fractal, smoothstep};
+pub use lettering::Text;
+pub(crate) use noise::{fractal, smoothstep, unit};
+pub use pictures::{Cut, Painting, Picture, Sign};
 
 use super::{Encoding, Texture};
 use designs::{Sample, TileLook};
@@ -66,20 +70,29 @@ pub enum Pattern {
     Limestone,
     /// Plaster with stains.
     Plaster,
+    /// Even plaster without stains.
+    Stucco,
     /// Woven cloth with an ornament.
     Cloth(Dye),
     /// Leaves.
     Foliage,
+    /// A road after rain: its hollows are puddles, which reflect.
+    Asphalt,
+    /// Polished squares of white and black marble.
+    Marble,
+    /// Polished cast floor with chips of stone, in large fields.
+    Terrazzo,
 }
 
 impl Pattern {
     /// How many metres of surface one image covers, for texture coordinates in true scale.
     pub fn size_m(self) -> f32 {
         match self {
-            Self::Stones | Self::Slabs | Self::Plaster => 2.4,
+            Self::Stones | Self::Slabs | Self::Plaster | Self::Stucco | Self::Marble | Self::Terrazzo => 2.4,
             Self::Tiles | Self::Wood(_) | Self::Limestone => 1.6,
             Self::Bricks => 1.5,
             Self::Cloth(_) | Self::Foliage => 0.8,
+            Self::Asphalt => 3.9,
         }
     }
 
@@ -94,8 +107,20 @@ impl Pattern {
             Self::Wood(wood) => designs::wood(at, size_m, wood.tone()),
             Self::Limestone => designs::limestone(at),
             Self::Plaster => designs::plaster(at),
+            Self::Stucco => designs::stucco(at),
             Self::Cloth(dye) => designs::cloth(at, dye.albedo()),
             Self::Foliage => designs::foliage(at, size_m),
+            Self::Asphalt => designs::asphalt(at),
+            Self::Marble => designs::marble(at, size_m),
+            Self::Terrazzo => designs::terrazzo(at, size_m),
+        }
+    }
+
+    /// Factor on the reflectivity at a point of the image, where it is not the same everywhere.
+    fn reflectivity(self) -> Option<fn(Vec2) -> f32> {
+        match self {
+            Self::Asphalt => Some(designs::wetness),
+            _ => None,
         }
     }
 
@@ -110,10 +135,14 @@ impl Pattern {
             Self::Wood(Wood::Dark) => "wood-dark",
             Self::Limestone => "limestone",
             Self::Plaster => "plaster",
+            Self::Stucco => "stucco",
             Self::Cloth(Dye::Red) => "cloth-red",
             Self::Cloth(Dye::Green) => "cloth-green",
             Self::Cloth(Dye::Blue) => "cloth-blue",
             Self::Foliage => "foliage",
+            Self::Asphalt => "asphalt",
+            Self::Marble => "marble",
+            Self::Terrazzo => "terrazzo",
         }
     }
 }
@@ -203,6 +232,43 @@ pub fn images(pattern: Pattern) -> (Texture, Texture) {
     (texture("albedo", albedo, Encoding::Srgb), texture("normal", normal, Encoding::Linear))
 }
 
+/// A pattern's factor on the reflectivity (red, linear), [`SIZE`] × [`SIZE`]; `None` where it is the
+/// same everywhere.
+pub fn reflectivity_image(pattern: Pattern) -> Option<Texture> {
+    let factor = pattern.reflectivity()?;
+    let name = format!("generated {} reflectivity", pattern.label());
+    Some(image(name, [SIZE, SIZE], Encoding::Linear, |at| rgba(Vec3::splat(factor(at)))))
+}
+
+/// A picture (sRGB with alpha), and its alpha as a mask (red, linear) where parts of it are not there.
+pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
+    let name = format!("generated {}", picture.label());
+    let colour = image(name.clone(), picture.size(), Encoding::Srgb, |at| {
+        let sample = picture.sample(at);
+        let [r, g, b, _] = rgba(sample.truncate().map(srgb_from_linear));
+        [r, g, b, byte(sample.w)]
+    });
+    let mask = picture.has_alpha().then(|| {
+        let grey = |a: &[u8]| [a[3], a[3], a[3], 255];
+        let rgba = colour.rgba.chunks_exact(4).flat_map(grey).collect();
+        Texture { name: format!("{name} mask"), rgba, encoding: Encoding::Linear, ..colour }
+    });
+    (colour, mask)
+}
+
+/// An image from its value at the middle of each texel.
+fn image(
+    name: String,
+    [width, height]: [u32; 2],
+    encoding: Encoding,
+    texel: impl Fn(Vec2) -> [u8; 4] + Sync,
+) -> Texture {
+    let size = Vec2::new(width as f32, height as f32);
+    let at = |k: u32| (Vec2::new((k % width) as f32, (k / width) as f32) + 0.5) / size;
+    let rgba = (0..width * height).into_par_iter().flat_map_iter(|k| texel(at(k))).collect();
+    Texture { name, width, height, rgba, encoding }
+}
+
 /// The unit normal at texel `k` by central differences that wrap; x right, y up, z out.
 fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
     let (x, y) = (k % SIZE, k / SIZE);
@@ -213,8 +279,11 @@ fn normal_at(samples: &[Sample], k: u32, texel_m: f32) -> Vec3 {
 }
 
 fn rgba(colour: Vec3) -> [u8; 4] {
-    let byte = |x: f32| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
     [byte(colour.x), byte(colour.y), byte(colour.z), 255]
+}
+
+fn byte(x: f32) -> u8 {
+    (x.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
 /// IEC 61966-2-1.
@@ -228,7 +297,7 @@ mod tests {
     use super::*;
     use std::sync::LazyLock;
 
-    const ALL: [Pattern; 13] = [
+    const ALL: [Pattern; 17] = [
         Pattern::Stones,
         Pattern::Tiles,
         Pattern::Slabs,
@@ -238,10 +307,14 @@ mod tests {
         Pattern::Wood(Wood::Dark),
         Pattern::Limestone,
         Pattern::Plaster,
+        Pattern::Stucco,
         Pattern::Cloth(Dye::Red),
         Pattern::Cloth(Dye::Green),
         Pattern::Cloth(Dye::Blue),
         Pattern::Foliage,
+        Pattern::Asphalt,
+        Pattern::Marble,
+        Pattern::Terrazzo,
     ];
 
     /// Every pattern with its two images, made once for all tests.

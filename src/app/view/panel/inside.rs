@@ -28,7 +28,10 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told, done: &mut Done) {
     }
     heading(ui, "Level");
     let levels = told.images.iter().find(|i| i.name == inside.name).map_or(1, |i| i.levels);
-    ui.add_enabled(levels > 1, Slider::new(&mut inside.level, 0..=levels - 1).text("mip level"));
+    // Before the first frame nothing is known of the levels.
+    if !told.images.is_empty() {
+        ui.add_enabled(levels > 1, Slider::new(&mut inside.level, 0..=levels - 1).text("mip level"));
+    }
     heading(ui, "Shades");
     ui.horizontal(|ui| {
         ui.label("channel");

@@ -180,16 +180,23 @@ fn status(ui: &mut Ui, told: &Told) {
     let total = told.histories.first().map(|h| h.total());
     ui.horizontal(|ui| {
         let (text, color) = if told.idle {
-            ("● idle: nothing to render", Color32::from_rgb(110, 190, 120))
+            ("idle: nothing to render", Color32::from_rgb(110, 190, 120))
         } else {
-            ("● rendering", Color32::from_rgb(230, 170, 60))
+            ("rendering", Color32::from_rgb(230, 170, 60))
         };
-        ui.label(RichText::new(text).color(color));
+        dot(ui, color);
+        ui.colored_label(color, text);
         if let Some(t) = total.filter(|t| t.samples > 0) {
             ui.label(format!("{:.2} ms", t.median_ms));
         }
     });
     ui.label(RichText::new(format!("{frames} frames, {drawings} drawings, {submissions} submissions")).weak().small());
+}
+
+/// A filled circle.
+fn dot(ui: &mut Ui, color: Color32) {
+    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
+    ui.painter().circle_filled(rect.center(), 4.0, color);
 }
 
 /// A heading of a part.

@@ -20,7 +20,8 @@ fn level_color(level: u32) -> Color32 {
 
 pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     ui.label("Click into the picture to pick a pixel's mirror ray.");
-    if let Some([x, y]) = &mut state.picked {
+    // Before the first frame nothing is known of the size.
+    if let (Some([x, y]), false) = (&mut state.picked, told.images.is_empty()) {
         ui.horizontal(|ui| {
             ui.label("pixel");
             ui.add(egui::DragValue::new(x).range(0..=told.extent[0].saturating_sub(1)));
@@ -43,7 +44,7 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
             ui.end_row();
             for (n, s) in walk.steps.iter().enumerate() {
                 ui.label((n + 1).to_string());
-                let way = if s.met { "▼" } else { "▲" };
+                let way = if s.met { "⬇" } else { "⬆" };
                 ui.colored_label(level_color(s.level), format!("{} {way}", s.level));
                 ui.label(format!("{}, {}", s.cell[0], s.cell[1]));
                 ui.label(format!("{:.6}", s.plane));
@@ -51,7 +52,7 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
                 ui.end_row();
             }
         });
-        ui.label(RichText::new("▼ met the cell's nearest depth, ▲ left the cell").weak().small());
+        ui.label(RichText::new("⬇ met the cell's nearest depth, ⬆ left the cell").weak().small());
     }
 }
 
@@ -119,8 +120,7 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
         }
     }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
-    if let Some((code, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
-        let _ = code;
+    if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
         cross(painter, at(x, y), METHOD);
     }
     if let Some(o) = ray.oracle.position() {

@@ -1,17 +1,17 @@
 //! Scene, view, methods, materials and every parameter. The methods' options are those of the command
 //! line, read off its flags, so that a new flag is a new row.
 
-use super::{Told, heading};
+use super::{Told, dot, heading};
 use crate::app::view::state::{SWITCHED_ON, Side, State};
 use crate::methods::thesis::{self, Variant};
 use crate::methods::{METHODS, Preset, Tuning};
 use crate::passes::look::Compare;
 use crate::scene::Camera;
 use clap::ArgAction;
-use egui::{ComboBox, DragValue, Grid, RichText, Slider, Ui};
+use egui::{Color32, ComboBox, DragValue, Grid, RichText, Slider, Ui};
 
 /// What marks a value that is the published one.
-const PUBLISHED: &str = "●";
+const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
 pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     place(ui, state, told);
@@ -35,7 +35,10 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     }
     materials(ui, state);
     ui.add_space(8.0);
-    ui.label(RichText::new(format!("{PUBLISHED} the published value")).weak().small());
+    ui.horizontal(|ui| {
+        dot(ui, PUBLISHED);
+        ui.label(RichText::new("the published value").weak().small());
+    });
 }
 
 fn place(ui: &mut Ui, state: &mut State, told: &Told) {
@@ -143,7 +146,9 @@ fn option(ui: &mut Ui, side: &mut Side, argument: &clap::Arg, flag: &str, told: 
             None => value.is_none(),
         },
     };
-    ui.label(if published { PUBLISHED } else { "" });
+    if published {
+        dot(ui, PUBLISHED);
+    }
     if now != given {
         side.set(flag, now);
     }
@@ -189,6 +194,8 @@ fn published(preset: Preset, flag: &str, told: &Told) -> Option<f64> {
         "iterations" => f64::from(block.iterations),
         "start-level" => f64::from(block.start_level),
         "cone-samples" => f64::from(block.cone_samples),
+        // The decimal that is printed, not its nearest binary fraction.
+        "march-stride" => block.linear_march_stride.to_string().parse().ok()?,
         _ => return None,
     })
 }

@@ -1,0 +1,61 @@
+#version 460
+// One level of a cube map blurred by roughness: each texel is the mean over the Phong lobe around its
+// direction (DEFINITIONS, "Surfaces"). The lobe's directions are a Hammersley set, the same for every
+// texel; each reads the level of the source whose texel is about as large as the solid angle that the
+// sample stands for (Krivanek and Colbert 2008), so that few samples do.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 0) uniform samplerCube source;                      // box-filtered chain
+layout(binding = 1, rgba16f) uniform writeonly imageCube filtered;   // the level that is written
+
+layout(push_constant) uniform CubeFilterBlock {
+    float exponent;  // of the lobe
+    uint samples;
+} lobe;
+
+const float TAU = 6.28318530718;
+
+// Vulkan's faces +x -x +y -y +z -z; twin of `scene::sky::face_direction`.
+vec3 FaceDirection(uint face, vec2 st) {
+    switch (face) {
+        case 0: return vec3(1.0, -st.y, -st.x);
+        case 1: return vec3(-1.0, -st.y, st.x);
+        case 2: return vec3(st.x, 1.0, st.y);
+        case 3: return vec3(st.x, -1.0, -st.y);
+        case 4: return vec3(st.x, -st.y, 1.0);
+        default: return vec3(-st.x, -st.y, -1.0);
+    }
+}
+
+float RadicalInverse(uint i) {
+    return float(bitfieldReverse(i)) * exp2(-32.0);
+}
+
+void main() {
+    uvec3 at = gl_GlobalInvocationID;
+    ivec2 size = imageSize(filtered);
+    if (any(greaterThanEqual(at.xy, uvec2(size)))) {
+        return;
+    }
+    vec3 axis = normalize(FaceDirection(at.z, (vec2(at.xy) + 0.5) / vec2(size) * 2.0 - 1.0));
+    vec3 x = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
+    vec3 y = cross(axis, x);
+    float side = float(textureSize(source, 0).x);
+    float texel = 2.0 * TAU / (6.0 * side * side);
+
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < lobe.samples; ++i) {
+        // cos^(exponent + 1) of the angle is uniform; its logarithm keeps sines of narrow lobes exact.
+        float u = (float(i) + 0.5) / float(lobe.samples);
+        float log2_cos = log2(u) / (lobe.exponent + 1.0);
+        float cosine = exp2(log2_cos);
+        float sine = sqrt(max(0.0, 1.0 - cosine * cosine));
+        float phi = TAU * RadicalInverse(i);
+        vec3 direction = sine * cos(phi) * x + sine * sin(phi) * y + cosine * axis;
+        float density = (lobe.exponent + 1.0) / TAU * exp2(lobe.exponent * log2_cos);
+        float level = 0.5 * log2(1.0 / (float(lobe.samples) * density * texel));
+        sum += textureLod(source, direction, max(level, 0.0)).rgb;
+    }
+    imageStore(filtered, ivec3(at), vec4(sum / float(lobe.samples), 1.0));
+}

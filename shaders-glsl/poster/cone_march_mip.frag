@@ -1,0 +1,4 @@
+#version 460
+// The cone march through the mip chains.
+
+#include "poster/cone_march.glsl"

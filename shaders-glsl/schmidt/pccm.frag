@@ -1,0 +1,85 @@
+#version 460
+// `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), and between two maps
+// the blending that its section 6 suggests.
+
+#include "common/camera.glsl"
+#include "common/reflecting_pixel.glsl"
+#include "common/cube_map.glsl"
+
+struct LocalCubeMap {
+    vec4 position; // where the map was captured, world; w unused
+    vec4 box_min;  // proxy box, world; w unused
+    vec4 box_max;
+};
+
+layout(std140, binding = 4) uniform PccmBlock {
+    LocalCubeMap maps[2]; // the two nearest; twice the same where there is one
+} pccm;
+
+layout(binding = 5) uniform samplerCube first_map;
+layout(binding = 6) uniform samplerCube second_map;
+
+layout(location = 0) out vec4 out_reflection; // colour, and 1 in a: nothing fades
+
+struct Box {
+    vec3 min;
+    vec3 max;
+};
+
+// Listing 1. Departure: it samples the map itself; here the caller does, with the roughness, and so
+// gets the corrected vector.
+vec3 ParallaxCorrecteCubeMapping(in vec3 wsPosition, in vec3 wsReflectionVector, Box AABB, vec3 wsCubeMapPosition) {
+    // Intersect with first AABB plane
+    vec3 firstPlaneIntersection = (AABB.max - wsPosition) / wsReflectionVector;
+    // Intersect with second AABB plane
+    vec3 secondPlaneIntersection = (AABB.min - wsPosition) / wsReflectionVector;
+
+    // Furthest plane of each axis, and of these the nearest. Erratum, kept: a position outside the box
+    // gets a distance that means nothing.
+    vec3 furthesPlane = max(firstPlaneIntersection, secondPlaneIntersection);
+    float distance = min(min(furthesPlane.x, furthesPlane.y), furthesPlane.z);
+
+    vec3 wsIntersection = wsPosition + distance * wsReflectionVector;
+
+    // Calculate parallax-corrected reflection vector
+    // wsCubeMapPosition is the position from where the cube map was generated (reference point)
+    return wsIntersection - wsCubeMapPosition;
+}
+
+// Whether the map stands for a position's surroundings. A surface lies on its box as often as not, so
+// a twentieth of a metre counts as inside.
+bool IsInside(vec3 position, Box box) {
+    return all(greaterThanEqual(position, box.min - 0.05)) && all(lessThanEqual(position, box.max + 0.05));
+}
+
+void main() {
+    ReflectingPixel pixel = FetchReflectingPixel(gl_FragCoord.xy);
+    out_reflection = vec4(0.0);
+    if (!pixel.reflects) {
+        return;
+    }
+    vec3 corrected[2];
+    vec2 distances;
+    bvec2 inside;
+    for (int k = 0; k < 2; ++k) {
+        LocalCubeMap map = pccm.maps[k];
+        Box box = Box(map.box_min.xyz, map.box_max.xyz);
+        corrected[k] = ParallaxCorrecteCubeMapping(pixel.position, pixel.reflection, box, map.position.xyz);
+        distances[k] = distance(pixel.position, map.position.xyz);
+        inside[k] = IsInside(pixel.position, box);
+    }
+    // Within one of the boxes its map counts alone. Within both, or neither, each counts by the inverse
+    // square of the distance from where it was captured, so that at that place it is alone, too.
+    float second = distances[0] * distances[0] / max(dot(distances, distances), 1e-12);
+    if (inside[0] != inside[1]) {
+        second = inside[1] ? 1.0 : 0.0;
+    }
+    vec3 color = vec3(0.0);
+    if (second < 1.0) {
+        color += (1.0 - second) * SampleCube(first_map, corrected[0], pixel.roughness).rgb;
+    }
+    if (second > 0.0) {
+        color += second * SampleCube(second_map, corrected[1], pixel.roughness).rgb;
+    }
+    out_reflection = vec4(color, 1.0);
+}

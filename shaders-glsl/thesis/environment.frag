@@ -1,0 +1,19 @@
+#version 460
+// `environment`: a pre-filtered cube map by the direction of the reflection alone (thesis 3.1.3), as
+// if all that is seen were infinitely far: right for the sky, and for nothing else.
+
+#include "common/camera.glsl"
+#include "common/reflecting_pixel.glsl"
+#include "common/cube_map.glsl"
+
+layout(binding = 4) uniform samplerCube environment;
+
+layout(location = 0) out vec4 out_reflection; // colour, and 1 in a: nothing fades
+
+void main() {
+    ReflectingPixel pixel = FetchReflectingPixel(gl_FragCoord.xy);
+    out_reflection = vec4(0.0);
+    if (pixel.reflects) {
+        out_reflection = vec4(SampleCube(environment, pixel.reflection, pixel.roughness).rgb, 1.0);
+    }
+}

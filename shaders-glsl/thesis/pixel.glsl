@@ -1,0 +1,32 @@
+// What every ray of the thesis begins with: the pixel, whether it reflects, and Alg. 2's ray; and how
+// a ray ends. Needs parameters.glsl.
+
+layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimum and maximum
+layout(binding = 2) uniform sampler2D normalBuffer;    // view space
+layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
+
+#include "common/path.glsl"
+#include "thesis/reflection_ray.glsl"
+
+struct Pixel {
+    bool reflects;
+    vec3 P_ss;         // texture coordinates and standard depth
+    vec3 V_ss;         // reflection vector in screen space (Alg. 2)
+    vec3 reflection;   // direction in view space
+    float roughness;
+};
+
+Pixel ReadPixel(vec2 fragCoord) {
+    ivec2 coord = ivec2(fragCoord);
+    Pixel pixel = Pixel(false, vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+    vec2 material = texelFetch(materialBuffer, coord, 0).rg;
+    vec3 normal = texelFetch(normalBuffer, coord, 0).xyz;
+    // Early out: sky and what reflects nothing (author's program: both thresholds).
+    if (material.r <= 1e-4 || dot(normal, normal) <= 1e-4)
+        return pixel;
+    pixel.reflects = true;
+    pixel.roughness = material.g;
+    pixel.P_ss = vec3(fragCoord / thesis.resolution, texelFetch(hiZBuffer, coord, 0).r);
+    pixel.V_ss = ReflectionRay(pixel.P_ss.xy, pixel.P_ss.z, normalize(normal), pixel.reflection);
+    return pixel;
+}

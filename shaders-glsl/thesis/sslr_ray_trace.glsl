@@ -1,0 +1,41 @@
+// `sslr`, stage 1: uniform ray march, with the step chosen by roughness and no refinement (thesis
+// 4.3.1). Writes the colour at the intersection with the ray's length in a, and the mask; HITS adds
+// the intersection itself, which the method has no need of.
+
+#include "thesis/parameters.glsl"
+#include "thesis/pixel.glsl"
+#include "thesis/linear_ray_march.glsl"
+
+layout(binding = 4) uniform sampler2D colorBuffer; // lit colour
+
+layout(location = 0) out vec4 rayTraceColor;
+layout(location = 1) out float rayTraceMask;
+#ifdef HITS
+layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, PATH_*
+#define HIT(value) out_hit = value
+#else
+#define HIT(value)
+#endif
+
+void main() {
+    rayTraceColor = vec4(0.0);
+    rayTraceMask = 0.0;
+    HIT(vec4(INVALID_RAY, PATH_NONE));
+    Pixel pixel = ReadPixel(gl_FragCoord.xy);
+    if (!pixel.reflects)
+        return;
+
+    // "The higher the roughness the larger the step size" (both ends: author's program).
+    float stride = mix(thesis.uniform_stride_min, thesis.uniform_stride_max, pixel.roughness);
+    vec3 dir = normalize(pixel.V_ss);
+    vec3 hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.uniform_march_count);
+    HIT(vec4(hit, PATH_LINEAR_MISS));
+    if (hit == INVALID_RAY)
+        return;
+
+    hit -= dir * (stride * thesis.uniform_march_back);
+    float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);
+    rayTraceColor = vec4(textureLod(colorBuffer, hit.xy, 0.0).rgb, rayLength);
+    rayTraceMask = 1.0;
+    HIT(vec4(hit, PATH_LINEAR));
+}

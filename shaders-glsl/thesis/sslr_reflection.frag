@@ -1,0 +1,29 @@
+#version 460
+// `sslr`, stage 3: the reflection from the mip level that roughness and ray length ask for (thesis
+// 4.3.3, the listing). Line 6 and 10 of the listing are the composite.
+
+layout(binding = 0) uniform sampler2D rayTraceColorBuffer; // blurred, trilinear; a: ray length
+layout(binding = 1) uniform sampler2D maskBuffer;
+layout(binding = 2) uniform sampler2D materialBuffer;      // reflectivity, roughness
+
+layout(push_constant) uniform SslrReflectionBlock {
+    vec2 resolution;       // pixels
+    float mipCount;        // levels of the chain
+    float spreadingFactor; // 1 in print
+} sslr;
+
+layout(location = 0) out vec4 out_reflection; // colour; a: 1 where a ray hit
+
+void main() {
+    vec2 texCoord = gl_FragCoord.xy / sslr.resolution;
+    float roughness = texelFetch(materialBuffer, ivec2(gl_FragCoord.xy), 0).g;
+
+    // Determine MIP lod for reflection color
+    float spreading = textureLod(rayTraceColorBuffer, texCoord, 0.0).a * sslr.spreadingFactor;
+    float mipLod = sslr.mipCount * roughness * spreading;
+
+    // A miss has length 0, so that it reads its own black pixel.
+    vec3 rayTraceColor = textureLod(rayTraceColorBuffer, texCoord, mipLod).rgb;
+    float hit = texelFetch(maskBuffer, ivec2(gl_FragCoord.xy), 0).r;
+    out_reflection = vec4(rayTraceColor, hit);
+}

@@ -1,0 +1,87 @@
+//! Cube maps made at run time: the scene around a place, drawn by the scene passes, or the sky alone;
+//! both filtered by roughness. Not part of any frame's time.
+
+use super::SceneInput;
+use crate::error::Result;
+use crate::gpu::{FrameContext, Gpu, Image};
+use crate::passes::cube_filter::{CubeFilterPass, FACE_SIZE};
+use crate::passes::gbuffer::GBufferPass;
+use crate::passes::lighting::LightingPass;
+use crate::passes::scene_data::SceneData;
+use crate::scene::{Camera, Lens, Material, sky};
+use glam::Vec3;
+
+/// A quarter turn, so that six images close up. Reversed depth in floats bears the range.
+const LENS: Lens = Lens { fov_y_radians: std::f32::consts::FRAC_PI_2, near_m: 0.01, far_m: 10_000.0 };
+
+/// The camera of a cube map's face, in Vulkan's order +x −x +y −y +z −z. Its image is the face as it
+/// lies in memory: [`Camera::new`] turns up and down as the faces of the poles need it.
+pub fn face_camera(position: Vec3, face: usize) -> Camera {
+    Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), LENS, 1.0)
+}
+
+/// Draws the scene around some places, with its lighting, and filters what was drawn: one map a place.
+pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
+    let gpu: Gpu = context.gpu().clone();
+    let gbuffer = GBufferPass::new(&gpu, [FACE_SIZE; 2])?;
+    let lighting = LightingPass::new(&gpu)?;
+    let filter = CubeFilterPass::new(&gpu)?;
+    let source = CubeFilterPass::source(&gpu)?;
+    let mut maps = Vec::with_capacity(places.len());
+    for place in places {
+        for face in 0..6 {
+            let camera = face_camera(*place, face);
+            context.once(|frame| {
+                gbuffer.record(frame, scene.data, scene.materials, &camera)?;
+                let images = gbuffer.gbuffer();
+                lighting.record(frame, &images, gbuffer.albedo(), scene.data, &camera)?;
+                frame.copy_to_layer("face", images.color.level(0), source.level(0), face as u32)
+            })?;
+        }
+        let map = CubeFilterPass::target(&gpu, "cube map")?;
+        context.once(|frame| filter.record(frame, &source, &map))?;
+        maps.push(map);
+    }
+    Ok(maps)
+}
+
+/// Filters the sky: what is seen at infinity, from everywhere the same.
+pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Image> {
+    let gpu: Gpu = context.gpu().clone();
+    let filter = CubeFilterPass::new(&gpu)?;
+    let source = CubeFilterPass::source(&gpu)?;
+    let map = CubeFilterPass::target(&gpu, "environment map")?;
+    context.once(|frame| {
+        frame.blit("sky", scene.sky().level(0), source.level(0))?;
+        filter.record(frame, &source, &map)
+    })?;
+    Ok(map)
+}
+
+/// The materials with all that a capture does not show set to nothing: a map stays right while this
+/// stays the same.
+pub fn captured_of(materials: &[Material]) -> Vec<Material> {
+    let bare = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
+    materials.iter().map(bare).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec4Swizzles;
+
+    #[test]
+    fn a_face_camera_sees_the_directions_of_its_texels() {
+        let position = Vec3::new(3.0, -1.0, 2.0);
+        for face in 0..6 {
+            let camera = face_camera(position, face);
+            for (u, v) in [(0.5, 0.5), (0.1, 0.5), (0.5, 0.1), (0.9, 0.8)] {
+                let world = position + 5.0 * sky::face_direction(face, u, v);
+                let clip = camera.view_to_clip() * camera.world_to_view * world.extend(1.0);
+                let ndc = clip.xy() / clip.w;
+                let seen = glam::Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+                assert!(clip.w > 0.0 && seen.abs_diff_eq(glam::Vec2::new(u, v), 1e-5), "{face}: {seen}");
+            }
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! `environment`: a pre-filtered cube map, looked up by the reflection's direction (thesis §3.1.3), and
+//! as the fallback of §4.2.11 the skybox behind a screen-space method.
+//!
+//! The map holds the environment of DEFINITIONS: the sky, as it is seen where nothing stands. That is
+//! the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
+//! things is right from one point only, except for light from infinitely far. `pccm` is the method
+//! with captured maps. Level by level the map is blurred by the lobe of a roughness.
+
+use super::capture::filtered_sky;
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use crate::error::{Error, Result};
+use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::environment::EnvironmentPass;
+use crate::passes::{Content, CubeMap};
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    name: "environment",
+    summary: "pre-filtered cube map of the sky, looked up by direction",
+    source: "Hermanns 2015, §3.1.3, §4.2.11",
+    sees: Sees::Scene,
+    settings: |base| vec![base],
+    create: |gpu, setup| Ok(Box::new(EnvironmentMethod::new(gpu, setup)?)),
+};
+
+/// The lookup, and the map once there is one.
+pub struct EnvironmentMethod {
+    pass: EnvironmentPass,
+    map: Option<Image>,
+}
+
+impl EnvironmentMethod {
+    /// Without a map; preparing makes it.
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        Ok(Self { pass: EnvironmentPass::new(gpu, setup.extent)?, map: None })
+    }
+}
+
+impl Method for EnvironmentMethod {
+    fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        // The sky does not change with the materials.
+        if self.map.is_none() {
+            self.map = Some(filtered_sky(context, scene.data)?);
+        }
+        Ok(())
+    }
+
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let Some(map) = &self.map else { return Err(Error::Usage("environment was not given the scene".into())) };
+        let reflection = self.pass.record(frame, &input.gbuffer, input.camera, CubeMap(map))?;
+        let intermediates = vec![Intermediate { name: "environment-map", content: Content::Color, image: map }];
+        Ok(Traced { intermediates, ..Traced::new(reflection) })
+    }
+}

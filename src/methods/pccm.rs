@@ -1,0 +1,96 @@
+//! `pccm`: parallax-corrected cube maps (Schmidt 2013, section 5.2, listing 1). The maps are captured at
+//! the scene's probes by this renderer; two are used in a frame, blended in each pixel (section 6).
+
+use super::capture::{capture, captured_of};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use crate::error::{Error, Result};
+use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::pccm::PccmPass;
+use crate::passes::{Content, CubeMap};
+use crate::scene::{Material, Probe};
+use glam::Vec3;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    name: "pccm",
+    summary: "cube maps captured in the scene, corrected for parallax by proxy boxes",
+    source: "Schmidt 2013, §5.2, listing 1",
+    sees: Sees::Scene,
+    settings: |base| vec![base],
+    create: |gpu, setup| Ok(Box::new(PccmMethod::new(gpu, setup)?)),
+};
+
+/// The lookup, and the maps once they are captured.
+pub struct PccmMethod {
+    pass: PccmPass,
+    maps: Vec<(Probe, Image)>,
+    /// Of what the maps were captured.
+    captured: Vec<Material>,
+}
+
+impl PccmMethod {
+    /// Without maps; preparing captures them.
+    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        Ok(Self { pass: PccmPass::new(gpu, setup.extent)?, maps: Vec::new(), captured: Vec::new() })
+    }
+}
+
+impl Method for PccmMethod {
+    fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        let captured = captured_of(scene.materials);
+        if self.maps.is_empty() || self.captured != captured {
+            let probes = scene.data.probes();
+            let places: Vec<Vec3> = probes.iter().map(|p| p.position).collect();
+            self.maps = probes.iter().cloned().zip(capture(context, scene, &places)?).collect();
+            self.captured = captured;
+        }
+        Ok(())
+    }
+
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let Some(nearest) = two_nearest(&self.maps, |(probe, _)| probe, input.camera.eye()) else {
+            return Err(Error::Usage("pccm was not given the scene".into()));
+        };
+        let maps = nearest.map(|(probe, map)| (probe, CubeMap(map)));
+        let reflection = self.pass.record(frame, &input.gbuffer, input.camera, maps)?;
+        let shown = |name, (_, map): &'a (Probe, Image)| Intermediate { name, content: Content::Color, image: map };
+        let intermediates = vec![shown("first-map", nearest[0]), shown("second-map", nearest[1])];
+        Ok(Traced { intermediates, ..Traced::new(reflection) })
+    }
+}
+
+/// The two maps of a frame: those whose box the camera is in, or is nearest to; among equals those
+/// captured nearest to the camera. Twice the same if there is one; `None` if there is none.
+fn two_nearest<T>(maps: &[T], probe: impl Fn(&T) -> &Probe, eye: Vec3) -> Option<[&T; 2]> {
+    let distances = |map: &T| {
+        let Probe { position, bounds, .. } = probe(map);
+        [eye.distance(eye.clamp(bounds.min, bounds.max)), eye.distance(*position)]
+    };
+    let mut sorted: Vec<&T> = maps.iter().collect();
+    sorted.sort_by(|a, b| distances(a).partial_cmp(&distances(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let first = *sorted.first()?;
+    Some([first, sorted.get(1).copied().unwrap_or(first)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Aabb;
+
+    #[test]
+    fn the_boxes_around_the_camera_come_first() {
+        let probe = |name: &str, position: f32, from: f32, to: f32| Probe {
+            name: name.into(),
+            position: Vec3::X * position,
+            bounds: Aabb { min: Vec3::new(from, -1.0, -1.0), max: Vec3::new(to, 1.0, 1.0) },
+        };
+        let all = [probe("far", 9.0, 8.0, 12.0), probe("next", 3.1, 3.0, 8.0), probe("here", -2.0, -4.0, 3.0)];
+        let of =
+            |probes: &[Probe], x: f32| two_nearest(probes, |p| p, Vec3::X * x).map(|two| two.map(|p| p.name.clone()));
+        // In the box of "here", though "next" was captured nearer by.
+        assert_eq!(of(&all, 2.9).unwrap(), ["here", "next"]);
+        assert_eq!(of(&all, 8.5).unwrap(), ["far", "next"]);
+        assert_eq!(of(&all[..1], 0.0).unwrap(), ["far", "far"]);
+        assert!(of(&[], 0.0).is_none());
+    }
+}

@@ -1,0 +1,53 @@
+//! The lookup of `environment`: a filtered cube map by the reflection's direction (thesis §3.1.3).
+
+use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
+use crate::error::Result;
+use crate::gpu::shader::THESIS_ENVIRONMENT_FRAG;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::scene::Camera;
+use ash::vk;
+
+/// Pipeline and image of one size.
+pub struct EnvironmentPass {
+    pipeline: GraphicsPipeline,
+    reflection: Image,
+}
+
+impl EnvironmentPass {
+    /// For a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        let desc = ImageDesc { name: "environment", format: LIT_COLOR, extent, levels: 1, layers: 1, usage };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_ENVIRONMENT_FRAG, &[LIT_COLOR])?,
+            reflection: Image::new(gpu, &desc)?,
+        })
+    }
+
+    /// Pass "environment". Nothing fades.
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        map: CubeMap,
+    ) -> Result<Reflection<'_>> {
+        let camera = camera_block(camera, gbuffer.depth.extent());
+        let resources = [
+            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
+            ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+            ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ("environment", Resource::trilinear(map.0.all())),
+        ];
+        frame.fullscreen(
+            "environment",
+            &self.pipeline,
+            &[Target::overwrite(self.reflection.all())],
+            &resources,
+            &[],
+        )?;
+        Ok(Reflection(&self.reflection))
+    }
+}

@@ -1,0 +1,80 @@
+//! The linear marches of thesis §4.2.2 for every ray, and a mirror lookup where they end.
+
+use super::{GBuffer, HiZ, Hits, Reflection};
+use crate::error::Result;
+use crate::gpu::shader::{
+    THESIS_LINEAR_FIXED_FRAG, THESIS_LINEAR_FIXED_HITS_FRAG, THESIS_LINEAR_GROWING_FRAG,
+    THESIS_LINEAR_GROWING_HITS_FRAG, ThesisBlock,
+};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use ash::vk;
+
+const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Which of the two listings marches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum March {
+    /// The second: a stride that grows, and a binary search.
+    #[default]
+    Growing,
+    /// The first: a constant stride, and nothing after it.
+    Fixed,
+}
+
+/// Pipeline and images of one size.
+pub struct LinearTracePass {
+    pipeline: GraphicsPipeline,
+    reflection: Image,
+    hits: Option<Image>,
+}
+
+impl LinearTracePass {
+    /// With the hits or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, with_hits: bool) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let image = |name, format| {
+            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        };
+        let shader = match (march, with_hits) {
+            (March::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
+            (March::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,
+            (March::Fixed, false) => &THESIS_LINEAR_FIXED_FRAG,
+            (March::Fixed, true) => &THESIS_LINEAR_FIXED_HITS_FRAG,
+        };
+        let targets = if with_hits { &[REFLECTION, HITS][..] } else { &[REFLECTION] };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, shader, targets)?,
+            reflection: image("reflection", REFLECTION)?,
+            hits: with_hits.then(|| image("hits", HITS)).transpose()?,
+        })
+    }
+
+    /// Pass "ray trace".
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        depth: HiZ,
+        parameters: &ThesisBlock,
+    ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
+        let mut targets = vec![Target::overwrite(self.reflection.all())];
+        targets.extend(self.hits.as_ref().map(|h| Target::overwrite(h.all())));
+        frame.fullscreen(
+            "ray trace",
+            &self.pipeline,
+            &targets,
+            &[
+                ("thesis", Resource::Uniform(bytemuck::bytes_of(parameters))),
+                ("hiZBuffer", Resource::trilinear(depth.0.level(0))),
+                ("normalBuffer", Resource::nearest(gbuffer.normal.all())),
+                ("materialBuffer", Resource::nearest(gbuffer.material.all())),
+                ("colorBuffer", Resource::trilinear(gbuffer.color.level(0))),
+            ],
+            &[],
+        )?;
+        Ok((Reflection(&self.reflection), self.hits.as_ref().map(Hits)))
+    }
+}

@@ -1,0 +1,59 @@
+//! The lookup of `pccm`: two cube maps, each corrected for parallax by its proxy box, blended (Schmidt
+//! 2013, section 5.2, listing 1, and section 6).
+
+use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
+use crate::error::Result;
+use crate::gpu::shader::{LocalCubeMap, PccmBlock, SCHMIDT_PCCM_FRAG};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::scene::{Camera, Probe};
+use ash::vk;
+
+/// Pipeline and image of one size.
+pub struct PccmPass {
+    pipeline: GraphicsPipeline,
+    reflection: Image,
+}
+
+impl PccmPass {
+    /// For a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        let desc = ImageDesc { name: "pccm", format: LIT_COLOR, extent, levels: 1, layers: 1, usage };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_PCCM_FRAG, &[LIT_COLOR])?,
+            reflection: Image::new(gpu, &desc)?,
+        })
+    }
+
+    /// Pass "pccm" with two maps, or twice the same. Nothing fades.
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        maps: [(&Probe, CubeMap); 2],
+    ) -> Result<Reflection<'_>> {
+        let camera = camera_block(camera, gbuffer.depth.extent());
+        let block = PccmBlock { maps: maps.map(|(probe, _)| local_cube_map(probe)) };
+        let resources = [
+            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
+            ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+            ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ("pccm", Resource::Uniform(bytemuck::bytes_of(&block))),
+            ("first_map", Resource::trilinear(maps[0].1.0.all())),
+            ("second_map", Resource::trilinear(maps[1].1.0.all())),
+        ];
+        frame.fullscreen("pccm", &self.pipeline, &[Target::overwrite(self.reflection.all())], &resources, &[])?;
+        Ok(Reflection(&self.reflection))
+    }
+}
+
+fn local_cube_map(probe: &Probe) -> LocalCubeMap {
+    LocalCubeMap {
+        position: probe.position.extend(1.0).to_array(),
+        box_min: probe.bounds.min.extend(1.0).to_array(),
+        box_max: probe.bounds.max.extend(1.0).to_array(),
+    }
+}

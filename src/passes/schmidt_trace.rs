@@ -1,0 +1,75 @@
+//! The screen-space march of `ssr` and `ssr-fast` (Schmidt 2013, section 5.4.1, listings 4 and 5).
+
+use super::{GBuffer, Hits, LIT_COLOR, Reflection, camera_block};
+use crate::error::Result;
+use crate::gpu::image::ImageSlice;
+use crate::gpu::shader::{
+    SCHMIDT_SSR_FAST_FRAG, SCHMIDT_SSR_FAST_HITS_FRAG, SCHMIDT_SSR_FRAG, SCHMIDT_SSR_HITS_FRAG, SchmidtBlock,
+};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::scene::Camera;
+use ash::vk;
+
+const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// Which march.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum March {
+    /// Listing 4: a sample a pixel.
+    PerPixel,
+    /// Listing 5: ten steps forward, a tenth back.
+    Optimized,
+}
+
+/// Pipeline and images of one size.
+pub struct SchmidtTracePass {
+    pipeline: GraphicsPipeline,
+    reflection: Image,
+    hits: Option<Image>,
+}
+
+impl SchmidtTracePass {
+    /// With an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, hits: bool) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let image = |name, format| {
+            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+        };
+        let shader = match (march, hits) {
+            (March::PerPixel, false) => &SCHMIDT_SSR_FRAG,
+            (March::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,
+            (March::Optimized, false) => &SCHMIDT_SSR_FAST_FRAG,
+            (March::Optimized, true) => &SCHMIDT_SSR_FAST_HITS_FRAG,
+        };
+        let targets: &[vk::Format] = if hits { &[LIT_COLOR, HITS] } else { &[LIT_COLOR] };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, shader, targets)?,
+            reflection: image("reflection", LIT_COLOR)?,
+            hits: hits.then(|| image("hits", HITS)).transpose()?,
+        })
+    }
+
+    /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur.
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        diffuse: ImageSlice,
+        camera: &Camera,
+        parameters: &SchmidtBlock,
+    ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
+        let camera = camera_block(camera, gbuffer.depth.extent());
+        let mut targets = vec![Target::overwrite(self.reflection.all())];
+        targets.extend(self.hits.as_ref().map(|h| Target::overwrite(h.all())));
+        let resources = [
+            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
+            ("DepthTex", Resource::nearest(gbuffer.depth.all())),
+            ("normalBuffer", Resource::nearest(gbuffer.normal.all())),
+            ("materialBuffer", Resource::nearest(gbuffer.material.all())),
+            ("DiffuseTex", Resource::trilinear(diffuse)),
+        ];
+        frame.fullscreen("ray march", &self.pipeline, &targets, &resources, bytemuck::bytes_of(parameters))?;
+        Ok((Reflection(&self.reflection), self.hits.as_ref().map(Hits)))
+    }
+}

@@ -1,0 +1,91 @@
+//! Capital letters and digits as strokes, for signs: each a set of polylines on a grid of four by six,
+//! y downwards, so that they stay round and even at every size, like bent glass tubes.
+
+use glam::Vec2;
+
+/// Width and height of a letter in its own units.
+const LETTER: Vec2 = Vec2::new(4.0, 6.0);
+/// Room between two letters, along the text or (stacked) down it.
+const GAP: Vec2 = Vec2::new(1.9, 2.1);
+
+type Stroke = &'static [(f32, f32)];
+
+/// A line of text, or letters below one another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Text {
+    /// Capital letters, digits, space and `>` (an arrow); anything else is left blank.
+    pub letters: &'static str,
+    /// Whether the letters stand below one another.
+    pub stacked: bool,
+}
+
+impl Text {
+    /// Width and height in units of the letters' grid.
+    pub fn size(&self) -> Vec2 {
+        let count = self.letters.chars().count() as f32;
+        let steps = (count - 1.0).max(0.0);
+        if self.stacked {
+            Vec2::new(LETTER.x, LETTER.y * count + GAP.y * steps)
+        } else {
+            Vec2::new(LETTER.x * count + GAP.x * steps, LETTER.y)
+        }
+    }
+
+    /// Distance from a point to the nearest stroke, in units of the grid, the text's top left being
+    /// the origin. Only letters within a gap of the point count.
+    pub fn distance(&self, at: Vec2) -> f32 {
+        let step = if self.stacked { Vec2::new(0.0, LETTER.y + GAP.y) } else { Vec2::new(LETTER.x + GAP.x, 0.0) };
+        let letters = self.letters.chars().enumerate();
+        letters
+            .map(|(k, letter)| (at - step * k as f32, letter))
+            .filter(|(p, _)| p.cmpgt(-GAP).all() && p.cmplt(LETTER + GAP).all())
+            .flat_map(|(p, letter)| strokes(letter).iter().map(move |stroke| to_stroke(p, stroke)))
+            .fold(f32::INFINITY, f32::min)
+    }
+}
+
+fn to_stroke(at: Vec2, stroke: Stroke) -> f32 {
+    stroke.windows(2).map(|ends| to_segment(at, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
+}
+
+/// Distance from a point to the segment between two others.
+pub fn to_segment(at: Vec2, a: Vec2, b: Vec2) -> f32 {
+    let along = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
+    at.distance(a.lerp(b, along))
+}
+
+#[rustfmt::skip]
+fn strokes(letter: char) -> &'static [Stroke] {
+    match letter {
+        'A' => &[&[(0.0, 6.0), (2.0, 0.0), (4.0, 6.0)], &[(0.8, 4.0), (3.2, 4.0)]],
+        'B' => &[&[(0.0, 3.0), (3.0, 3.0), (4.0, 4.0), (4.0, 5.0), (3.0, 6.0), (0.0, 6.0), (0.0, 0.0), (2.8, 0.0),
+            (3.6, 0.8), (3.6, 2.2), (2.8, 3.0)]],
+        'C' => &[&[(4.0, 1.0), (3.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 5.0), (1.0, 6.0), (3.0, 6.0), (4.0, 5.0)]],
+        'E' => &[&[(4.0, 0.0), (0.0, 0.0), (0.0, 6.0), (4.0, 6.0)], &[(0.0, 3.0), (3.0, 3.0)]],
+        'F' => &[&[(4.0, 0.0), (0.0, 0.0), (0.0, 6.0)], &[(0.0, 3.0), (3.0, 3.0)]],
+        'H' => &[&[(0.0, 0.0), (0.0, 6.0)], &[(4.0, 0.0), (4.0, 6.0)], &[(0.0, 3.0), (4.0, 3.0)]],
+        'I' => &[&[(2.0, 0.0), (2.0, 6.0)], &[(0.8, 0.0), (3.2, 0.0)], &[(0.8, 6.0), (3.2, 6.0)]],
+        'K' => &[&[(0.0, 0.0), (0.0, 6.0)], &[(4.0, 0.0), (0.0, 3.4)], &[(1.4, 2.4), (4.0, 6.0)]],
+        'L' => &[&[(0.0, 0.0), (0.0, 6.0), (4.0, 6.0)]],
+        'M' => &[&[(0.0, 6.0), (0.0, 0.0), (2.0, 3.2), (4.0, 0.0), (4.0, 6.0)]],
+        'N' => &[&[(0.0, 6.0), (0.0, 0.0), (4.0, 6.0), (4.0, 0.0)]],
+        'O' => &[&[(1.0, 0.0), (3.0, 0.0), (4.0, 1.0), (4.0, 5.0), (3.0, 6.0), (1.0, 6.0), (0.0, 5.0), (0.0, 1.0),
+            (1.0, 0.0)]],
+        'P' => &[&[(0.0, 6.0), (0.0, 0.0), (3.0, 0.0), (4.0, 1.0), (4.0, 2.2), (3.0, 3.2), (0.0, 3.2)]],
+        'R' => &[&[(0.0, 6.0), (0.0, 0.0), (3.0, 0.0), (4.0, 1.0), (4.0, 2.2), (3.0, 3.2), (0.0, 3.2)],
+            &[(2.0, 3.2), (4.0, 6.0)]],
+        'S' => &[&[(4.0, 1.0), (3.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.0, 2.0), (1.0, 3.0), (3.0, 3.0), (4.0, 4.0),
+            (4.0, 5.0), (3.0, 6.0), (1.0, 6.0), (0.0, 5.0)]],
+        'T' => &[&[(0.0, 0.0), (4.0, 0.0)], &[(2.0, 0.0), (2.0, 6.0)]],
+        'U' => &[&[(0.0, 0.0), (0.0, 5.0), (1.0, 6.0), (3.0, 6.0), (4.0, 5.0), (4.0, 0.0)]],
+        'X' => &[&[(0.0, 0.0), (4.0, 6.0)], &[(4.0, 0.0), (0.0, 6.0)]],
+        '1' => &[&[(1.0, 1.2), (2.4, 0.0), (2.4, 6.0)]],
+        '2' => &[&[(0.0, 1.2), (1.0, 0.0), (3.0, 0.0), (4.0, 1.0), (4.0, 2.2), (0.0, 6.0), (4.0, 6.0)]],
+        '3' => &[&[(0.0, 0.6), (1.0, 0.0), (3.0, 0.0), (4.0, 1.0), (4.0, 2.0), (3.0, 2.9), (1.6, 2.9)],
+            &[(3.0, 2.9), (4.0, 4.0), (4.0, 5.0), (3.0, 6.0), (1.0, 6.0), (0.0, 5.2)]],
+        '4' => &[&[(3.0, 6.0), (3.0, 0.0), (0.0, 4.2), (4.0, 4.2)]],
+        '7' => &[&[(0.0, 0.0), (4.0, 0.0), (1.4, 6.0)]],
+        '>' => &[&[(0.0, 3.0), (4.0, 3.0)], &[(2.2, 1.2), (4.0, 3.0), (2.2, 4.8)]],
+        _ => &[],
+    }
+}
