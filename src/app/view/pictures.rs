@@ -74,7 +74,10 @@ pub struct Pictures {
     shown: [Option<Shown>; 2],
     /// The first method with its ray trace as a pass of its own, which gives the hits.
     split: Option<(Side, Shot)>,
+    /// The frame that the pictures are of, if nothing made them stale.
     rendered: Option<Wanted>,
+    /// The last frame that was rendered at all.
+    last: Option<Wanted>,
     materials: Vec<Material>,
 }
 
@@ -86,6 +89,7 @@ impl Pictures {
             shown: [None, None],
             split: None,
             rendered: None,
+            last: None,
             materials: Vec::new(),
         })
     }
@@ -109,7 +113,7 @@ impl Pictures {
 
     /// Tries whether pipelines can be made as the last frame had them.
     pub fn try_pipelines(&mut self) -> Result<()> {
-        let Some(wanted) = self.rendered.clone() else { return Ok(()) };
+        let Some(wanted) = self.last.clone() else { return Ok(()) };
         wanted.sides.iter().try_for_each(|side| self.shot(side, &wanted).map(|_| ()))
     }
 
@@ -162,6 +166,7 @@ impl Pictures {
             self.materials.clone_from(&wanted.materials);
         }
         self.rendered = Some(wanted.clone());
+        self.last = Some(wanted.clone());
         Ok(())
     }
 

@@ -287,14 +287,16 @@ impl Viewer {
             let replaced = &self.gpu.shared().replaced_shaders;
             let said = made.and_then(|code| {
                 let before = replaced.set(shader, Some(code));
-                self.pictures.try_pipelines().map_err(|e| {
+                let tried = self.pictures.try_pipelines();
+                tried.and_then(|()| LookPass::new(&self.gpu, self.screen.format())).map_err(|e| {
                     replaced.set(shader, before);
                     e.to_string()
                 })
             });
-            if said.is_ok() {
+            let said = said.map(|look| {
+                self.look = look;
                 self.pictures.discard_pipelines();
-            }
+            });
             shaders.said.retain(|(name, _)| *name != shader.name);
             shaders.said.insert(0, (shader.name, said));
         }

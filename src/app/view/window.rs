@@ -178,7 +178,8 @@ impl App {
         }
         let wait = [again.map(|d| now + d), self.script.deadline()].into_iter().flatten().min();
         events.set_control_flow(wait.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
-        if goes_on || self.script.is_running() {
+        // What another thread works out wakes the loop when it is there.
+        if goes_on || (self.script.is_running() && !viewer.is_waiting()) {
             open.window.request_redraw();
         }
         Ok(())
