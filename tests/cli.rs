@@ -278,6 +278,69 @@ fn time_reports_every_pass_of_every_method_and_size() {
 }
 
 #[test]
+fn a_path_gives_frames_per_second_of_each_method() {
+    let folder = Folder::new();
+    let way = "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
+    std::fs::write(folder.path("way.toml"), way).unwrap();
+    let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
+    let succeed = |own: &[&str]| {
+        let output = folder.run(&[&["time"], own, &args].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let records = records.as_array().unwrap();
+    assert_eq!(records.len(), 4, "two methods, two sizes");
+    for r in records {
+        assert_eq!((&r["kind"], &r["definitions"], &r["view"]), (&"path".into(), &1.into(), &"way".into()));
+        let frames = r["frames"].as_array().unwrap();
+        assert_eq!(frames.len(), 5);
+        for f in frames {
+            let of = |name: &str| f[name].as_f64().unwrap();
+            assert!(of("frame_ms") > of("effect_ms") && of("effect_ms") > 0.0, "{f}");
+            assert!((of("fps") * of("frame_ms") - 1000.0).abs() < 1e-3, "{f}");
+        }
+        let fps = |name: &str| r["fps"][name].as_f64().unwrap();
+        assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");
+    }
+    assert_eq!(folder.list("p"), ["path-frames.csv", "path.json", "path.svg", "path.txt"]);
+    let rows = csv::Reader::from_path(folder.path("p/path-frames.csv")).unwrap().into_records().count();
+    assert_eq!(rows, 4 * 5);
+    let svg = std::fs::read_to_string(folder.path("p/path.svg")).unwrap();
+    assert_eq!(svg.matches("<polyline").count(), 4, "a line a record");
+    let text = succeed(&["--path", "views"]);
+    assert!(text.contains("rooms views") && text.contains("1 % low"), "{text}");
+    let output = folder.run(&["time", "--path", "nowhere"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("neither a path of scene") && said.contains("views"), "{said}");
+}
+
+#[test]
+fn captions_stand_beside_what_is_measured() {
+    let folder = Folder::new();
+    let quick = ["--table", "captions", "--samples", "1", "--warmup", "0", "--reference-rays", "1"];
+    let succeed = |own: &[&str]| {
+        let output = folder.run(&[&["time"], &quick[..], own].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = succeed(&["--view", "window-floor"]);
+    let row = said.lines().find(|l| l.starts_with("5.2")).unwrap();
+    assert!(["HZCT", "2.25", "1.12", "0.50", "960 x 540"].iter().all(|w| row.contains(w)), "{row}");
+    let json = succeed(&["--view", "corridor", "--json"]);
+    let records: Value = serde_json::from_str(&json).unwrap();
+    let kinds: Vec<_> = records.as_array().unwrap().iter().map(|r| (&r["kind"], &r["method"], &r["width"])).collect();
+    let expected = [("time", "ssct"), ("reference", "reference")].map(|(k, m)| (k.into(), m.into(), 1280.into()));
+    assert_eq!(kinds, expected.iter().map(|(k, m, w): &(Value, Value, Value)| (k, m, w)).collect::<Vec<_>>());
+    assert!(records[1]["wall_ms"].as_f64().unwrap() > 0.0 && records[1]["rays"] == 1);
+    for wrong in [["--method", "ssct"], ["--view", "ceiling"]] {
+        assert_eq!(folder.run(&[&["time", "--table", "captions"][..], &wrong].concat()).status.code(), Some(2));
+    }
+}
+
+#[test]
 fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let folder = Folder::new();
     let output = folder.run(&["study", "--quick", "-o", "out"]);
@@ -296,10 +359,10 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     };
     let images = folder.list("out/images");
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
-    // Per scene: direct light and each method; and two figures.
+    // Per scene: direct light and each method; and four figures.
     let methods = ssct::methods::METHODS.len();
     let scenes = ssct::scene::library::names().len();
-    assert_eq!(images.len(), scenes * (1 + methods) + 2);
+    assert_eq!(images.len(), scenes * (1 + methods) + 4);
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));

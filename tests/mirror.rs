@@ -329,7 +329,7 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
                     "{what}: {reached_share:.3} in reach, {right_share:.3} right, {beyond:.3} beyond; median {median:.3} of a step"
                 );
                 assert!(all.len() > 1000 && reached_share > 0.05, "{what}");
-                assert!(right_share > 0.97 * reached_share, "{what}");
+                assert!(right_share > 0.99 * reached_share, "{what}");
                 assert!(beyond < 0.01, "{what}: nothing is hit beyond the last step");
                 // Rays meet the wall anywhere in a step; a stride far below a pixel drowns in Alg. 2's error.
                 if stride > 2.0 * pixel / 3.0 {
@@ -356,8 +356,8 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
                 let found = share(&all, |e| e.hit.is_some());
                 let right = share(&all, |e| within(e) && e.beside < SLOPE_PIXELS);
                 println!("{what}: {found:.3} of {} found, {right:.3} within epsilon", all.len());
-                assert!(all.len() > 1000 && found > 0.8, "{what}");
-                assert!(right > 0.97 * found, "{what}");
+                assert!(all.len() > 1000 && found > 0.98, "{what}");
+                assert!(right > 0.99 * found, "{what}");
             }
         }
     }
@@ -368,7 +368,7 @@ fn cones_of_no_width_meet_the_wall_where_they_should() {
     let gpu = gpu();
     let extent = [321, 239];
     for poster_filter in [PosterFilter::Mip, PosterFilter::Volume] {
-        for (preset, least) in [(Preset::Published, 0.5), (Preset::Author, 0.8)] {
+        for (preset, least) in [(Preset::Published, 0.97), (Preset::Author, 0.99)] {
             let case = Case { roll: 0.3 };
             let setup = Setup { preset, poster_filter, split: true, fade: false, ..Setup::new(extent) };
             let shown = show(&gpu, &case.scene(), case.camera(extent), "poster", &setup, &Globals::default());
@@ -416,7 +416,7 @@ fn right_is_right_and_down_is_up() {
     for (method, setup, roughness) in [
         ("ssct", usual, 0.0),
         ("hzct", usual, 0.0),
-        ("sslr", usual, 0.1),
+        ("sslr", usual, 0.03),
         ("linear", author, 0.0),
         ("linear", fixed, 0.0),
         ("poster", author, 0.0),
@@ -434,11 +434,14 @@ fn right_is_right_and_down_is_up() {
         assert_eq!(bytes(lit.at(280, 10)), WHITE);
         assert_eq!(bytes(lit.at(40, 130)), BLUE);
         assert_eq!(bytes(lit.at(280, 130)), RED);
-        // Mirrored in the floor: sides stay, up and down change places.
-        assert_eq!(bytes(reflection.at(40, 160)), BLUE, "{method}");
-        assert_eq!(bytes(reflection.at(280, 160)), RED, "{method}");
-        assert_eq!(bytes(reflection.at(40, 235)), GREEN, "{method}");
-        assert_eq!(bytes(reflection.at(280, 235)), WHITE, "{method}");
+        // Mirrored in the floor: sides stay, up and down change places. SSLR's blur may mix in a hundredth
+        // of the next quarter, which sRGB shows as 25.
+        let slack = if roughness > 0.0 { 25 } else { 0 };
+        for (x, y, color) in [(40, 160, BLUE), (280, 160, RED), (40, 235, GREEN), (280, 235, WHITE)] {
+            let found = bytes(reflection.at(x, y));
+            let near = found.iter().zip(color).all(|(f, c)| f.abs_diff(c) <= slack);
+            assert!(near, "{method}, {setup:?}, ({x}, {y}): {found:?}, not {color:?}");
+        }
         assert_eq!(reflection.at(40, 10), [0.0; 4], "the wall does not reflect");
     }
 }

@@ -45,7 +45,7 @@ fn render(gpu: &Gpu, scene: &Scene, view: &str, size: [u32; 2], method: &str, ro
     let (_, _, output) = stage.output(&shot).unwrap();
     Rendered {
         hits: hit_positions(&stage.context.read(output.traced.hits.unwrap().0.all()).unwrap()),
-        reflection: stage.context.read(output.traced.reflection.0.all()).unwrap(),
+        reflection: stage.context.read(output.traced.reflection.unwrap().0.all()).unwrap(),
         gbuffer: gbuffer::read(&mut stage.context, &shot).unwrap(),
     }
 }

@@ -22,8 +22,9 @@ void main() {
     float spreading = textureLod(rayTraceColorBuffer, texCoord, 0.0).a * sslr.spreadingFactor;
     float mipLod = sslr.mipCount * roughness * spreading;
 
-    // A miss has length 0, so that it reads its own black pixel.
     vec3 rayTraceColor = textureLod(rayTraceColorBuffer, texCoord, mipLod).rgb;
-    float hit = texelFetch(maskBuffer, ivec2(gl_FragCoord.xy), 0).r;
-    out_reflection = vec4(rayTraceColor, hit);
+
+    // A miss has length 0 and reads its own black pixel, but for the rounding of the filter's weights.
+    bool hit = texelFetch(maskBuffer, ivec2(gl_FragCoord.xy), 0).r > 0.0;
+    out_reflection = hit ? vec4(rayTraceColor, 1.0) : vec4(0.0);
 }

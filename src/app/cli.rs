@@ -37,6 +37,8 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Make every figure of the theses, and a page that shows them.
+    Figures(FiguresOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
     /// Write the ground truth for another renderer to check.
@@ -193,7 +195,10 @@ pub struct RenderOptions {
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// Print what was drawn and recorded, as JSON.
+    /// Print which passes were recorded, and which were not and why.
+    #[arg(long, conflicts_with = "json")]
+    pub explain: bool,
+    /// Print what was drawn, recorded and skipped, as JSON.
     #[arg(long)]
     pub json: bool,
 }
@@ -358,6 +363,22 @@ pub struct StudyOptions {
     /// The folder; its page is index.html.
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub output: PathBuf,
+    #[command(flatten)]
+    pub device: DeviceOptions,
+}
+
+/// Options of `ssct figures`.
+#[derive(Debug, Args)]
+pub struct FiguresOptions {
+    /// The folder; its page is index.html.
+    #[arg(short, long, value_name = "DIR", default_value = "figures")]
+    pub output: PathBuf,
+    /// Only the figures of these numbers, such as 4.5,5.2 or schmidt-27.
+    #[arg(long, value_name = "NUMBER", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Width and height of each render, instead of those in print.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
     #[command(flatten)]
     pub device: DeviceOptions,
 }

@@ -5,6 +5,7 @@ mod compare;
 mod devices;
 mod error;
 mod error_cells;
+mod figures;
 mod gbuffer;
 mod progress;
 mod reference;
@@ -51,6 +52,7 @@ pub fn run() -> ExitCode {
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
+        Command::Figures(options) => figures::run(options),
         Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),

@@ -8,6 +8,7 @@ use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, Target, WorldReference};
 use crate::report::images;
+use crate::scene::Scene;
 use crate::study::record::DEFINITIONS;
 use crate::study::timing::camera;
 use glam::Vec3;
@@ -34,15 +35,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
-    // As for the methods: with a fallback, what escapes brings the environment.
-    let escape = if common.method_options.fallback.is_none() { Escape::Black } else { Escape::Environment };
+    let escape = escape(options);
     let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
-    let target = Target {
-        standard_error: f64::from(options.standard_error),
-        samples_max: options.max_rays,
-        samples_min: Target::default().samples_min.min(options.max_rays),
-        ..Target::default()
-    };
     let kept = options.cache.clone().or_else(default_cache).map(|folder| kept_in(&folder, &reference));
     let (mut state, unusable) = match &kept {
         Some(path) => reference.resume(path),
@@ -52,7 +46,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         eprintln!("ssct: warning: {why}; sampling begins anew");
     }
     let bar = progress::bar("reference", options.max_rays as usize);
-    reference.run(&mut state, &target, &mut |state| {
+    reference.run(&mut state, &target(options), &mut |state| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
         bar.set_message(format!("reference, standard error {:.4}", state.overall_standard_error()));
         kept.as_ref().map_or(Ok(()), |path| state.save(path))
@@ -71,6 +65,38 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
     }
     Ok(())
+}
+
+/// The composite, or the reflection if the options ask for it, of a scene that is already there; nothing
+/// is kept.
+pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<Pixels> {
+    let globals = resolve::one_globals(&options.common.place, "render makes one image")?;
+    let view = resolve::view(scene, &options.common.place, None)?;
+    let materials = globals.materials(scene, &view);
+    let world = World::new(scene, &materials);
+    let first_hits = FirstHits::trace(&world, &camera(scene, &view, options.size), options.size);
+    let escape = escape(options);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+    let mut state = reference.start();
+    reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
+    let made = reference.image(&state);
+    let shown = if options.reflection_only { &made.reflection } else { &made.composite };
+    Ok(pixels(shown, options.size))
+}
+
+/// As for the methods: with a fallback, what escapes brings the environment.
+fn escape(options: &RenderOptions) -> Escape {
+    if options.common.method_options.fallback.is_none() { Escape::Black } else { Escape::Environment }
+}
+
+/// When the options are met.
+fn target(options: &RenderOptions) -> Target {
+    Target {
+        standard_error: f64::from(options.standard_error),
+        samples_max: options.max_rays,
+        samples_min: Target::default().samples_min.min(options.max_rays),
+        ..Target::default()
+    }
 }
 
 fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {

@@ -11,7 +11,7 @@ use std::io::Write;
 
 /// Renders one image, its intermediates or a figure.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
-    let method = options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct");
+    let method = method_name(options);
     if method == "reference" {
         return super::reference::run(options);
     }
@@ -27,8 +27,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     // The hits exist only where ray trace and cone trace are two passes; the image is the same.
     let inside = options.dump.is_some() || options.figure.is_some();
-    let setup = resolve::setup(&common.method_options, options.size);
-    let setup = Setup { split: setup.split || inside, ..options.figure.map_or(setup, |f| f.setup(setup)) };
+    let setup = setup(options, inside);
     let mut stage = Stage::new(&gpu, &scene)?;
     let camera = camera(&scene, &view, options.size);
     let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, &view))?;
@@ -49,12 +48,35 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let summary = serde_json::json!({
             "kind": "render", "definitions": crate::study::record::DEFINITIONS, "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
-            "drawn": rendered.drawn, "recorded": rendered.report.recorded,
+            "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
             "validation": common.device.validation.then(|| gpu.validation().len()),
         });
         writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
     }
+    if options.explain {
+        std::io::stdout().write_all(explain(&rendered).as_bytes())?;
+    }
     drop((shot, stage));
     gpu.check_validation()?;
     Ok(())
+}
+
+/// The method of the flags, else the figure's, else `ssct`.
+pub fn method_name(options: &RenderOptions) -> &str {
+    options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct")
+}
+
+/// How the method is set up; to see inside, in two passes.
+pub fn setup(options: &RenderOptions, inside: bool) -> Setup {
+    let setup = resolve::setup(&options.common.method_options, options.size);
+    Setup { split: setup.split || inside, ..options.figure.map_or(setup, |f| f.setup(setup)) }
+}
+
+/// What the frame did and what it left out, a pass a line.
+fn explain(rendered: &image::RenderedImage) -> String {
+    let drawn = &rendered.drawn;
+    let mut text = format!("meshes: {} drawn, {} culled; {} triangles\n", drawn.meshes, drawn.culled, drawn.triangles);
+    text.extend(rendered.report.recorded.iter().map(|pass| format!("recorded  {pass}\n")));
+    text.extend(rendered.report.skipped.iter().map(|s| format!("skipped   {}: {}\n", s.pass, s.why)));
+    text
 }

@@ -11,11 +11,11 @@ use std::path::Path;
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     let common = &options.common;
-    let scene = resolve::scene(&common.place, "rooms")?;
+    let mut scene = resolve::scene(&common.place, "rooms")?;
     let path = resolve::path(&scene, path)?;
-    let methods = methods::choose(&options.method, &resolve::setup(&common.method_options, [1, 1]))?;
     let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
-    let mut scene = scene;
+    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let methods = methods::choose(&options.method, &setup)?;
     scene.lens = resolve::lens(&common.place, scene.lens)?;
     let gpu = resolve::gpu(&common.device)?;
     let spec = PathSpec {
@@ -24,7 +24,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
         path: &path,
         methods,
         globals: resolve::one_globals(&common.place, "a path is walked with one roughness")?,
-        setup: resolve::setup(&common.method_options, sizes[0]),
+        setup,
         sizes,
         warmup: options.warmup,
         frames: options.frames as usize,

@@ -78,6 +78,8 @@ pub(crate) struct Shared {
     pub limits: vk::PhysicalDeviceLimits,
     pub timestamp_mask: u64,
     pub has_pipeline_statistics: bool,
+    /// Pixels along a side of the largest point.
+    pub largest_point: f32,
 }
 
 struct Debug {
@@ -187,6 +189,11 @@ impl Gpu {
     /// Bytes of device memory now allocated through this handle.
     pub fn allocated_bytes(&self) -> u64 {
         self.allocator().generate_report().total_allocated_bytes
+    }
+
+    /// Pixels along a side of the largest point.
+    pub fn largest_point(&self) -> f32 {
+        self.shared.largest_point
     }
 
     /// The largest width and height of an image.
@@ -499,6 +506,7 @@ fn open_device(
     let features = vk::PhysicalDeviceFeatures::default()
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+        .large_points(supported.large_points == vk::TRUE)
         .shader_storage_image_extended_formats(supported.shader_storage_image_extended_formats == vk::TRUE);
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default().host_query_reset(true);
     let mut v13 =
@@ -554,6 +562,7 @@ fn open_device(
         limits: properties.limits,
         timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
         has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
+        largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
     })
 }
 

@@ -36,10 +36,14 @@ pub enum Resource<'a> {
     Sampled(ImageSlice<'a>, Sampler),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
+    /// A level of an image, loaded without a sampler.
+    Loaded(ImageSlice<'a>),
     /// The bytes of a uniform block.
     Uniform(&'a [u8]),
     /// A storage buffer, read and written.
     Buffer(&'a Buffer),
+    /// A storage buffer, only read.
+    ReadBuffer(&'a Buffer),
 }
 
 impl<'a> Resource<'a> {
@@ -58,27 +62,24 @@ impl<'a> Resource<'a> {
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
     slice: ImageSlice<'a>,
-    load: Load,
-}
-
-/// What a target holds when drawing begins.
-#[derive(Clone, Copy)]
-enum Load {
-    Anything,
-    Value([f32; 4]),
-    #[cfg(feature = "window")]
-    Kept,
+    load: vk::AttachmentLoadOp,
+    clear: [f32; 4],
 }
 
 impl<'a> Target<'a> {
     /// Every texel is written; what was there is lost.
     pub fn overwrite(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: Load::Anything }
+        Self { slice, load: vk::AttachmentLoadOp::DONT_CARE, clear: [0.0; 4] }
+    }
+
+    /// Texels that are not written stay as they are.
+    pub fn kept(slice: ImageSlice<'a>) -> Self {
+        Self { slice, load: vk::AttachmentLoadOp::LOAD, clear: [0.0; 4] }
     }
 
     /// Cleared first; for depth, the first component.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
-        Self { slice, load: Load::Value(value) }
+        Self { slice, load: vk::AttachmentLoadOp::CLEAR, clear: value }
     }
 }
 
@@ -93,6 +94,17 @@ pub struct FrameReport {
     pub work: Vec<PassWork>,
     /// The passes recorded, in order.
     pub recorded: Vec<String>,
+    /// The passes that the frame did not need.
+    pub skipped: Vec<Skipped>,
+}
+
+/// A pass that a frame did not need.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+pub struct Skipped {
+    /// Its label.
+    pub pass: String,
+    /// Why not, in a clause.
+    pub why: String,
 }
 
 /// The command buffer, queries and uniform memory that frames reuse. One frame at a time.
@@ -173,6 +185,7 @@ impl FrameContext {
             mode,
             uniform_bytes: 0,
             passes: Vec::new(),
+            skipped: Vec::new(),
             counted: false,
             pending: Barriers::default(),
         };
@@ -205,6 +218,7 @@ pub struct Frame<'c> {
     mode: Mode,
     uniform_bytes: u64,
     passes: Vec<(String, bool)>,
+    skipped: Vec<Skipped>,
     counted: bool,
     pending: Barriers,
 }
@@ -232,7 +246,8 @@ impl Frame<'_> {
         push: &[u8],
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.prepare(resources, Access::FragmentSampled, Access::FragmentStorageRead);
+            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
+            frame.flush();
             frame.rendering(targets, None, false, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
                 frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
@@ -270,7 +285,8 @@ impl Frame<'_> {
         threads: [u32; 3],
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorage);
+            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
+            frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
             let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
@@ -290,9 +306,42 @@ impl Frame<'_> {
         draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
     ) -> Result<()> {
         self.pass(name, |frame| {
-            let target = Target { slice, load: Load::Kept };
-            frame.rendering(&[target], None, false, |frame| draw(frame.context.commands))
+            frame.rendering(&[Target::kept(slice)], None, false, |frame| draw(frame.context.commands))
         })
+    }
+
+    /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
+    /// indirect draw), from byte `offset`.
+    pub fn draw_indirect(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
+        resources: &[(&str, Resource)],
+        push: &[u8],
+        (arguments, offset): (&Buffer, u64),
+    ) -> Result<()> {
+        const BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
+        assert!(offset + u64::from(BYTES) <= arguments.size() && offset.is_multiple_of(4), "{name}: at {offset}");
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
+            frame.use_buffer(arguments, Access::Indirect);
+            frame.rendering(targets, None, false, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
+                unsafe {
+                    let commands = frame.context.commands;
+                    frame.device().cmd_draw_indirect(commands, arguments.handle(), offset, 1, BYTES);
+                }
+                Ok(())
+            })
+        })
+    }
+
+    /// Notes a pass that this frame does not need, and why.
+    pub fn skip(&mut self, pass: &str, why: &str) {
+        self.skipped.push(Skipped { pass: pass.to_owned(), why: why.to_owned() });
     }
 
     /// Moves levels to a use without a pass of its own: textures after their upload.
@@ -337,8 +386,11 @@ impl Frame<'_> {
             device.wait_for_fences(&[self.context.fence], true, u64::MAX).map_err(vulkan("vkWaitForFences"))?;
             device.reset_fences(&[self.context.fence]).map_err(vulkan("vkResetFences"))?;
         }
-        let mut report =
-            FrameReport { recorded: self.passes.iter().map(|(n, _)| n.clone()).collect(), ..FrameReport::default() };
+        let mut report = FrameReport {
+            recorded: self.passes.iter().map(|(n, _)| n.clone()).collect(),
+            skipped: std::mem::take(&mut self.skipped),
+            ..FrameReport::default()
+        };
         match (self.mode, &self.context.statistics) {
             (Mode::Timed, _) => {
                 let stamps = self.context.timestamps.milliseconds()?;
@@ -401,18 +453,20 @@ impl Frame<'_> {
         unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
     }
 
-    /// Brings a pass's resources to their use.
-    fn prepare(&mut self, resources: &[(&str, Resource)], sampled: Access, buffer: Access) {
+    /// Brings a pass's resources to their use, with the next [`Self::flush`].
+    fn prepare(&mut self, resources: &[(&str, Resource)], sampled: Access, read: Access) {
         for (_, resource) in resources {
             match *resource {
                 Resource::Sampled(slice, _) => self.use_image(slice, sampled),
                 Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
-                Resource::Buffer(b) => self.use_buffer(b, buffer),
+                Resource::Loaded(slice) => self.use_image(slice, read),
+                Resource::Buffer(b) => self.use_buffer(b, Access::ComputeStorage),
+                Resource::ReadBuffer(b) => self.use_buffer(b, read),
                 Resource::Uniform(_) => {}
             }
         }
-        self.flush();
     }
+
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
             if let Some(t) = step(state, access) {
@@ -478,16 +532,11 @@ impl Frame<'_> {
         }
         self.flush();
         let attachment = |t: &Target, layout, is_depth: bool| {
-            let (load, value) = match t.load {
-                Load::Anything => (vk::AttachmentLoadOp::DONT_CARE, [0.0; 4]),
-                Load::Value(value) => (vk::AttachmentLoadOp::CLEAR, value),
-                #[cfg(feature = "window")]
-                Load::Kept => (vk::AttachmentLoadOp::LOAD, [0.0; 4]),
-            };
+            let value = t.clear;
             vk::RenderingAttachmentInfo::default()
                 .image_view(t.slice.view())
                 .image_layout(layout)
-                .load_op(load)
+                .load_op(t.load)
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(if is_depth {
                     vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 } }

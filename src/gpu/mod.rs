@@ -23,7 +23,7 @@ pub mod timing;
 pub mod validation;
 
 pub use device::{DeviceInfo, DeviceQuery, Gpu};
-pub use frame::{Frame, FrameContext, FrameReport, Resource, Target};
+pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice, Sampler};
 pub use memory::Buffer;
 #[cfg(feature = "window")]

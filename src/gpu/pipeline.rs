@@ -40,6 +40,12 @@ pub struct VertexInput<'a> {
     pub attributes: &'a [(vk::Format, u32)],
 }
 
+/// What a graphics pipeline draws.
+enum Geometry<'a> {
+    Triangles(Option<VertexInput<'a>>),
+    Points,
+}
+
 impl Layout {
     fn new(gpu: &Gpu, shaders: &[(&Shader, vk::ShaderStageFlags)]) -> Result<Self> {
         let mut bindings: Vec<Binding> = Vec::new();
@@ -113,7 +119,17 @@ impl Drop for Layout {
 impl GraphicsPipeline {
     /// A fragment shader over the whole of its targets.
     pub fn fullscreen(gpu: &Gpu, fragment: &'static Shader, targets: &[vk::Format]) -> Result<Self> {
-        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, None, targets, None)
+        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, Geometry::Triangles(None), targets, None)
+    }
+
+    /// Points, that is squares of pixels, which a vertex shader makes from nothing but their number.
+    pub fn points(
+        gpu: &Gpu,
+        vertex: &'static Shader,
+        fragment: &'static Shader,
+        targets: &[vk::Format],
+    ) -> Result<Self> {
+        Self::new(gpu, vertex, fragment, Geometry::Points, targets, None)
     }
 
     /// Triangles, both sides, with reversed depth (greater wins) where there is a depth format.
@@ -127,14 +143,14 @@ impl GraphicsPipeline {
         targets: &[vk::Format],
         depth: vk::Format,
     ) -> Result<Self> {
-        Self::new(gpu, vertex, fragment, Some(input), targets, Some(depth))
+        Self::new(gpu, vertex, fragment, Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     fn new(
         gpu: &Gpu,
         vertex: &'static Shader,
         fragment: &'static Shader,
-        input: Option<VertexInput>,
+        geometry: Geometry,
         targets: &[vk::Format],
         depth: Option<vk::Format>,
     ) -> Result<Self> {
@@ -142,6 +158,10 @@ impl GraphicsPipeline {
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
         let stages = [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
+        let (topology, input) = match geometry {
+            Geometry::Triangles(input) => (vk::PrimitiveTopology::TRIANGLE_LIST, input),
+            Geometry::Points => (vk::PrimitiveTopology::POINT_LIST, None),
+        };
         let vertex_bindings = input.map(|i| {
             [vk::VertexInputBindingDescription {
                 binding: 0,
@@ -163,8 +183,7 @@ impl GraphicsPipeline {
         let vertex_state = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(vertex_bindings.as_ref().map_or(&[], |b| b.as_slice()))
             .vertex_attribute_descriptions(&attributes);
-        let assembly =
-            vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
         let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .polygon_mode(vk::PolygonMode::FILL)

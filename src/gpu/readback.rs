@@ -20,6 +20,11 @@ pub struct Pixels {
 }
 
 impl Pixels {
+    /// Texels of zeros.
+    pub fn zeros([width, height]: [u32; 2], channels: usize) -> Self {
+        Self { width, height, channels, values: vec![0.0; width as usize * height as usize * channels] }
+    }
+
     /// The channels of a texel.
     pub fn at(&self, x: u32, y: u32) -> &[f32] {
         let i = (y as usize * self.width as usize + x as usize) * self.channels;

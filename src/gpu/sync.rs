@@ -18,8 +18,8 @@ pub enum Access {
     ComputeStorage,
     /// Loaded only, as a storage buffer or image, in a compute shader.
     ComputeStorageRead,
-    /// Loaded only, as a storage buffer, in a fragment shader.
-    FragmentStorageRead,
+    /// Loaded only, as a storage buffer or image, in a vertex or fragment shader.
+    GraphicsStorageRead,
     /// Source of a copy or blit.
     TransferRead,
     /// Destination of a copy, blit, clear or fill.
@@ -56,7 +56,7 @@ impl Access {
         Self::ComputeSampled,
         Self::ComputeStorage,
         Self::ComputeStorageRead,
-        Self::FragmentStorageRead,
+        Self::GraphicsStorageRead,
         Self::TransferRead,
         Self::TransferWrite,
         Self::VertexInput,
@@ -91,7 +91,12 @@ impl Access {
                 true,
             ),
             Self::ComputeStorageRead => (S::COMPUTE_SHADER, A::SHADER_STORAGE_READ, L::GENERAL, false),
-            Self::FragmentStorageRead => (S::FRAGMENT_SHADER, A::SHADER_STORAGE_READ, L::GENERAL, false),
+            Self::GraphicsStorageRead => (
+                S::from_raw(S::VERTEX_SHADER.as_raw() | S::FRAGMENT_SHADER.as_raw()),
+                A::SHADER_STORAGE_READ,
+                L::GENERAL,
+                false,
+            ),
             Self::TransferRead => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false),
             Self::TransferWrite => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true),
             Self::VertexInput => (
@@ -218,7 +223,7 @@ mod tests {
                     A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
                     S::EARLY_FRAGMENT_TESTS | S::LATE_FRAGMENT_TESTS,
                 ),
-                (A::SHADER_READ | A::SHADER_STORAGE_READ, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
+                (A::SHADER_READ | A::SHADER_STORAGE_READ, S::VERTEX_SHADER | S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
                 (A::SHADER_STORAGE_WRITE, S::FRAGMENT_SHADER | S::COMPUTE_SHADER),
                 (A::TRANSFER_READ | A::TRANSFER_WRITE, S::ALL_TRANSFER),
                 (A::VERTEX_ATTRIBUTE_READ | A::INDEX_READ, S::VERTEX_INPUT),
@@ -278,6 +283,22 @@ mod tests {
         let t = s.transition(Access::Present).expect("another layout");
         assert_eq!((t.src_stages, t.src_access), (S::ALL_TRANSFER, A::TRANSFER_WRITE));
         assert_eq!(t.new_layout, L::PRESENT_SRC_KHR);
+    }
+
+    #[test]
+    fn arguments_and_lists_that_a_dispatch_wrote_are_seen_by_the_draw() {
+        let (mut arguments, mut lists) = (State::default(), State::default());
+        arguments.transition(Access::TransferWrite);
+        let t = arguments.transition(Access::ComputeStorage).expect("clear, then count");
+        assert_eq!((t.src_stages, t.src_access), (S::ALL_TRANSFER, A::TRANSFER_WRITE));
+        let t = arguments.transition(Access::Indirect).expect("count, then draw");
+        assert_eq!((t.src_stages, t.dst_stages), (S::COMPUTE_SHADER, S::DRAW_INDIRECT));
+        assert!(t.src_access.contains(A::SHADER_STORAGE_WRITE) && t.dst_access == A::INDIRECT_COMMAND_READ);
+        let t = arguments.transition(Access::TransferWrite).expect("the next frame's clear");
+        assert!(t.src_stages.contains(S::DRAW_INDIRECT));
+        lists.transition(Access::ComputeStorage);
+        let t = lists.transition(Access::GraphicsStorageRead).expect("list, then draw");
+        assert!(t.dst_stages.contains(S::VERTEX_SHADER) && t.dst_access == A::SHADER_STORAGE_READ);
     }
 
     #[test]

@@ -94,19 +94,24 @@ impl Effect {
             Some((downsample, upsample)) => {
                 let gbuffer = downsample.record(frame, &input.gbuffer)?;
                 let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
-                let reflection = upsample.record(frame, &input.gbuffer, input.camera, small.reflection)?;
+                let reflection =
+                    small.reflection.map(|r| upsample.record(frame, &input.gbuffer, input.camera, r)).transpose()?;
                 // The hits are of the smaller pixels; nothing at full size compares with them.
-                Traced { reflection, hits: None, ..small }
+                Traced { reflection, composite: None, hits: None, ..small }
             }
         };
-        if let Some((behind, pass)) = &self.fallback {
+        if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
             let behind = behind.record(frame, input)?;
-            traced.reflection = pass.record(frame, traced.reflection, behind.reflection)?;
+            if let Some(far) = behind.reflection {
+                traced.reflection = Some(pass.record(frame, reflection, far)?);
+                traced.composite = None;
+            }
             traced.intermediates.extend(behind.intermediates);
         }
-        let composite = match traced.composite {
-            Some(made) => made,
-            None => self.composite.record(frame, &input.gbuffer, traced.reflection)?,
+        let composite = match (traced.composite, traced.reflection) {
+            (Some(made), _) => made,
+            (None, Some(reflection)) => self.composite.record(frame, &input.gbuffer, reflection)?,
+            (None, None) => input.gbuffer.color,
         };
         Ok(Output { traced, composite })
     }

@@ -14,6 +14,7 @@ pub mod sslr;
 pub mod ssr;
 pub mod ssr_fast;
 pub mod thesis;
+pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -140,9 +141,9 @@ pub struct Intermediate<'a> {
 /// What a method made in a frame.
 #[derive(Clone)]
 pub struct Traced<'a> {
-    /// Reflection colour and fade.
-    pub reflection: Reflection<'a>,
-    /// The finished image, linear, if the method made it along the way.
+    /// Reflection colour and fade; `None` where nothing reflects.
+    pub reflection: Option<Reflection<'a>>,
+    /// The finished image, linear, in level 0, if the method made it along the way.
     pub composite: Option<&'a Image>,
     /// Where each ray ended.
     pub hits: Option<Hits<'a>>,
@@ -153,7 +154,12 @@ pub struct Traced<'a> {
 impl<'a> Traced<'a> {
     /// A reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
-        Self { reflection, composite: None, hits: None, intermediates: Vec::new() }
+        Self { reflection: Some(reflection), composite: None, hits: None, intermediates: Vec::new() }
+    }
+
+    /// No reflection: the image is the lit colour.
+    pub fn nothing(gbuffer: &GBuffer<'a>) -> Self {
+        Self { reflection: None, composite: Some(gbuffer.color), hits: None, intermediates: Vec::new() }
     }
 }
 
@@ -219,6 +225,7 @@ pub const METHODS: &[MethodInfo] = &[
     ssr_fast::INFO,
     pccm::INFO,
     environment::INFO,
+    unified::INFO,
 ];
 
 /// The methods of some names; without names, every method that can be set up so.

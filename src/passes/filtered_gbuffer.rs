@@ -25,7 +25,7 @@ pub struct FilteredGBufferPass {
 
 enum Images {
     /// Depth and normal; the colour's chain is the G-buffer's own.
-    Mip([Image; 2]),
+    Mip(Box<[Image; 2]>),
     Volume(Box<Volumes>),
 }
 
@@ -51,7 +51,7 @@ impl FilteredGBufferPass {
         let images = match filter {
             PosterFilter::Mip => {
                 let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
-                Images::Mip([chain(0)?, chain(1)?])
+                Images::Mip(Box::new([chain(0)?, chain(1)?]))
             }
             PosterFilter::Volume => {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
@@ -76,7 +76,8 @@ impl FilteredGBufferPass {
         camera: &Camera,
     ) -> Result<FilteredGBuffer<'a>> {
         match &self.images {
-            Images::Mip([depth, normal]) => {
+            Images::Mip(chains) => {
+                let [depth, normal] = chains.as_ref();
                 self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
                 frame.copy("filter/0 normal", gbuffer.normal.all(), normal.level(0))?;
                 for (name, chain) in [("depth", depth), ("normal", normal), ("color", gbuffer.color)] {

@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflectors, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -39,6 +39,9 @@ pub struct Drawn {
     pub culled: usize,
     /// Triangles drawn.
     pub triangles: usize,
+    /// What their materials say of reflections.
+    #[serde(skip)]
+    pub reflectors: Reflectors,
 }
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
@@ -81,7 +84,13 @@ impl GBufferImages {
 
     /// The images as methods take them.
     pub fn gbuffer(&self) -> GBuffer<'_> {
-        GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color }
+        GBuffer {
+            depth: &self.depth,
+            normal: &self.normal,
+            material: &self.material,
+            color: &self.color,
+            reflectors: Reflectors::UNKNOWN,
+        }
     }
 }
 
@@ -151,6 +160,7 @@ impl GBufferPass {
             meshes: seen.len(),
             culled: culled.len(),
             triangles: seen.iter().map(|m| m.index_count as usize / 3).sum(),
+            reflectors: reflectors(seen.iter().map(|m| &materials[m.material])),
         };
         frame.raster(
             "g-buffer",
@@ -186,6 +196,17 @@ impl GBufferPass {
         )?;
         Ok(drawn)
     }
+}
+
+/// What some materials can reflect, in the precision of the material image: a map only ever lowers a
+/// reflectivity.
+fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
+    let stored = |v: f32| half::f16::from_f32(v).to_f32();
+    let reflects = |m: &&Material| m.surface == Surface::Lit && stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
+    materials.filter(reflects).fold(Reflectors::default(), |r, m| Reflectors {
+        mirrors: r.mirrors || stored(m.roughness) <= 0.0,
+        glossy: r.glossy || stored(m.roughness) > 0.0,
+    })
 }
 
 fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {

@@ -3,6 +3,7 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod classify;
 pub mod color_chain;
 pub mod composite;
 pub mod cone_march;
@@ -18,16 +19,18 @@ pub mod look;
 pub mod linear_trace;
 pub mod mask_chain;
 pub mod pccm;
+pub mod pyramid;
 pub mod resolution;
 pub mod scene_data;
 pub mod schmidt_trace;
 pub mod sslr_reflection;
 pub mod sslr_trace;
 pub mod thesis_trace;
+pub mod unified_trace;
 pub mod visibility;
 
-use crate::gpu::Image;
 use crate::gpu::shader::CameraBlock;
+use crate::gpu::{Buffer, Image};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -45,11 +48,63 @@ pub struct GBuffer<'a> {
     pub material: &'a Image,
     /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
     pub color: &'a Image,
+    /// What reflects in it, as far as is known beforehand.
+    pub reflectors: Reflectors,
+}
+
+/// What the materials that are drawn say of a frame's reflections, before any pixel is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Reflectors {
+    /// Whether there may be mirrors: surfaces that reflect with roughness 0.
+    pub mirrors: bool,
+    /// Whether there may be glossy surfaces: that reflect with more.
+    pub glossy: bool,
+}
+
+impl Reflectors {
+    /// Nothing is known: there may be both.
+    pub const UNKNOWN: Self = Self { mirrors: true, glossy: true };
+
+    /// Whether anything may reflect.
+    pub fn any(self) -> bool {
+        self.mirrors || self.glossy
+    }
 }
 
 /// Standard depth, minimum in R and maximum in G, full chain. RG32F.
 #[derive(Clone, Copy)]
 pub struct HiZ<'a>(pub &'a Image);
+
+/// Reversed depth of the nearest front (R) and the farthest back (G) in each cell, all levels in one
+/// image (`shaders-glsl/unified/pyramid.glsl`). RG32F.
+#[derive(Clone, Copy)]
+pub struct Pyramid<'a>(pub &'a Image);
+
+/// Tiles of pixels that hold mirrors and that hold gloss, as lists with the arguments of an indirect
+/// draw over each (`shaders-glsl/unified/tiles.glsl`).
+#[derive(Clone, Copy)]
+pub struct Tiles<'a> {
+    /// The lists: room for every tile's word, twice.
+    pub lists: &'a Buffer,
+    /// For each list those of a `VkDrawIndirectCommand`.
+    pub arguments: &'a Buffer,
+}
+
+/// A list of [`Tiles`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TileList {
+    /// Tiles with mirrors.
+    Mirrors = 0,
+    /// Tiles with glossy surfaces.
+    Glossy = 1,
+}
+
+impl TileList {
+    /// Byte of [`Tiles::arguments`] at which the list's begin.
+    pub fn arguments_offset(self) -> u64 {
+        16 * self as u64
+    }
+}
 
 /// Share of each cell that the Hi-Z buffer leaves visible, full chain, level 0 all 1. R8.
 #[derive(Clone, Copy)]
@@ -127,7 +182,8 @@ pub enum Content {
     Steps,
 }
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`,
+/// `HIT_*` and `MISS_*` in `shaders-glsl/unified/traverse.glsl`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
@@ -144,12 +200,22 @@ pub enum PathCode {
     Exhausted = 5,
     /// Towards the camera, and the method has no fallback.
     Untraced = 6,
+    /// `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
+    Unfinished = 7,
+    /// `unified`: left by a side of the screen.
+    MissScreen = 8,
+    /// `unified`: went behind the near plane.
+    MissNear = 9,
+    /// `unified`: went beyond the far plane.
+    MissSky = 10,
+    /// `unified`: left the frustum behind geometry.
+    MissBehind = 11,
 }
 
 impl PathCode {
     /// The code of a channel value; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 7] = [
+        const CODES: [PathCode; 12] = [
             PathCode::None,
             PathCode::HiZ,
             PathCode::Linear,
@@ -157,6 +223,11 @@ impl PathCode {
             PathCode::LinearMiss,
             PathCode::Exhausted,
             PathCode::Untraced,
+            PathCode::Unfinished,
+            PathCode::MissScreen,
+            PathCode::MissNear,
+            PathCode::MissSky,
+            PathCode::MissBehind,
         ];
         CODES.into_iter().find(|c| *c as u8 as f32 == value)
     }
@@ -168,13 +239,14 @@ impl PathCode {
 
     /// Whether the ray ran out of steps before it ended.
     pub fn is_exhausted(self) -> bool {
-        self == Self::Exhausted
+        matches!(self, Self::Exhausted | Self::Unfinished)
     }
 
     /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
     pub fn by_hi_z(self) -> Option<bool> {
         match self {
-            Self::HiZ | Self::Miss | Self::Exhausted => Some(true),
+            Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
+            Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
             Self::Linear | Self::LinearMiss => Some(false),
             Self::None | Self::Untraced => None,
         }

@@ -64,7 +64,13 @@ impl DownsamplePass {
             ],
             bytemuck::bytes_of(&DownsampleBlock { divisor: self.divisor as i32 }),
         )?;
-        Ok(GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color })
+        Ok(GBuffer {
+            depth: &self.depth,
+            normal: &self.normal,
+            material: &self.material,
+            color: &self.color,
+            reflectors: gbuffer.reflectors,
+        })
     }
 }
 

@@ -96,7 +96,10 @@ impl Intersector for TriangleBvh {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<Hit> = None;
-        let box_ray = BoxRay::new(ray.origin.as_vec3a(), ray.direction.as_vec3a(), 0.0, f32::INFINITY);
+        // Adding 0 turns a component of −0 into +0: obvhs takes the reciprocal's sign from the zero's own, but
+        // the order of a box's sides from a comparison, in which −0 isn't below 0.
+        let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
+        let box_ray = BoxRay::new(ray.origin.as_vec3a(), direction, 0.0, f32::INFINITY);
         boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| {
             let triangle = boxes.primitive_indices[slot];
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
@@ -231,6 +234,13 @@ mod tests {
             }
         }
         assert_eq!(bvh.closest(&ray(DVec3::new(1.5, 1.5, -1.0), -DVec3::Z), &|_| true), None);
+        // Zeros have signs.
+        for (x, y) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0), (-1e-60, -1e-60)] {
+            for (from, towards) in [(-1.0, 1.0), (7.0, -1.0)] {
+                let ray = Ray { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
+                assert!(bvh.closest(&ray, &|_| true).is_some(), "{:?}", ray.direction);
+            }
+        }
         let short = Ray { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
         assert_eq!(bvh.closest(&short, &|_| true), None);
     }

@@ -3,12 +3,12 @@
 //!
 //! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
 //! averages it over glossy lobes; [`world`] does so against the triangles (DEFINITIONS, "Oracle" and
-//! "Image error"). [`hi_z`], [`hi_z_walk`] and [`visibility`] are twins of passes.
+//! "Image error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are twins of passes.
 
 pub mod bvh;
 pub mod first_hits;
 pub mod hi_z;
-pub mod hi_z_walk;
+pub mod hi_z_ray_trace;
 pub mod hierarchy;
 pub mod lobe;
 pub mod oracle;
@@ -17,6 +17,7 @@ pub mod ray;
 pub mod screen;
 pub mod surface;
 pub mod thickness;
+pub mod unified;
 pub mod visibility;
 pub mod world;
 pub mod world_hits;

@@ -1,7 +1,10 @@
 //! G-buffers for the tests of this module.
 
+use super::random::Stream;
+use super::ray::RaySetup;
 use crate::scene::{Camera, GBufferData, Lens};
 use glam::{DVec3, Vec3};
+use std::cell::Cell;
 
 fn camera(aspect: f32) -> Camera {
     Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), aspect)
@@ -56,3 +59,115 @@ pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
         |_, y| if is_floor(y) { Vec3::Y } else { Vec3::NEG_Z },
     )
 }
+
+/// Sizes of images that rays are traced in: one pixel, rows, odd, prime, powers of two.
+pub const SIZES: [[u32; 2]; 20] = [
+    [1, 1],
+    [1, 2],
+    [2, 1],
+    [1, 37],
+    [53, 1],
+    [1, 256],
+    [2, 2],
+    [3, 3],
+    [5, 3],
+    [7, 13],
+    [16, 16],
+    [17, 15],
+    [31, 32],
+    [33, 31],
+    [64, 64],
+    [65, 127],
+    [97, 101],
+    [128, 66],
+    [160, 90],
+    [321, 239],
+];
+
+/// A sequence of random numbers.
+pub struct Random(Stream, Cell<u64>);
+
+impl Random {
+    /// The sequence of a seed and an index.
+    pub fn new(seed: u64, index: u64) -> Self {
+        Self(Stream::new(seed, index), Cell::new(0))
+    }
+
+    /// 0 to 1.
+    pub fn unit(&self) -> f64 {
+        self.1.set(self.1.get() + 1);
+        self.0.uniform(self.1.get())
+    }
+
+    pub fn range(&self, from: f64, to: f64) -> f64 {
+        from + (to - from) * self.unit()
+    }
+
+    pub fn below(&self, n: u32) -> u32 {
+        (self.unit() * f64::from(n)) as u32
+    }
+
+    pub fn direction(&self) -> DVec3 {
+        DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
+    }
+
+    /// A view depth between the planes, evenly by its logarithm.
+    pub fn depth(&self) -> f64 {
+        self.range(0.1_f64.ln(), 1000.0_f64.ln()).exp()
+    }
+}
+
+/// Depths of one kind, by pixel. Two slopes are planes in view space, which are so in reversed depth.
+pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
+    let (a, b) = (random.depth(), random.depth());
+    let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
+    let (cell, edge) = (1 + random.below(5), random.below(width.max(height)));
+    let tilt = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)];
+    let (small, holes) = (random.range(0.0, 0.02) as f32, random.range(0.0, 1.0));
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let depth = |(x, y): (u32, u32)| match kind {
+        0 => depth_of(random.depth()),
+        1 => near,
+        2 => [near, far][((x / cell + y / cell) % 2) as usize],
+        3 => [near, far][usize::from(if cell % 2 == 0 { x < edge } else { y < edge })],
+        4 => {
+            let [u, v] = [f64::from(x) / f64::from(width) - 0.5, f64::from(y) / f64::from(height) - 0.5];
+            (f64::from(near) * (1.0 + tilt[0] * u + tilt[1] * v)).clamp(1e-4, 1.0) as f32
+        }
+        5 => near * (1.0 - small * random.unit() as f32),
+        6 if random.unit() < holes => 0.0,
+        6 => depth_of(random.depth()),
+        7 if random.unit() < 0.02 => near,
+        7 => 0.0,
+        // The ends of the range: on the near plane, and the least number above the sky.
+        _ => [1.0, near, f32::MIN_POSITIVE, 0.0][random.below(4) as usize],
+    };
+    pixels.map(depth).collect()
+}
+/// How many kinds there are.
+pub const KINDS: u32 = 9;
+
+/// A direction of one kind from a pixel at `from`.
+pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DVec3 {
+    let g = rays.gbuffer;
+    let target = || {
+        let (x, y) = (random.below(g.width), random.below(g.height));
+        rays.position(x, y).unwrap_or(from * 0.5)
+    };
+    match kind {
+        0 => random.direction(),
+        // Along the axes.
+        1 => [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * [1.0, -1.0][random.below(2) as usize],
+        // Straight at the camera and straight away, exactly and nearly.
+        2 => from * [1.0, -1.0][random.below(2) as usize],
+        3 => (from.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
+        // At the very depth of another pixel's centre.
+        4 => target() - from,
+        // Along its depth.
+        5 => (target() - from) * DVec3::new(1.0, 1.0, 0.0),
+        // Nearly along an axis of the screen.
+        _ => DVec3::new(random.range(-1.0, 1.0), 1e-9 * random.range(-1.0, 1.0), 1e-3 * random.range(-1.0, 1.0)),
+    }
+}
+/// How many kinds there are.
+pub const DIRECTIONS: u32 = 7;

@@ -2,6 +2,7 @@
 //! 4.10 (the chains of SSLR); and the poster's figure 2, which is the image under three set-ups.
 
 use super::images::{Rgb, display, paths, picture};
+use super::sheet::{blank, paste};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::methods::Setup;
@@ -120,17 +121,4 @@ fn ray_split(all: &Intermediates) -> Result<Rgb> {
         .map(|((l, s), traced)| if traced { (u16::from(*l) / 2 + u16::from(*s) / 2) as u8 } else { *l })
         .collect();
     Ok(Rgb { bytes, ..lit })
-}
-
-fn blank(width: u32, height: u32, value: u8) -> Rgb {
-    Rgb { width, height, bytes: vec![value; 3 * width as usize * height as usize] }
-}
-
-fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
-    for row in 0..image.height {
-        let from = 3 * (row * image.width) as usize;
-        let to = 3 * ((y + row) * onto.width + x) as usize;
-        let len = 3 * image.width as usize;
-        onto.bytes[to..to + len].copy_from_slice(&image.bytes[from..from + len]);
-    }
 }

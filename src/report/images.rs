@@ -205,8 +205,9 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
 pub fn paths(hits: &Pixels) -> Rgb {
     Rgb::from_pixels(hits, |c| match PathCode::from_channel(c[3]) {
         Some(PathCode::HiZ) => [0, 200, 0],
-        Some(PathCode::Miss) => [0, 90, 0],
-        Some(PathCode::Exhausted) => [160, 160, 0],
+        Some(PathCode::Miss | PathCode::MissScreen | PathCode::MissNear | PathCode::MissSky) => [0, 90, 0],
+        Some(PathCode::MissBehind) => [0, 60, 60],
+        Some(PathCode::Exhausted | PathCode::Unfinished) => [160, 160, 0],
         Some(PathCode::Linear) => [220, 0, 0],
         Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
         Some(PathCode::None) | None => [0; 3],

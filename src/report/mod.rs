@@ -1,13 +1,16 @@
 //! Records and images become files. A file is written whole or not at all.
 
 pub mod compare;
+pub mod diagrams;
 pub mod error_report;
 pub mod figures;
 pub mod files;
+pub mod gbuffer_pictures;
 pub mod html;
 pub mod images;
 pub mod mitsuba;
 pub mod path_report;
 pub mod plot;
+pub mod sheet;
 pub mod stress_report;
 pub mod tables;

@@ -27,8 +27,8 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, those of a bare OBJ
 /// stand in, and without a `[[probe]]` one in the middle of the bounds. A `[path.NAME]` with
-/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what
-/// the MTL file says; `[material.default]` speaks for all
+/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what the MTL
+/// file says; `[material.default]` speaks for all
 /// materials without a section of their own. A section for a material that no mesh has is a warning.
 ///
 /// # Errors

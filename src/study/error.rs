@@ -213,7 +213,7 @@ pub fn measure(spec: &ErrorSpec, stage: &mut Stage) -> Result<Cell> {
     }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         let (_, _, output) = stage.output(timed)?;
-        let color = colors(&stage.context.read(output.traced.reflection.0.all())?);
+        let color = colors(&gbuffer::reflection(&mut stage.context, &output)?);
         // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
         let mut hits = None;
         if variant.method.is_screen_space() {

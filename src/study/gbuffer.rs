@@ -4,7 +4,7 @@ use super::stage::Shot;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
 use crate::passes::gbuffer::GBufferImages;
 use crate::passes::{GBuffer, PathCode};
 use crate::scene::{Camera, GBufferData};
@@ -50,12 +50,20 @@ pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup
     let output = effect.record(&mut frame, &Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None })?;
     frame.finish()?;
     Ok(Reflected {
-        composite: context.read(output.composite.all())?,
-        reflection: context.read(output.traced.reflection.0.all())?,
+        composite: context.read(output.composite.level(0))?,
+        reflection: reflection(&mut context, &output)?,
     })
 }
 
-/// Where a published method takes its rays to have hit, in continuous pixel coordinates; `None` for
+/// The reflection colour and fade that a method made; zeros if nothing reflects.
+pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels> {
+    match output.traced.reflection {
+        Some(reflection) => context.read(reflection.0.all()),
+        None => Ok(Pixels::zeros(output.composite.extent(), 4)),
+    }
+}
+
+/// Where a method takes its rays to have hit, in continuous pixel coordinates; `None` for
 /// a miss. `hits` is the image of [`crate::passes::Hits`].
 pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let size = [f64::from(hits.width), f64::from(hits.height)];

@@ -1,5 +1,6 @@
 //! One image and, on request, everything that led to it.
 
+use super::gbuffer;
 use super::stage::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::{FrameReport, Pixels};
@@ -24,8 +25,8 @@ pub struct RenderedImage {
 /// Every intermediate with its file stem.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
-/// Every image of a frame, from the G-buffer to the composite.
-pub fn images<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
+/// What led to a frame's reflection: the G-buffer, the method's intermediates and its hits.
+pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
     let gbuffer = shot.gbuffer.gbuffer();
     let image = |name, content, image| Intermediate { name, content, image };
     let mut all = vec![
@@ -34,8 +35,6 @@ pub fn images<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
         image("depth", Content::ReversedDepth, gbuffer.depth),
         image("material", Content::Material, gbuffer.material),
         image("color", Content::Color, gbuffer.color),
-        image("reflection", Content::Color, output.traced.reflection.0),
-        image("composite", Content::Color, output.composite),
     ];
     all.extend(output.traced.intermediates.iter().copied());
     all.extend(output.traced.hits.map(|h| image("hits", Content::Hits, h.0)));
@@ -46,12 +45,15 @@ pub fn images<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
 /// only when split should be made so.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output(shot)?;
-    let composite = stage.context.read(output.composite.all())?;
-    let reflection = stage.context.read(output.traced.reflection.0.all())?;
+    let composite = stage.context.read(output.composite.level(0))?;
+    let reflection = gbuffer::reflection(&mut stage.context, &output)?;
     let mut intermediates = None;
     if dump {
-        let mut read = Vec::new();
-        for Intermediate { name, content, image } in images(shot, &output) {
+        let mut read = vec![
+            ("reflection".into(), Content::Color, reflection.clone()),
+            ("composite".into(), Content::Color, composite.clone()),
+        ];
+        for Intermediate { name, content, image } in inside(shot, &output) {
             let parts = image.parts();
             for (n, part) in parts.iter().enumerate() {
                 let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.to_owned() };

@@ -112,12 +112,14 @@ pub fn run(spec: &PathSpec, progress: &mut dyn FnMut()) -> Result<Vec<PathRecord
         for n in 0..spec.warmup + spec.frames {
             let counts = n.checked_sub(spec.warmup);
             let camera = camera(spec.scene, &spec.view(counts.unwrap_or(0)), extent);
-            for (shot, frames) in shots.iter_mut().zip(&mut frames) {
-                shot.camera = camera;
-                let (report, _) = stage.run(shot, Mode::Timed)?;
+            // Whoever comes first at a new place may find colder caches: each method does in its turn.
+            for turn in 0..shots.len() {
+                let m = (n + turn) % shots.len();
+                shots[m].camera = camera;
+                let (report, _) = stage.run(&shots[m], Mode::Timed)?;
                 if counts.is_some() {
                     let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
-                    frames.push(PathFrame {
+                    frames[m].push(PathFrame {
                         frame_ms: report.frame_ms,
                         effect_ms,
                         fps: 1000.0 / report.frame_ms.max(1e-6),

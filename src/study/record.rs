@@ -3,7 +3,7 @@
 
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
-use crate::gpu::{DeviceInfo, Gpu};
+use crate::gpu::{DeviceInfo, Gpu, Skipped};
 use crate::methods::{Fallback, Preset, Setup};
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Scene, View};
@@ -57,15 +57,6 @@ pub struct PassRecord {
     /// Its work, counted in a frame of its own, where the device counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work: Option<PassWork>,
-}
-
-/// A pass that the frame did not need.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct SkippedPass {
-    /// Label.
-    pub pass: String,
-    /// Why not.
-    pub why: String,
 }
 
 /// What every record begins with.
@@ -164,7 +155,7 @@ pub struct TimeRecord {
     /// Labels of the passes recorded.
     pub recorded: Vec<String>,
     /// Passes that the frame did not need.
-    pub skipped: Vec<SkippedPass>,
+    pub skipped: Vec<Skipped>,
     /// Raw samples, one row a sample: milliseconds of each pass, in order. Kept beside, as CSV.
     #[serde(skip)]
     pub samples: Vec<Vec<f64>>,

@@ -4,6 +4,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
 use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup};
+use crate::passes::GBuffer;
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
@@ -117,7 +118,7 @@ impl Shot {
 
     fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
         let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
-        let gbuffer = self.gbuffer.gbuffer();
+        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
         self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
         frame.begin_effect();
         let scene = SceneInput { data, materials: &self.materials };

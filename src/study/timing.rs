@@ -114,7 +114,7 @@ fn time_shots(
             frame: Stats::of(&reports.iter().map(|r| r.frame_ms).collect::<Vec<_>>()),
             drawn,
             recorded: first.map(|r| r.recorded.clone()).unwrap_or_default(),
-            skipped: Vec::new(),
+            skipped: first.map(|r| r.skipped.clone()).unwrap_or_default(),
             samples,
         });
     }

@@ -86,6 +86,6 @@ fn the_files_are_sound_before_they_are_damaged() {
     let folder = Folder::new(&[("a.obj", OBJ), ("a.mtl", MTL), ("a.scene.toml", SCENE)]);
     folder.image("x.png", 4, 4, |x, y| [x as u8 * 60, y as u8 * 60, 255, 255]);
     let scene = scene_file::load(&folder.path("a.scene.toml"), 1.0).unwrap();
-    assert_eq!((scene.warnings.len(), scene.triangle_count(), scene.textures.len()), (0, 7, 4));
+    assert_eq!((scene.warnings.len(), scene.triangle_count(), scene.textures.len()), (0, 7, 5));
     assert_sound(&scene);
 }

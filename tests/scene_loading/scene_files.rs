@@ -339,3 +339,15 @@ fn files_that_cannot_be_scene_files_are_refused() {
     assert!(error(&folder).starts_with("cannot read test.scene.toml: "));
     assert_eq!(load(&folder, -1.0).unwrap_err().exit_status(), 2);
 }
+
+#[test]
+fn a_scene_file_may_have_paths_and_their_faults_have_a_line() {
+    let text = "[[mesh]]\nfile = \"a.obj\"\n[[path.walk.key]]\neye = [0, 1, 0]\nlook_at = [0, 1, 4]\ntime = 0\n\
+                [[path.walk.key]]\neye = [2, 1, 0]\nlook_at = [0, 1, 4]\ntime = 3\n";
+    let scene = load(&folder(text), 2.0).unwrap();
+    let [path] = &scene.paths[..] else { panic!("{:?}", scene.paths) };
+    assert_eq!((path.name.as_str(), path.keys().len(), path.keys()[1].time_s), ("walk", 2, Some(3.0)));
+    assert_eq!(path.at(1.0), ([4.0, 2.0, 0.0].into(), [0.0, 2.0, 8.0].into()), "scaled like views");
+    let wrong = load(&folder(&text.replace("time = 3", "time = 0")), 1.0).unwrap_err().to_string();
+    assert!(wrong.ends_with("test.scene.toml:7: its time must be after 0, but is 0"), "{wrong}");
+}

@@ -1,6 +1,7 @@
 //! Pass times of the last frames of a method, for the stacked bars.
 
 use crate::gpu::FrameReport;
+use crate::gpu::frame::Skipped;
 use crate::study::Stats;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -27,6 +28,8 @@ pub struct History {
     frames: VecDeque<(Instant, Vec<StageTime>)>,
     /// Labels of the passes of the last frame.
     pub recorded: Vec<String>,
+    /// Passes that the last frame did not need, and why.
+    pub skipped: Vec<Skipped>,
 }
 
 impl History {
@@ -51,6 +54,7 @@ impl History {
             self.frames.pop_front();
         }
         self.recorded.clone_from(&report.recorded);
+        self.skipped.clone_from(&report.skipped);
     }
 
     /// Forgets all.

@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{FrameReport, Gpu, Image, Pixels};
-use crate::methods::Setup;
+use crate::methods::{Intermediate, Setup};
 use crate::passes::look::KeepPass;
 use crate::passes::Content;
 use crate::scene::{Camera, Material, Scene};
@@ -177,7 +177,7 @@ impl Pictures {
         let mut hits = None;
         for (i, shown) in self.shown.iter().flatten().enumerate() {
             let (report, _, output) = self.stage.output_in(Mode::Counted, &shown.shot)?;
-            let reflection = self.stage.context.read(output.traced.reflection.0.all())?;
+            let reflection = gbuffer::reflection(&mut self.stage.context, &output)?;
             answers.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
             if i == 0 {
                 answers.work = works(&report);
@@ -238,8 +238,13 @@ impl Shown {
         let (report, _, output) = stage.output_in(Mode::Timed, &self.shot)?;
         self.history.add(&report, Instant::now());
         // A cube map has no plane to show.
-        let images: Vec<_> =
-            image::images(&self.shot, &output).into_iter().filter(|i| i.image.layers() == 1).collect();
+        let mut images = image::inside(&self.shot, &output);
+        images.extend(output.traced.reflection.map(|r| Intermediate {
+            name: "reflection",
+            content: Content::Color,
+            image: r.0,
+        }));
+        images.retain(|i| i.image.layers() == 1);
         let asked = wanted.inside.as_ref().and_then(|inside| {
             let image = images.iter().find(|i| i.name == inside.name)?;
             let parts = image.image.parts();
@@ -247,12 +252,12 @@ impl Shown {
         });
         let (content, slice) = match asked {
             Some(asked) => asked,
-            None => (Content::Color, output.composite.all()),
+            None => (Content::Color, output.composite.level(0)),
         };
         self.content = content;
         stage.context.once(|frame| self.kept.record(frame, slice))?;
         let info =
-            |i: &crate::methods::Intermediate| ImageInfo { name: i.name, levels: i.image.parts().len() as u32, extent: i.image.extent() };
+            |i: &Intermediate| ImageInfo { name: i.name, levels: i.image.parts().len() as u32, extent: i.image.extent() };
         self.images = images.iter().map(info).collect();
         Ok(())
     }

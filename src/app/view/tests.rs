@@ -11,7 +11,7 @@ use crate::gpu::{DeviceQuery, Gpu, Pixels};
 use crate::methods::METHODS;
 use crate::passes::PathCode;
 use crate::passes::look::{Compare, Tone};
-use crate::reference::hi_z_walk::End;
+use crate::reference::hi_z_ray_trace::End;
 use crate::scene::path::CameraPath;
 use crate::scene::library;
 use crate::study::Globals;
@@ -288,22 +288,21 @@ fn the_drawn_walk_is_the_shaders() {
         for x in (0..hits.width).step_by(3) {
             let hit = hits.at(x, y);
             let Some(code) = PathCode::from_channel(hit[3]) else { continue };
-            let ray = inspection.pick([x, y]).unwrap();
-            let walk = ray.walk.unwrap();
-            let agrees = match (code, walk.end) {
-                (PathCode::HiZ, End::Hit) => {
-                    let off = [hit[0] - walk.position.x, hit[1] - walk.position.y];
+            let walk = inspection.pick([x, y]).unwrap().walk;
+            let end = walk.as_ref().map(|w| (w.end, w.last()));
+            let agrees = match (code, end) {
+                (PathCode::HiZ, Some((End::Hit, at))) => {
+                    let off = [hit[0] - at.x, hit[1] - at.y];
                     off[0].abs() * hits.width as f32 <= 1.0 && off[1].abs() * hits.height as f32 <= 1.0
                 }
-                (PathCode::Miss, End::LeftScreen)
-                | (PathCode::Exhausted, End::Exhausted)
-                | (PathCode::None, End::NoRay)
-                | (PathCode::Linear | PathCode::LinearMiss, End::TowardsCamera) => true,
+                (PathCode::Miss, Some((End::LeftScreen, _)))
+                | (PathCode::Exhausted, Some((End::Exhausted, _)))
+                | (PathCode::None | PathCode::Linear | PathCode::LinearMiss, None) => true,
                 _ => false,
             };
             rays += 1;
             same += usize::from(agrees);
-            steps += walk.steps.len();
+            steps += walk.map_or(0, |w| w.steps.len());
         }
     }
     println!("{same} of {rays} rays end alike, {steps} steps");

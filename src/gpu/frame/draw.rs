@@ -76,11 +76,11 @@ impl Frame<'_> {
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
                 BindingKind::SampledImage
             }
-            Resource::Storage(slice) => {
+            Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
                 BindingKind::StorageImage
             }
-            Resource::Buffer(b) => {
+            Resource::Buffer(b) | Resource::ReadBuffer(b) => {
                 buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
                 BindingKind::StorageBuffer
             }

@@ -103,6 +103,19 @@ impl Frame<'_> {
         })
     }
 
+    /// Fills a buffer with one word.
+    pub fn fill(&mut self, name: &str, buffer: &Buffer, word: u32) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_buffer(buffer, Access::TransferWrite);
+            frame.flush();
+            // SAFETY: the buffer is alive; the whole of it is filled.
+            unsafe {
+                frame.device().cmd_fill_buffer(frame.context.commands, buffer.handle(), 0, vk::WHOLE_SIZE, word);
+            }
+            Ok(())
+        })
+    }
+
     /// Copies tightly packed texels of all layers from a buffer into a level.
     pub fn upload(&mut self, name: &str, from: &Buffer, to: ImageSlice) -> Result<()> {
         self.pass(name, |frame| {

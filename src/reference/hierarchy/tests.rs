@@ -3,115 +3,10 @@
 
 use super::*;
 use crate::reference::Oracle;
-use crate::reference::random::Stream;
 use crate::reference::ray::MissReason;
-use crate::reference::testing::{depth_of, floor_and_wall, gbuffer};
+use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, depths, direction, floor_and_wall, gbuffer};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::cell::Cell;
-
-const SIZES: [[u32; 2]; 20] = [
-    [1, 1],
-    [1, 2],
-    [2, 1],
-    [1, 37],
-    [53, 1],
-    [1, 256],
-    [2, 2],
-    [3, 3],
-    [5, 3],
-    [7, 13],
-    [16, 16],
-    [17, 15],
-    [31, 32],
-    [33, 31],
-    [64, 64],
-    [65, 127],
-    [97, 101],
-    [128, 66],
-    [160, 90],
-    [321, 239],
-];
-
-/// A sequence of random numbers.
-struct Random(Stream, Cell<u64>);
-
-impl Random {
-    fn unit(&self) -> f64 {
-        self.1.set(self.1.get() + 1);
-        self.0.uniform(self.1.get())
-    }
-
-    fn range(&self, from: f64, to: f64) -> f64 {
-        from + (to - from) * self.unit()
-    }
-
-    fn below(&self, n: u32) -> u32 {
-        (self.unit() * f64::from(n)) as u32
-    }
-
-    fn direction(&self) -> DVec3 {
-        DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
-    }
-
-    /// A view depth between the planes, evenly by its logarithm.
-    fn depth(&self) -> f64 {
-        self.range(0.1_f64.ln(), 1000.0_f64.ln()).exp()
-    }
-}
-
-/// Depths of one kind, by pixel. Two slopes are planes in view space, which are so in reversed depth.
-fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
-    let (a, b) = (random.depth(), random.depth());
-    let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
-    let (cell, edge) = (1 + random.below(5), random.below(width.max(height)));
-    let tilt = [random.range(-1.0, 1.0), random.range(-1.0, 1.0)];
-    let (small, holes) = (random.range(0.0, 0.02) as f32, random.range(0.0, 1.0));
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let depth = |(x, y): (u32, u32)| match kind {
-        0 => depth_of(random.depth()),
-        1 => near,
-        2 => [near, far][((x / cell + y / cell) % 2) as usize],
-        3 => [near, far][usize::from(if cell % 2 == 0 { x < edge } else { y < edge })],
-        4 => {
-            let [u, v] = [f64::from(x) / f64::from(width) - 0.5, f64::from(y) / f64::from(height) - 0.5];
-            (f64::from(near) * (1.0 + tilt[0] * u + tilt[1] * v)).clamp(1e-4, 1.0) as f32
-        }
-        5 => near * (1.0 - small * random.unit() as f32),
-        6 if random.unit() < holes => 0.0,
-        6 => depth_of(random.depth()),
-        7 if random.unit() < 0.02 => near,
-        7 => 0.0,
-        // The ends of the range: on the near plane, and the least number above the sky.
-        _ => [1.0, near, f32::MIN_POSITIVE, 0.0][random.below(4) as usize],
-    };
-    pixels.map(depth).collect()
-}
-const KINDS: u32 = 9;
-
-/// A direction of one kind from a pixel at `from`.
-fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DVec3 {
-    let g = rays.gbuffer;
-    let target = || {
-        let (x, y) = (random.below(g.width), random.below(g.height));
-        rays.position(x, y).unwrap_or(from * 0.5)
-    };
-    match kind {
-        0 => random.direction(),
-        // Along the axes.
-        1 => [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * [1.0, -1.0][random.below(2) as usize],
-        // Straight at the camera and straight away, exactly and nearly.
-        2 => from * [1.0, -1.0][random.below(2) as usize],
-        3 => (from.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
-        // At the very depth of another pixel's centre.
-        4 => target() - from,
-        // Along its depth.
-        5 => (target() - from) * DVec3::new(1.0, 1.0, 0.0),
-        // Nearly along an axis of the screen.
-        _ => DVec3::new(random.range(-1.0, 1.0), 1e-9 * random.range(-1.0, 1.0), 1e-3 * random.range(-1.0, 1.0)),
-    }
-}
-const DIRECTIONS: u32 = 7;
 
 /// A segment with exact numbers: along pixel edges, through corners, at depths of pixels.
 fn exact_segment(random: &Random, g: &GBufferData) -> Segment {
@@ -141,7 +36,7 @@ fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
 
 /// Traces about `rays` rays of a random G-buffer both ways; returns how many, and how many hit.
 fn compare(case: u64, rays: u64) -> [u64; 2] {
-    let random = Random(Stream::new(7, case), Cell::new(0));
+    let random = Random::new(7, case);
     let size = SIZES[(case % SIZES.len() as u64) as usize];
     let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;
     let depth = depths(kind, &random, size);
@@ -194,7 +89,7 @@ fn thirty_million_rays_agree_with_the_oracle() {
 
 #[test]
 fn cells_cover_the_pixels_that_shift_to_them() {
-    let random = Random(Stream::new(3, 0), Cell::new(0));
+    let random = Random::new(3, 0);
     for size in SIZES {
         let depth = depths(6, &random, size);
         let g = gbuffer(size[0], size[1], |x, y| depth[(y * size[0] + x) as usize], |_, _| Vec3::Z);

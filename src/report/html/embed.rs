@@ -1,9 +1,11 @@
 //! Pictures inside the page: a file on disk becomes a data URI.
 
 use crate::error::{Error, Result};
+use crate::report::images::Rgb;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::jpeg::JpegEncoder;
+use image::{RgbImage, imageops};
 use std::path::Path;
 
 /// Quality of the page's JPEGs, of 100: differences between methods stay visible, and a picture
@@ -20,14 +22,38 @@ pub struct Embedded {
     pub height: u32,
 }
 
-/// A PNG as a JPEG, or as it is where that is no larger.
-pub fn embed(path: &Path) -> Result<Embedded> {
+/// A PNG as a JPEG, or as it is where that is no larger; wider than `most` pixels, it is scaled down.
+pub fn embed(path: &Path, most: u32) -> Result<Embedded> {
     let png = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
     let wrong = |e: image::ImageError| Error::io("read", path, std::io::Error::other(e));
     let pixels = image::load_from_memory(&png).map_err(wrong)?.into_rgb8();
-    let mut jpeg = Vec::new();
-    JpegEncoder::new_with_quality(&mut jpeg, JPEG_QUALITY).encode_image(&pixels).map_err(wrong)?;
-    let (kind, bytes) = if png.len() <= jpeg.len() { ("png", png) } else { ("jpeg", jpeg) };
-    let uri = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
-    Ok(Embedded { uri, width: pixels.width(), height: pixels.height() })
+    if pixels.width() > most {
+        let height = (u64::from(pixels.height()) * u64::from(most) / u64::from(pixels.width())).max(1) as u32;
+        return jpeg(&imageops::resize(&pixels, most, height, imageops::FilterType::Triangle)).map_err(wrong);
+    }
+    let made = jpeg(&pixels).map_err(wrong)?;
+    let own = uri("png", &png);
+    Ok(if own.len() <= made.uri.len() { Embedded { uri: own, ..made } } else { made })
+}
+
+/// A picture as a JPEG.
+pub fn data_uri(picture: &Rgb) -> Result<Embedded> {
+    let wrong = |what: &str| Error::Usage(format!("a picture of {}x{}: {what}", picture.width, picture.height));
+    let pixels = RgbImage::from_raw(picture.width, picture.height, picture.bytes.clone());
+    jpeg(&pixels.ok_or_else(|| wrong("its bytes don't fit"))?).map_err(|e| wrong(&e.to_string()))
+}
+
+/// A drawing as it is; its size stands in its text.
+pub fn svg_uri(svg: &str) -> String {
+    uri("svg+xml", svg.as_bytes())
+}
+
+fn jpeg(pixels: &RgbImage) -> image::ImageResult<Embedded> {
+    let mut bytes = Vec::new();
+    JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).encode_image(pixels)?;
+    Ok(Embedded { uri: uri("jpeg", &bytes), width: pixels.width(), height: pixels.height() })
+}
+
+fn uri(kind: &str, bytes: &[u8]) -> String {
+    format!("data:image/{kind};base64,{}", STANDARD.encode(bytes))
 }

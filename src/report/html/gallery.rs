@@ -51,7 +51,7 @@ pub fn strip(title: &str, pictures: &[Picture], class: &str, folder: &Path) -> R
 }
 
 fn figure(title: &str, picture: &Picture, again: bool, folder: &Path) -> Result<Markup> {
-    let embedded = embed(&folder.join(&picture.file))?;
+    let embedded = embed(&folder.join(&picture.file), u32::MAX)?;
     Ok(html! {
         figure.again[again] data-name=(picture.name) {
             a href=(picture.file) {

@@ -3,9 +3,12 @@
 //! to them.
 
 mod embed;
+mod figures;
 mod gallery;
 mod sections;
 
+pub use embed::data_uri;
+pub use figures::{Entry, FiguresPage, Group, Panel};
 pub use gallery::{Gallery, Picture};
 
 use super::error_report::ErrorPlot;

@@ -331,7 +331,7 @@ fn blades() -> [Blade; 2] {
 }
 
 fn cafe_rect() -> Rect {
-    around(-3.8, 3.66, 3.0, 3.0 * 128.0 / 448.0)
+    around(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
 /// The signs on the houses; those across the street have a back of their own.
@@ -357,7 +357,7 @@ fn signs() -> Vec<MeshBuilder> {
     let mut cafe = mesh("cafe-sign", CAFE);
     right().picture(&mut cafe, cafe_rect(), 0.08);
     let mut board = mesh("cafe-board", METAL);
-    right().block(&mut board, around(-3.8, 3.66, 2.7, 0.7), [-0.05, 0.07]);
+    right().block(&mut board, around(-3.8, 3.53, 2.0, 0.5), [-0.05, 0.07]);
     parts.extend([rods, cafe, board]);
     parts
 }

@@ -118,7 +118,7 @@ impl Sign {
     fn sample(&self, at: Vec2) -> Vec4 {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
         let p = at * size;
-        let rim = self.to_rim(p, size);
+        let rim = self.rim_distance(p, size);
         // Letters fill the plate but for a margin; an arrow's tip is left free.
         let free = match self.cut {
             Cut::Plate => size,
@@ -145,7 +145,7 @@ impl Sign {
     }
 
     /// Distance from the sign's edge inwards, in units of its shorter side.
-    fn to_rim(&self, p: Vec2, size: Vec2) -> f32 {
+    fn rim_distance(&self, p: Vec2, size: Vec2) -> f32 {
         let half = 0.5 * size;
         let plate = |half: Vec2, at: Vec2| {
             let q = at.abs() - half + 0.08;

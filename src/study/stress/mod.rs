@@ -4,7 +4,7 @@
 pub mod cases;
 pub mod motion;
 
-use super::gbuffer::hit_positions;
+use super::gbuffer::{hit_positions, reflection};
 use super::record::{DEFINITIONS, Head};
 use super::stage::{Globals, Shot, Stage};
 use super::timing::camera;
@@ -190,8 +190,8 @@ struct Made {
 impl Made {
     fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
         Ok(Self {
-            reflection: context.read(output.traced.reflection.0.all())?,
-            composite: context.read(output.composite.all())?,
+            reflection: reflection(context, output)?,
+            composite: context.read(output.composite.level(0))?,
             hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
             report,
         })

@@ -128,7 +128,7 @@ pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -
         for frame in 0..spec.frames {
             shot.camera = at(frame);
             let (_, _, output) = stage.output(&shot)?;
-            let pixels = stage.context.read(output.traced.reflection.0.all())?;
+            let pixels = gbuffer::reflection(&mut stage.context, &output)?;
             made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
             if n == 0 {
                 screens.push(gbuffer::read(&mut stage.context, &shot)?);

@@ -17,14 +17,14 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told, done: &mut Done) {
             state.tone.range = [0.0, 1.0];
         }
     }
-    let steps = ui.selectable_label(chosen.as_deref() == Some(STEPS), "steps through the Hi-Z  (heat map)");
-    if steps.on_hover_text("counted on the CPU when nothing moves, for methods that traverse a Hi-Z").clicked() {
+    let steps = ui.selectable_label(chosen.as_deref() == Some(STEPS), "steps of the rays  (heat map)");
+    if steps.on_hover_text("counted on the CPU when nothing moves, by twins of ssct, hzct and unified").clicked() {
         state.inside = Some(Inside { name: STEPS.to_owned(), level: 0 });
         state.tone.range = [0.0, 64.0];
     }
     let Some(inside) = &mut state.inside else { return };
     if inside.name == STEPS && told.answers.is_some_and(|a| a.steps.is_none()) {
-        ui.colored_label(ui.visuals().warn_fg_color, "this method traverses no Hi-Z at full resolution");
+        ui.colored_label(ui.visuals().warn_fg_color, "this method's steps are not counted, or not at this resolution");
     }
     heading(ui, "Level");
     let levels = told.images.iter().find(|i| i.name == inside.name).map_or(1, |i| i.levels);

@@ -104,11 +104,18 @@ fn work(ui: &mut Ui, told: &Told) {
             }
         });
     }
+    if let Some(inspection) = &answers.inspection {
+        let t = inspection.tiles();
+        ui.label(format!(
+            "tiles of 8 × 8: {} mirrors, {} glossy, {} both, {} without reflections",
+            t.mirrors, t.glossy, t.both, t.empty
+        ));
+    }
     if let Some(steps) = &answers.steps {
         let traced: Vec<u32> = steps.iter().copied().filter(|n| *n > 0).collect();
         let mean = traced.iter().map(|n| f64::from(*n)).sum::<f64>() / traced.len().max(1) as f64;
         let most = traced.iter().max().copied().unwrap_or(0);
-        ui.label(format!("Hi-Z steps: {} rays, mean {mean:.1}, most {most}", traced.len()));
+        ui.label(format!("steps: {} rays, mean {mean:.1}, most {most}", traced.len()));
     }
     ui.collapsing("Invocations of each pass", |ui| {
         Grid::new("invocations").num_columns(3).striped(true).show(ui, |ui| {
@@ -124,8 +131,12 @@ fn work(ui: &mut Ui, told: &Told) {
             }
         });
     });
-    let recorded = told.histories.first().map(|h| h.recorded.join(", ")).unwrap_or_default();
-    ui.collapsing("Recorded passes", |ui| ui.label(recorded));
+    let Some(history) = told.histories.first() else { return };
+    ui.collapsing(format!("{} passes recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
+    ui.label(format!("{} passes skipped", history.skipped.len()));
+    for skipped in &history.skipped {
+        ui.label(RichText::new(format!("{}: {}", skipped.pass, skipped.why)).weak());
+    }
 }
 
 fn error(ui: &mut Ui, state: &State, told: &Told) {

@@ -5,7 +5,7 @@ use super::{Told, heading};
 use crate::app::view::inspect::PickedRay;
 use crate::app::view::state::State;
 use crate::reference::Outcome;
-use crate::reference::hi_z_walk::End;
+use crate::reference::hi_z_ray_trace::{End, HiZTrace, Step};
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
 
 const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
@@ -44,11 +44,11 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
             ui.end_row();
             for (n, s) in walk.steps.iter().enumerate() {
                 ui.label((n + 1).to_string());
-                let way = if s.met { "⬇" } else { "⬆" };
+                let way = if s.crossed { "⬆" } else { "⬇" };
                 ui.colored_label(level_color(s.level), format!("{} {way}", s.level));
-                ui.label(format!("{}, {}", s.cell[0], s.cell[1]));
-                ui.label(format!("{:.6}", s.plane));
-                ui.label(format!("{:.6}", s.to.z));
+                ui.label(format!("{}, {}", s.cell.x, s.cell.y));
+                ui.label(format!("{:.6}", s.minimum_plane));
+                ui.label(format!("{:.6}", s.ray.z));
                 ui.end_row();
             }
         });
@@ -87,8 +87,6 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         if let Some(walk) = &ray.walk {
             ui.colored_label(WALK, "Hi-Z");
             ui.label(match walk.end {
-                End::NoRay => "no ray: the pixel does not reflect".into(),
-                End::TowardsCamera => "towards the camera: not for the Hi-Z".into(),
                 End::Hit => format!("met level 0 after {} steps", walk.steps.len()),
                 End::LeftScreen => format!("left the screen after {} steps", walk.steps.len()),
                 End::Exhausted => format!("out of iterations after {} steps", walk.steps.len()),
@@ -109,14 +107,17 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     }
     if let Some(walk) = &ray.walk {
         for s in &walk.steps {
-            let [left, top, right, bottom] = s.bounds;
-            let cell = Rect::from_min_max(at(left, top), at(right, bottom));
+            let corner = |cell: glam::Vec2| {
+                let share = cell / s.cell_count;
+                at(share.x * extent[0] as f32, share.y * extent[1] as f32)
+            };
+            let cell = Rect::from_min_max(corner(s.cell), corner(s.cell + 1.0));
             painter.rect_stroke(cell, 0.0, Stroke::new(1.0, level_color(s.level)), StrokeKind::Inside);
         }
         let pixels = |v: glam::Vec3| at(v.x * extent[0] as f32, v.y * extent[1] as f32);
-        for s in &walk.steps {
-            painter.line_segment([pixels(s.from), pixels(s.to)], Stroke::new(2.0, WALK));
-            painter.circle_filled(pixels(s.to), 2.0, WALK);
+        for pair in way(walk).windows(2) {
+            painter.line_segment([pixels(pair[0]), pixels(pair[1])], Stroke::new(2.0, WALK));
+            painter.circle_filled(pixels(pair[1]), 2.0, WALK);
         }
     }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
@@ -127,6 +128,11 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
         let o = at(o.x as f32, o.y as f32);
         painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE));
     }
+}
+
+/// Where the ray stood: at its pixel, after the first cell, after every step.
+fn way(walk: &HiZTrace) -> Vec<glam::Vec3> {
+    [walk.from, walk.entered].into_iter().chain(walk.steps.iter().map(|s: &Step| s.ray)).collect()
 }
 
 fn cross(painter: &Painter, at: Pos2, color: Color32) {

@@ -1,0 +1,42 @@
+// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite.
+// Needs parameters.glsl.
+
+layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
+layout(binding = 2) uniform sampler2D normal_buffer;          // view space
+layout(binding = 3) uniform sampler2D material_buffer;        // reflectivity, roughness
+layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
+
+#include "unified/tiles.glsl"
+#include "unified/tile_list.glsl"
+#include "unified/pyramid.glsl"
+#include "unified/ray.glsl"
+#include "unified/traverse.glsl"
+#include "unified/fade.glsl"
+
+struct Mirror {
+    vec4 reflection; // colour, and fade in a; a miss is 0
+    vec4 composite;  // lit colour + reflectivity * fade * reflection
+    Ray ray;
+    Hit hit;
+};
+
+// Discards the pixels of a tile that its list is not for: the images already hold what they show.
+Mirror TraceMirror(ivec2 pixel) {
+    vec2 material = texelFetch(material_buffer, pixel, 0).xy;
+    float depth = imageLoad(pyramid, pixel).r;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    if (!Reflects(material) || ListOf(material) != tile_list.list || !(depth > 0.0) || normal == vec3(0.0))
+        discard;
+    Mirror mirror;
+    mirror.reflection = vec4(0.0);
+    mirror.composite = vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0);
+    bool faces;
+    mirror.ray = MirrorRay(pixel, depth, normal, faces);
+    mirror.hit = Traverse(mirror.ray);
+    if (mirror.hit.code == HIT_SURFACE && faces) {
+        vec2 uv = mirror.hit.position * unified.pixel_to_clip;
+        mirror.reflection = vec4(textureLod(color_buffer, uv, 0.0).rgb, Fade(uv));
+        mirror.composite.rgb += material.x * mirror.reflection.a * mirror.reflection.rgb;
+    }
+    return mirror;
+}

@@ -1,0 +1,22 @@
+#version 460
+// The tiles of a list as points of a tile's size, drawn indirectly without a vertex buffer. A point is
+// a square: no pixel lies on a diagonal between two triangles, where devices shade blocks twice.
+
+#include "unified/parameters.glsl"
+#include "unified/tiles.glsl"
+#include "unified/tile_list.glsl"
+
+layout(std430, binding = 5) readonly buffer Tiles {
+    uint tiles[];
+};
+
+void main() {
+    ivec2 count = TileCount();
+    ivec2 tile = UnpackTile(tiles[tile_list.list * count.x * count.y + gl_VertexIndex]);
+    // A point whose centre is off screen is dropped: the last tiles move in, over pixels that their
+    // neighbours may shade as well, to the same result; a screen below a tile is covered from its middle.
+    ivec2 first = min(tile * TILE, unified.size - TILE);
+    vec2 centre = max(vec2(first) + 0.5 * TILE, 0.5 * vec2(min(unified.size, ivec2(TILE))));
+    gl_Position = vec4(centre / vec2(unified.size) * 2.0 - 1.0, 0.0, 1.0);
+    gl_PointSize = TILE;
+}

@@ -1,0 +1,130 @@
+// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, ray.glsl and
+// the image `pyramid`. CPU twin: reference::unified.
+//
+// The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
+// way it runs; where that misses the cell's [back, front], nothing in the cell can be hit and the
+// ray leaves it at once, in front of objects as well as behind them. Otherwise it goes down a level;
+// in a pixel, it hits. It goes up a level where a step left the parent cell, which the cells before
+// have not spoken for.
+//
+// Every step goes down a level or forward by a pixel or more, and goes up only with a step forward:
+// MaxSteps bounds them all, so that no ray is ever cut off.
+
+struct Hit {
+    int code;        // HIT_*
+    ivec2 pixel;     // that was hit
+    vec2 position;   // continuous pixel coordinates, within that pixel
+    float depth;     // reversed, of the ray there
+    int steps;       // cells looked at
+};
+
+// As passes::PathCode.
+#define HIT_NONE       0 // the pixel does not reflect
+#define HIT_SURFACE    1
+#define HIT_NOTHING    3 // it left the frustum; WhyMissed tells more
+#define HIT_UNFINISHED 7 // out of steps, which cannot be; never a hit
+#define MISS_SCREEN    8 // it left by a side of the screen,
+#define MISS_NEAR      9 // the near plane
+#define MISS_SKY      10 // or the far plane, with nothing before it,
+#define MISS_BEHIND   11 // or wherever, behind the back of a block
+
+// Forward: a pixel each at least, over both axes. Down: no more often than up.
+int MaxSteps() {
+    return 2 * (unified.size.x + unified.size.y);
+}
+
+Hit Traverse(Ray ray) {
+    Hit hit = Hit(HIT_NOTHING, ray.pixel, vec2(0.0), 0.0, 0);
+    // Where a cell is left: by its far side in a direction that grows, else by its near side.
+    ivec2 ahead = ivec2(greaterThan(ray.inverse, vec2(0.0)));
+    vec2 start = vec2(ray.pixel) + 0.5;
+
+    // The first step leaves the starting pixel unseen.
+    precise vec2 sides = (vec2(ahead) - 0.5) * ray.inverse;
+    float entry = min(sides.x, sides.y);
+    if (!(entry < ray.end))
+        return hit;
+    precise vec2 beside = start + entry * ray.rate.xy;
+    ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(beside.x),
+                        sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(beside.y));
+    precise float entry_depth = ray.depth + entry * ray.rate.z;
+    bool recedes = ray.rate.z < 0.0;
+    int level = 0;
+    int rows = PyramidRows();
+    int bound = MaxSteps();
+    float front = -1.0;
+    bool ended = false;
+
+    // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
+    // for each other in every branch that one of them takes.
+    while (hit.steps < bound) {
+        ++hit.steps;
+        ivec2 cell = pixel >> level;
+        vec2 block = imageLoad(pyramid, ivec2(cell.x, cell.y + rows - (rows >> level))).xy;
+        int size = 1 << level;
+        ivec2 first = pixel & -size;
+        ivec2 edge = first + (-ahead & size);
+        precise vec2 crossings = (vec2(edge) - start) * ray.inverse;
+        bool leaves_x = crossings.x <= crossings.y;
+        bool leaves_y = crossings.y <= crossings.x;
+        float exit = leaves_x ? crossings.x : crossings.y;
+        bool goes_on = exit < ray.end;
+        float last = goes_on ? exit : ray.end;
+        precise float exit_depth = ray.depth + last * ray.rate.z;
+        bool meets = (recedes ? exit_depth : entry_depth) <= block.x && (recedes ? entry_depth : exit_depth) >= block.y;
+        if (meets ? level == 0 : !goes_on) {
+            front = meets ? block.x : -1.0;
+            ended = true;
+            break;
+        }
+
+        // Onward: across the side that is nearer, exactly; beside it, to the pixel that the ray is in
+        // there, which is in the same cell.
+        precise vec2 inside = start + last * ray.rate.xy;
+        ivec2 onward = clamp(ivec2(inside), first, first + (size - 1));
+        onward.x = leaves_x ? edge.x + (ahead.x - 1) : onward.x;
+        onward.y = leaves_y ? edge.y + (ahead.y - 1) : onward.y;
+        ivec2 differs = onward ^ pixel;
+        bool left_parent = (differs.x | differs.y) >= 2 * size;
+
+        level = meets ? level - 1 : left_parent ? min(level + 1, unified.top_level) : level;
+        pixel = meets ? pixel : onward;
+        entry = meets ? entry : exit;
+        entry_depth = meets ? entry_depth : exit_depth;
+    }
+    if (!ended)
+        hit.code = HIT_UNFINISHED;
+
+    if (front > 0.0) {
+        // The crossing with the front if it lies inside the pixel, else the point of entry.
+        precise vec2 crossings = (vec2(pixel + ahead) - start) * ray.inverse;
+        float last = max(min(min(crossings.x, crossings.y), ray.end), entry);
+        precise float exit_depth = ray.depth + last * ray.rate.z;
+        float near = max(entry_depth, exit_depth), far = min(entry_depth, exit_depth);
+        precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
+        float s = far <= front && front <= near && far < near ? min(max(crossing, entry), last) : entry;
+        precise vec2 offset = s * ray.rate.xy + 0.5;
+        precise float depth = ray.depth + s * ray.rate.z;
+        vec2 low = vec2(pixel - ray.pixel);
+        hit.code = HIT_SURFACE;
+        hit.pixel = pixel;
+        hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
+        hit.depth = depth;
+    }
+    return hit;
+}
+
+// Which of MISS_* a ray is that hit nothing (DEFINITIONS, "Oracle", item 5).
+int WhyMissed(Ray ray) {
+    precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
+    precise float depth = ray.depth + ray.end * ray.rate.z;
+    ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
+    vec2 block = imageLoad(pyramid, last).xy;
+    if (block.x >= block.y && depth < block.y)
+        return MISS_BEHIND;
+    ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+    precise vec2 sides = (vec2(side - ray.pixel) - 0.5) * ray.inverse;
+    if (ray.end == min(sides.x, sides.y))
+        return MISS_SCREEN;
+    return ray.rate.z > 0.0 ? MISS_NEAR : MISS_SKY;
+}

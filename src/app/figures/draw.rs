@@ -1,0 +1,184 @@
+//! How figures are put together from renders.
+
+use super::plates::Made;
+use super::workshop::Workshop;
+use crate::error::Error;
+use crate::gpu::Pixels;
+use crate::methods::Setup;
+use crate::methods::thesis::{self, Variant};
+use crate::passes::{Content, PathCode};
+use crate::reference::Level;
+use crate::reference::hi_z::MinMax;
+use crate::reference::hi_z_ray_trace::{Constants, End, HiZTrace, reflection_ray, trace};
+use crate::report::diagrams::{self, Fetches};
+use crate::report::gbuffer_pictures;
+use crate::report::images::{Rgb, display};
+use crate::report::sheet::{Part, difference, enlarged, framed, sheet};
+use crate::scene::Camera;
+use crate::study::{Intermediates, RenderedImage};
+use glam::{Vec2, Vec3};
+
+/// The renders side by side, two in a row.
+pub fn beside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    Ok(Made::Picture(sheet(&rows(pictures(workshop, arguments)?))))
+}
+
+fn pictures(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
+    Ok(arguments.iter().map(|a| workshop.picture(a)).collect::<crate::error::Result<_>>()?)
+}
+
+fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
+    pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
+}
+
+/// Figure 5.3: the part of the left wall that is enlarged, and how often.
+const WALL: (Part, u32) = ([0.02, 0.36, 0.25, 0.25], 4);
+
+/// Two renders and below each the left wall enlarged.
+pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let pictures = pictures(workshop, arguments)?;
+    let (part, times) = WALL;
+    let above = pictures.iter().map(|p| framed(p, part)).collect();
+    let below = pictures.iter().map(|p| enlarged(p, part, times)).collect();
+    Ok(Made::Picture(sheet(&[above, below])))
+}
+
+/// Factor on the difference image of figure 5.5.
+const DIFFERENCE: u8 = 2;
+
+/// Two renders and below them their difference.
+pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let pictures = pictures(workshop, arguments)?;
+    let [a, b] = &pictures[..] else { anyhow::bail!("a difference is of two pictures") };
+    let difference = difference(a, b, DIFFERENCE)?;
+    Ok(Made::Picture(sheet(&[pictures, vec![difference]])))
+}
+
+/// Schmidt's figure 39: parts of the last render that are enlarged.
+const DETAILS: [Part; 2] = [[0.1, 0.6, 0.25, 0.25], [0.55, 0.6, 0.25, 0.25]];
+
+/// Renders, and below them parts of the last one enlarged.
+pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let mut pictures = pictures(workshop, arguments)?;
+    let details: Vec<Rgb> = pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, 4)).to_vec()).unwrap_or_default();
+    if let Some(last) = pictures.last_mut() {
+        *last = DETAILS.iter().fold(last.clone(), |p, d| framed(&p, *d));
+    }
+    let mut rows = rows(pictures);
+    rows.push(details);
+    Ok(Made::Picture(sheet(&rows)))
+}
+
+/// The first render with everything that led to it.
+fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
+    let Some(first) = arguments.first() else { anyhow::bail!("a figure without a render") };
+    let (mut rendered, camera) = workshop.inside(first)?;
+    let all = rendered.intermediates.take().unwrap_or_default();
+    Ok((rendered, all, camera))
+}
+
+fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
+    let found = all.iter().find(|(s, ..)| s == stem).map(|(.., pixels)| pixels);
+    found.ok_or_else(|| Error::Usage(format!("the frame has no {stem}")))
+}
+
+/// The Hi-Z chain of a frame as the pass made it.
+fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
+    let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
+    let texel = |t: &[f32]| MinMax { min: t[0], max: t[1] };
+    levels.map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(texel).collect() }).collect()
+}
+
+fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
+    let of = |l: &Level<MinMax>| Level {
+        width: l.width,
+        height: l.height,
+        texels: l.texels.iter().map(|t| t.min).collect(),
+    };
+    chain.iter().map(of).collect()
+}
+
+/// Figure 4.1.
+pub fn even_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, _) = inside(workshop, arguments)?;
+    Ok(Made::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
+}
+
+/// Figure 4.2.
+pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, _) = inside(workshop, arguments)?;
+    let chain = minima(&hi_z(&all));
+    let Some(depth) = chain.first() else { anyhow::bail!("the frame has no Hi-Z chain") };
+    Ok(Made::Drawing(diagrams::chain(&diagrams::undersized(depth), Fetches::Neighbours)))
+}
+
+/// Figure 4.3.
+pub fn odd_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, _) = inside(workshop, arguments)?;
+    Ok(Made::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
+}
+
+/// Iterations that still can be told apart in figure 4.6.
+const READABLE: std::ops::RangeInclusive<usize> = 10..=26;
+
+/// Figure 4.6: of all rays with a readable number of iterations, the one that climbs highest and, of
+/// those, goes up and down most often.
+pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, camera) = inside(workshop, arguments)?;
+    let chain = hi_z(&all);
+    let normals = find(&all, "normal")?;
+    let extent = [normals.width, normals.height];
+    let setup = Setup::new(extent);
+    let variant = Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: true };
+    let numbers = thesis::parameters(&variant, &camera, extent, chain.len() as u32);
+    let constants = Constants {
+        start_level: numbers.start_level as u32,
+        iterations: numbers.iterations as u32,
+        cross_offset: numbers.cross_offset,
+    };
+    let size = Vec2::new(extent[0] as f32, extent[1] as f32);
+    let traced = |n: usize| -> Option<HiZTrace> {
+        let (x, y) = (n as u32 % extent[0], n as u32 / extent[0]);
+        let normal = Vec3::from_slice(normals.at(x, y)).try_normalize()?;
+        let z = chain.first()?.at_clamped(x, y).min;
+        let p_ss = ((Vec2::new(x as f32, y as f32) + 0.5) / size).extend(z);
+        let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);
+        (v_ss.z > numbers.view_direction_epsilon).then(|| trace(&chain, p_ss, v_ss, &constants))
+    };
+    let shown = |t: &HiZTrace| t.end == End::Hit && READABLE.contains(&t.steps.len());
+    let turns = |t: &HiZTrace| t.steps.windows(2).filter(|s| s[0].crossed != s[1].crossed).count();
+    let highest = |t: &HiZTrace| t.steps.iter().map(|s| s.level).max();
+    let pixels = 0..(extent[0] * extent[1]) as usize;
+    let best = pixels.filter_map(traced).filter(shown).max_by_key(|t| (highest(t), turns(t)));
+    let Some(best) = best else { anyhow::bail!("no ray of this frame takes a readable number of iterations") };
+    Ok(Made::Drawing(diagrams::ray(&best, &chain)))
+}
+
+/// Figure 4.7: of all pixels with a Hi-Z hit, the one whose cone is about two fifths of the screen long
+/// and lies in its middle.
+pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, _) = inside(workshop, arguments)?;
+    let (hits, lit) = (find(&all, "hits")?, find(&all, "color-0")?);
+    let roughness =
+        f64::from(super::workshop::parse(&arguments[0])?.common.place.roughness.first().copied().unwrap_or(0.0));
+    let size = Vec2::new(hits.width as f32, hits.height as f32);
+    let cone = |(n, t): (usize, &[f32])| {
+        let pixel = Vec2::new((n as u32 % hits.width) as f32, (n as u32 / hits.width) as f32);
+        let (from, hit) = ((pixel + 0.5) / size, Vec2::new(t[0], t[1]));
+        (PathCode::from_channel(t[3]) == Some(PathCode::HiZ)).then_some((from, hit))
+    };
+    let off = |(from, hit): &(Vec2, Vec2)| {
+        (from.distance(*hit) - 0.4).abs() + 0.5 * from.midpoint(*hit).distance(Vec2::splat(0.5))
+    };
+    let best = hits.texels().enumerate().filter_map(cone).min_by(|a, b| off(a).total_cmp(&off(b)));
+    let Some((from, hit)) = best else { anyhow::bail!("no ray of this frame hits") };
+    // Eq. 4.5 with this project's lobe: half the roughness.
+    let theta = 0.5 * roughness;
+    Ok(Made::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
+}
+
+/// Schmidt's figure 27.
+pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+    let (_, all, camera) = inside(workshop, arguments)?;
+    Ok(Made::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
+}

@@ -1,0 +1,153 @@
+//! `ssct figures`: every figure of the published documents that this program can make, and a page that shows each
+//! beside what is in print.
+
+mod draw;
+mod plates;
+mod workshop;
+
+use super::cli::FiguresOptions;
+use super::{progress, resolve};
+use crate::error::{Error, Result};
+use crate::report::files;
+use crate::report::html::{Entry, FiguresPage, Group, Panel};
+use plates::{Made, PLATES, Plate, Source};
+use std::io::Write;
+use std::path::Path;
+use workshop::Workshop;
+
+/// Makes the figures and writes their page.
+pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
+    let wanted = wanted(&options.only)?;
+    let gpu = resolve::gpu(&options.device)?;
+    let mut workshop = Workshop::new(&gpu);
+    let bar = progress::bar("figures", wanted.len());
+    let mut entries = Vec::new();
+    for plate in &wanted {
+        bar.set_message(format!("figure {}", plate.number));
+        entries.push((plate.source, entry(plate, &mut workshop, options)?));
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+
+    let mut out = std::io::stdout().lock();
+    for (_, e) in &entries {
+        match &e.file {
+            Ok(file) => writeln!(out, "{file}: {}", e.title)?,
+            Err(why) => writeln!(out, "{} left out: {why}", e.stem)?,
+        }
+    }
+    let made = entries.iter().filter(|(_, e)| e.file.is_ok()).count();
+    let left_out = entries.len() - made;
+    let page = FiguresPage { device: gpu.info(), command: command(options), groups: groups(entries) };
+    let index = options.output.join("index.html");
+    files::write(&index, page.render(&options.output)?.as_bytes())?;
+    writeln!(out, "{}: {made} figures, {left_out} left out", index.display())?;
+    drop(workshop);
+    gpu.check_validation()?;
+    Ok(())
+}
+
+/// The figures of some numbers, with or without their document's name; all for none.
+fn wanted(only: &[String]) -> Result<Vec<&'static Plate>> {
+    let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
+    if let Some(unknown) = only.iter().find(|name| PLATES.iter().all(|p| !is(p, name))) {
+        let numbers: Vec<&str> = PLATES.iter().map(|p| p.number).collect();
+        return Err(Error::Usage(format!("--only {unknown}: no such figure; there are: {}", numbers.join(", "))));
+    }
+    Ok(PLATES.iter().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
+}
+
+/// Makes a figure, writes its file, and says what the page says of it.
+fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
+    let arguments = plate.arguments(options.size);
+    let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
+        Some(why) => Err(why),
+        None => Ok(write(plate, (plate.make)(workshop, &arguments)?, &options.output)?),
+    };
+    let panels = plate.panels.iter().zip(&arguments).enumerate().map(|(n, ((label, _), arguments))| {
+        // What is asked for its inside has a folder in its arguments, the rest a file.
+        let inside = arguments.contains("--dump");
+        let file = if inside { String::new() } else { format!(" -o {}-{}.png", plate.stem(), n + 1) };
+        Panel { label: (*label).to_owned(), command: format!("ssct render {arguments}{file}") }
+    });
+    let name = match plate.source {
+        Source::Thesis => "Figure",
+        Source::Poster => "The poster's figure",
+        Source::Schmidt => "Schmidt's figure",
+    };
+    Ok(Entry {
+        stem: plate.stem(),
+        title: format!("{name} {}: {}", plate.number, plate.title),
+        file,
+        print: plate.print.to_owned(),
+        differs: plate.differs.to_owned(),
+        panels: panels.collect(),
+        command: format!("ssct figures --only {} -o {}", plate.number, options.output.display()),
+    })
+}
+
+/// The file's name.
+fn write(plate: &Plate, made: Made, folder: &Path) -> Result<String> {
+    match made {
+        Made::Picture(picture) => {
+            let file = format!("{}.png", plate.stem());
+            picture.write_png(&folder.join(&file))?;
+            Ok(file)
+        }
+        Made::Drawing(svg) => {
+            let file = format!("{}.svg", plate.stem());
+            files::write(&folder.join(&file), svg.as_bytes())?;
+            Ok(file)
+        }
+    }
+}
+
+fn groups(entries: Vec<(Source, Entry)>) -> Vec<Group> {
+    let documents = [
+        (
+            Source::Thesis,
+            "Hermanns 2015",
+            "Lukas Hermanns, Screen Space Cone Tracing for Glossy Reflections, thesis, TU Darmstadt, 2015. The \
+             times in its captions: ssct time --table captions; table 5.8: ssct time --table 5.8.",
+        ),
+        (
+            Source::Poster,
+            "Hermanns and Franke 2014",
+            "Lukas Hermanns and Tobias Alexander Franke, Screen Space Cone Tracing for Glossy Reflections, SIGGRAPH poster, \
+             2014.",
+        ),
+        (
+            Source::Schmidt,
+            "Schmidt 2013",
+            "Guido Schmidt, Rendering view dependent reflections using the graphics card, thesis, University of \
+             Koblenz-Landau, 2013. Its figures 42 and 52, \
+             frames per second on the way through a scene: ssct time --path views.",
+        ),
+    ];
+    let mut entries = entries;
+    let mut groups = Vec::new();
+    for (source, title, text) in documents {
+        let (own, others): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(s, _)| *s == source);
+        entries = others;
+        if !own.is_empty() {
+            groups.push(Group {
+                id: source.stem().to_owned(),
+                title: title.to_owned(),
+                source: text.to_owned(),
+                entries: own.into_iter().map(|(_, e)| e).collect(),
+            });
+        }
+    }
+    groups
+}
+
+fn command(options: &FiguresOptions) -> String {
+    let mut command = "ssct figures".to_owned();
+    if !options.only.is_empty() {
+        command += &format!(" --only {}", options.only.join(","));
+    }
+    if let Some([width, height]) = options.size {
+        command += &format!(" --size {width}x{height}");
+    }
+    format!("{command} -o {}", options.output.display())
+}

@@ -1,0 +1,515 @@
+//! The figures, one entry each: what it shows in print, what it shows here, the renders it is made of,
+//! and how they are put together.
+
+use super::draw;
+use super::workshop::Workshop;
+use crate::report::images::Rgb;
+
+/// The document that a figure is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// Hermanns 2015.
+    Thesis,
+    /// Hermanns and Franke 2014.
+    Poster,
+    /// Schmidt 2013.
+    Schmidt,
+}
+
+impl Source {
+    /// What file names begin with.
+    pub fn stem(self) -> &'static str {
+        match self {
+            Self::Thesis => "thesis",
+            Self::Poster => "poster",
+            Self::Schmidt => "schmidt",
+        }
+    }
+}
+
+/// Pixels of a figure's renders.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Size {
+    /// As printed; `--size` replaces it.
+    Print([u32; 2]),
+    /// The figure is about this size.
+    Fixed([u32; 2]),
+}
+
+/// A finished figure.
+pub enum Made {
+    /// To be written as PNG.
+    Picture(Rgb),
+    /// SVG.
+    Drawing(String),
+}
+
+/// How a figure is made of the arguments of its renders, size included.
+pub type Make = fn(&mut Workshop, &[String]) -> anyhow::Result<Made>;
+
+/// A figure.
+pub struct Plate {
+    /// Document.
+    pub source: Source,
+    /// Number in print.
+    pub number: &'static str,
+    /// Subject.
+    pub title: &'static str,
+    /// What the print shows.
+    pub print: &'static str,
+    /// What differs here.
+    pub differs: &'static str,
+    /// Pixels.
+    pub size: Size,
+    /// Its renders: what each shows, and the arguments of `ssct render` without size and file.
+    pub panels: &'static [(&'static str, &'static str)],
+    /// How it is put together.
+    pub make: Make,
+}
+
+const HD: Size = Size::Print([1920, 1080]);
+const QHD: Size = Size::Print([960, 540]);
+
+/// What all of the thesis's chapter 5 has here.
+const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives no roughness for this figure; here \
+    roughness and normal deviation are 0.1, those of table 5.8's rougher rows.";
+
+/// Every figure, in the order of the documents.
+pub const PLATES: &[Plate] = &[
+    Plate {
+        source: Source::Thesis,
+        number: "4.1",
+        title: "how a Hi-Z buffer is made of minima",
+        print: "A depth buffer of numbers; four texels at a time become one with the least of them.",
+        differs: "The numbers are the real chain of a view of the rooms at 8 × 8 pixels.",
+        size: Size::Fixed([8, 8]),
+        panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
+        make: draw::even_chain,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.2",
+        title: "odd sizes, without Eq. 4.1",
+        print: "Always two by two texels: of an odd size the last row or column is lost, on every level anew.",
+        differs: "The real depth of a view at 7 × 5 pixels, reduced by two by two. Red says what each cell lost.",
+        size: Size::Fixed([7, 5]),
+        panels: &[("the depth", "--scene rooms --view cylinder --dump inside")],
+        make: draw::undersized_chain,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.3",
+        title: "odd sizes, with Eq. 4.1",
+        print: "The second texel is taken one further where a side is odd: a wider range is captured.",
+        differs: "The chain that the pass makes of the same depth. The edge is read now, but on an odd side every other \
+                  texel inside is not: what is crossed out is an erratum of Alg. 3 (see ERRATA.md).",
+        size: Size::Fixed([7, 5]),
+        panels: &[("depth and its chain", "--scene rooms --view cylinder --dump inside")],
+        make: draw::odd_chain,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.4",
+        title: "the chain of the visibility buffer",
+        print: "All levels for 512 × 512 but level 0, which is white.",
+        differs: "The corridor of the rooms.",
+        size: Size::Print([512, 512]),
+        panels: &[("visibility", "--scene rooms --view corridor --figure 4.4")],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.5",
+        title: "which rays take which way",
+        print: "Rays away from the camera, by Hi-Z, in green; rays towards it, by the linear march, in red.",
+        differs: "The same colours over the lit scene, darker where a ray met nothing.",
+        size: QHD,
+        panels: &[("paths", "--scene rooms --view corridor --figure 4.5")],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.6",
+        title: "a ray's way through the hierarchy",
+        print: "A sketch: bars of the Hi-Z buffer, cell boundaries, the ray, and its level going up and down.",
+        differs: "No sketch: the iterations of Alg. 4 for one pixel of the rooms at 96 × 54, by the shader's twin on the \
+                  CPU, which a test holds against the GPU. Below, the level over the iterations, and the cells on \
+                  the screen.",
+        size: Size::Fixed([96, 54]),
+        panels: &[(
+            "chain, normals and hits",
+            "--scene rooms --view corridor --roughness 0 --normal-deviation 0 --dump inside",
+        )],
+        make: draw::ray,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.7",
+        title: "the cone as a triangle with circles",
+        print: "A sketch: an isosceles triangle with circles that touch, whose radii say the mip level.",
+        differs: "The circles of Alg. 5 for one pixel and its hit, over the picture that they sample; roughness 0.2. The \
+                  algorithm's unit is the screen's sides, so that circles are ellipses on a wide screen.",
+        size: QHD,
+        panels: &[(
+            "picture and hits",
+            "--scene rooms --view corridor --roughness 0.2 --normal-deviation 0 --dump inside",
+        )],
+        make: draw::cone,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.8",
+        title: "fading at the screen's border",
+        print: "(a) Off: reflections end at sharp edges on the floor. (b) On: they fade out.",
+        differs: "The floor before the window, a mirror.",
+        size: QHD,
+        panels: &[
+            ("(a) off, left", "--scene rooms --view window-floor --roughness 0 --normal-deviation 0 --fade off"),
+            ("(b) on, right", "--scene rooms --view window-floor --roughness 0 --normal-deviation 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.9",
+        title: "the chain of SSLR's ray trace colour",
+        print: "The first five mip levels of the ray trace colour buffer.",
+        differs: "The corridor of the rooms, roughness 0.1.",
+        size: QHD,
+        panels: &[(
+            "colour",
+            "--scene rooms --view corridor --method sslr --figure 4.9 --roughness 0.1 --normal-deviation 0.1",
+        )],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "4.10",
+        title: "the chain of SSLR's mask",
+        print: "The first five mip levels of the mask buffer.",
+        differs: "The same frame as figure 4.9.",
+        size: QHD,
+        panels: &[(
+            "mask",
+            "--scene rooms --view corridor --method sslr --figure 4.10 --roughness 0.1 --normal-deviation 0.1",
+        )],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.1",
+        title: "a cylinder that reflects the tiles",
+        print: "SSCT beside HZCT, looking down at a wooden cylinder on the floor.",
+        differs: COMPARISON,
+        size: QHD,
+        panels: &[
+            ("(a) SSCT, left", "--scene rooms --view cylinder --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            ("(b) HZCT, right", "--scene rooms --view cylinder --method hzct --roughness 0.1 --normal-deviation 0.1"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.2",
+        title: "a window reflected by the floor",
+        print: "HZCT catches a little of the window, SSCT more of it, and the floor in the front wall too; 2.25 against \
+                1.12 ms.",
+        differs: COMPARISON,
+        size: QHD,
+        panels: &[
+            (
+                "(a) SSCT, left",
+                "--scene rooms --view window-floor --method ssct --roughness 0.1 --normal-deviation 0.1",
+            ),
+            (
+                "(b) HZCT, right",
+                "--scene rooms --view window-floor --method hzct --roughness 0.1 --normal-deviation 0.1",
+            ),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.3",
+        title: "the corridor",
+        print: "SSCT beside SSLR along the corridor, and a part of the left wall enlarged, where SSCT keeps more detail.",
+        differs: "The generated stand-in of the scene; roughness and normal deviation 0.1, as the thesis gives none. The \
+                  enlarged part is framed; here it is four times as large, pixel by pixel.",
+        size: QHD,
+        panels: &[
+            ("(a) SSCT, left", "--scene rooms --view corridor --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            ("(b) SSLR, right", "--scene rooms --view corridor --method sslr --roughness 0.1 --normal-deviation 0.1"),
+        ],
+        make: draw::corridor_with_wall,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.4",
+        title: "two cylinders",
+        print: "Many rays of the floor point towards the camera: SSCT is slower here, 3.94 against 1.30 ms of SSLR.",
+        differs: COMPARISON,
+        size: QHD,
+        panels: &[
+            (
+                "(a) SSCT, left",
+                "--scene rooms --view two-cylinders --method ssct --roughness 0.1 --normal-deviation 0.1",
+            ),
+            (
+                "(b) SSLR, right",
+                "--scene rooms --view two-cylinders --method sslr --roughness 0.1 --normal-deviation 0.1",
+            ),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.5",
+        title: "the window and its surrounding, with the difference",
+        print: "SSCT is more precise and, at 1920 × 1080, faster: 6.83 against 9.08 ms; (c) is the differential image.",
+        differs: "The generated stand-in of the scene, roughness and normal deviation 0.1. (c) is the absolute difference of the\
+                  displayed values, times 2; the thesis does not say how it is scaled.",
+        size: HD,
+        panels: &[
+            ("(a) SSCT, left", "--scene rooms --view window --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            (
+                "(b) SSLR, right; (c) below: |a − b| · 2",
+                "--scene rooms --view window --method sslr --roughness 0.1 --normal-deviation 0.1",
+            ),
+        ],
+        make: draw::with_difference,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.6",
+        title: "the Sponza atrium",
+        print: "Only the stone floor reflects; SSCT and SSLR take 1.20 ms each.",
+        differs: COMPARISON,
+        size: QHD,
+        panels: &[
+            ("(a) SSCT, left", "--scene atrium --view atrium --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            ("(b) SSLR, right", "--scene atrium --view atrium --method sslr --roughness 0.1 --normal-deviation 0.1"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.7",
+        title: "the lion's head above a rough floor",
+        print: "The head reflected on a rough surface; 0.74 ms for SSCT, 0.83 for SSLR.",
+        differs: COMPARISON,
+        size: QHD,
+        panels: &[
+            ("(a) SSCT, left", "--scene atrium --view lion --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            ("(b) SSLR, right", "--scene atrium --view lion --method sslr --roughness 0.1 --normal-deviation 0.1"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.8",
+        title: "floor and walls of the atrium",
+        print: "For long rays SSLR shows artefacts on the walls, from its constant step; table 5.8 times this view.",
+        differs: COMPARISON,
+        size: HD,
+        panels: &[
+            ("(a) SSCT, left", "--scene atrium --view hall --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            ("(b) SSLR, right", "--scene atrium --view hall --method sslr --roughness 0.1 --normal-deviation 0.1"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Thesis,
+        number: "5.9",
+        title: "the corridor beside the ground truth",
+        print: "SSCT (2.87 ms) beside Mitsuba (04:05 min); SSCT's shading was dimmed, as Mitsuba's scene had no other light.",
+        differs: "The ground truth is this program's own world reference: 16 rays a pixel of the same lobe against the \
+                  triangles, lit as the G-buffer is, so that nothing needs dimming; a ray that leaves the scene is black.",
+        size: Size::Print([1280, 720]),
+        panels: &[
+            ("(a) SSCT, left", "--scene rooms --view corridor --method ssct --roughness 0.1 --normal-deviation 0.1"),
+            (
+                "(b) world reference, right",
+                "--scene rooms --view corridor --method reference --max-rays 16 --roughness 0.1 --normal-deviation 0.1",
+            ),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Poster,
+        number: "2",
+        title: "the cone march through a pre-filtered G-buffer",
+        print: "(a) Filtering by mip-mapping may cause artifacts; (b) the Gaussian filter is smoother; (c) with fading at \
+                the screen's edge.",
+        differs: "The corridor of the rooms, roughness 0.3.",
+        size: QHD,
+        panels: &[
+            ("(a) mip-mapping", "--scene rooms --view corridor --figure poster-2a --roughness 0.3"),
+            ("(b) Gaussian filter", "--scene rooms --view corridor --figure poster-2b --roughness 0.3"),
+            ("(c) with fading", "--scene rooms --view corridor --figure poster-2c --roughness 0.3"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "27",
+        title: "the G-buffer",
+        print: "Positions and normals in world space (a) and view space (b), albedo and reflectance (c), the lit scene (d).",
+        differs: "The generated street. Positions are not stored but recomputed from depth; each picture spans its own range.",
+        size: QHD,
+        panels: &[("the frame", "--scene street --view street --dump inside")],
+        make: draw::gbuffer,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "32",
+        title: "parallax-corrected cube maps in the street",
+        print: "Left: without normal mapping; things inside the scene, such as the car, are not reflected. Right: close-up \
+                with normal mapping.",
+        differs: "The generated street; its maps are captured by this renderer at the scene's probes.",
+        size: QHD,
+        panels: &[
+            ("left: without normal mapping", "--scene street --view street --method pccm --normal-deviation 0"),
+            ("right: with it, close up", "--scene street --view puddles --method pccm --normal-deviation 1"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "33",
+        title: "parallax-corrected cube maps in the cathedral",
+        print: "Left: a box is too simple a proxy for pillars and the walls behind them. Right: small errors of parallax at \
+                clerestory and rose window.",
+        differs: "The generated cathedral.",
+        size: QHD,
+        panels: &[
+            ("left: the nave", "--scene cathedral --view pillars --method pccm"),
+            ("right: the clerestory", "--scene cathedral --view clerestory --method pccm"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "39",
+        title: "billboard reflections in the street",
+        print: "(a) Only the reflections, (b) without and (c) with normal mapping; below, details.",
+        differs: "The generated street with its impostors; the details are parts of (c), enlarged.",
+        size: QHD,
+        panels: &[
+            (
+                "(a) only the reflections",
+                "--scene street --view street --method billboard --normal-deviation 0 --reflection-only",
+            ),
+            ("(b) without normal mapping", "--scene street --view street --method billboard --normal-deviation 0"),
+            ("(c) with normal mapping", "--scene street --view street --method billboard --normal-deviation 1"),
+        ],
+        make: draw::with_details,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "40",
+        title: "billboard reflections in the museum",
+        print: "The exit sign is reflected by the wall.",
+        differs: "The generated museum, whose sign stands above a door in the polished wall.",
+        size: QHD,
+        panels: &[("the hall", "--scene museum --view exit-sign --method billboard")],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "41",
+        title: "missing occlusion",
+        print: "A billboard's reflection on the street that the parked car should block.",
+        differs: "The generated street. Beside it, what this program adds as an option: a billboard is hidden by what the \
+                  depth buffer shows; and below, the ground truth.",
+        size: QHD,
+        panels: &[
+            ("left: billboards", "--scene street --view car --method billboard --roughness 0"),
+            (
+                "right: with a test against the depth buffer",
+                "--scene street --view car --method billboard --roughness 0 --billboard-occlusion depth",
+            ),
+            ("below: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "47",
+        title: "screen-space reflections beside a ray traced image",
+        print: "Left: ray traced off line with Mental Ray, about 10 minutes. Right: the optimised march with normal mapping, \
+                about 20 frames a second at 1000 × 1000.",
+        differs: "The ray traced image is this program's world reference, one ray a pixel, as the march knows mirrors only.",
+        size: Size::Print([1000, 1000]),
+        panels: &[
+            ("left: world reference", "--scene street --view car --method reference --max-rays 2 --roughness 0"),
+            ("right: ssr-fast", "--scene street --view car --method ssr-fast --roughness 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "48",
+        title: "pixel steps of the march",
+        print: "The brute-force march with growing steps: ribbons and holes.",
+        differs: "Steps of 1, 5, 10 and 20 pixels, as the caption gives none; without normal mapping, so that the ribbons show.",
+        size: QHD,
+        panels: &[
+            ("step 1", "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 1"),
+            ("step 5", "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 5"),
+            (
+                "step 10",
+                "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 10",
+            ),
+            (
+                "step 20",
+                "--scene street --view puddles --method ssr --roughness 0 --normal-deviation 0 --pixel-step 20",
+            ),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "49",
+        title: "fading at the screen's border",
+        print: "Left: reflections are clipped where the screen ends. Right: they fade out.",
+        differs: "The generated museum; no line marks the edges.",
+        size: QHD,
+        panels: &[
+            ("left: clipped", "--scene museum --view museum --method ssr-fast --roughness 0 --fade off"),
+            ("right: faded", "--scene museum --view museum --method ssr-fast --roughness 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Source::Schmidt,
+        number: "50",
+        title: "the optimised march in the cathedral",
+        print: "Above with normal mapping, below without.",
+        differs: "The generated cathedral; here they stand left and right.",
+        size: QHD,
+        panels: &[
+            (
+                "left: with normal mapping",
+                "--scene cathedral --view nave --method ssr-fast --roughness 0 --normal-deviation 1",
+            ),
+            ("right: without", "--scene cathedral --view nave --method ssr-fast --roughness 0 --normal-deviation 0"),
+        ],
+        make: draw::beside,
+    },
+];
+
+impl Plate {
+    /// File name without its extension.
+    pub fn stem(&self) -> String {
+        format!("{}-{}", self.source.stem(), self.number)
+    }
+
+    /// The arguments of its renders at its own size, or at the one asked for where that may be.
+    pub fn arguments(&self, wanted: Option<[u32; 2]>) -> Vec<String> {
+        let [width, height] = match self.size {
+            Size::Print(own) => wanted.unwrap_or(own),
+            Size::Fixed(own) => own,
+        };
+        self.panels.iter().map(|(_, arguments)| format!("{arguments} --size {width}x{height}")).collect()
+    }
+}

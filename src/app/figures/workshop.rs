@@ -1,0 +1,108 @@
+//! Where figures are rendered: the arguments of `ssct render` become pictures, the scene staying on the
+//! device between them. What a page says a picture was made by is thereby what made it.
+
+use crate::app::cli::{Cli, Command, RenderOptions};
+use crate::app::{reference, render, resolve};
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::methods::{self, METHODS};
+use crate::report::figures;
+use crate::report::images::{Rgb, display};
+use crate::scene::{Camera, Scene, library};
+use crate::study::timing::camera;
+use crate::study::{RenderedImage, Shot, Stage, image};
+use clap::Parser;
+
+/// A device, and the scene that was asked for last.
+pub struct Workshop<'a> {
+    gpu: &'a Gpu,
+    loaded: Option<Loaded>,
+}
+
+struct Loaded {
+    scene: Scene,
+    stage: Stage,
+}
+
+/// The options of an `ssct render` without its `-o`.
+pub fn parse(arguments: &str) -> Result<RenderOptions> {
+    let words = ["ssct", "render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
+    match Cli::try_parse_from(words).map(|c| c.command) {
+        Ok(Command::Render(options)) => Ok(options),
+        Ok(_) => Err(Error::Usage(format!("{arguments}: renders nothing"))),
+        Err(e) => {
+            let text = e.to_string();
+            let line = text.lines().next().unwrap_or_default();
+            Err(Error::Usage(line.trim_start_matches("error: ").to_owned()))
+        }
+    }
+}
+
+/// What this program lacks to render with some arguments: an option, a method or a scene.
+pub fn lack(arguments: &str) -> Option<String> {
+    let options = match parse(arguments) {
+        Ok(options) => options,
+        Err(e) => return Some(e.to_string()),
+    };
+    let method = render::method_name(&options);
+    if method != "reference" && METHODS.iter().all(|m| m.name != method) {
+        return Some(format!("there is no method {method}"));
+    }
+    let scene = scene_name(&options);
+    (!library::names().contains(&scene.as_str())).then(|| format!("there is no built-in scene {scene}"))
+}
+
+fn scene_name(options: &RenderOptions) -> String {
+    options.common.place.scene.first().map_or_else(|| "rooms".into(), |p| p.to_string_lossy().into_owned())
+}
+
+impl<'a> Workshop<'a> {
+    /// Nothing is loaded yet.
+    pub fn new(gpu: &'a Gpu) -> Self {
+        Self { gpu, loaded: None }
+    }
+
+    /// The picture of an `ssct render`.
+    pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
+        let options = parse(arguments)?;
+        if render::method_name(&options) == "reference" {
+            let scene = &self.load(&options)?.scene;
+            return Ok(display(&reference::sampled(&options, scene)?));
+        }
+        let (rendered, camera) = self.rendered(&options, options.figure.is_some())?;
+        Ok(match (options.figure, &rendered.intermediates) {
+            (Some(figure), Some(all)) => figures::draw(figure, all, &camera.lens)?,
+            _ if options.reflection_only => display(&rendered.reflection),
+            _ => display(&rendered.composite),
+        })
+    }
+
+    /// The picture of an `ssct render`, and everything that led to it.
+    pub fn inside(&mut self, arguments: &str) -> Result<(RenderedImage, Camera)> {
+        self.rendered(&parse(arguments)?, true)
+    }
+
+    fn load(&mut self, options: &RenderOptions) -> Result<&mut Loaded> {
+        let name = scene_name(options);
+        let loaded = match self.loaded.take() {
+            Some(loaded) if loaded.scene.name == name => loaded,
+            _ => {
+                let scene = resolve::scene(&options.common.place, "rooms")?;
+                Loaded { stage: Stage::new(self.gpu, &scene)?, scene }
+            }
+        };
+        Ok(self.loaded.insert(loaded))
+    }
+
+    fn rendered(&mut self, options: &RenderOptions, inside: bool) -> Result<(RenderedImage, Camera)> {
+        let common = &options.common;
+        let method = methods::find(render::method_name(options))?;
+        let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
+        let Loaded { scene, stage } = self.load(options)?;
+        let view = resolve::view(scene, &common.place, None)?;
+        let setup = render::setup(options, inside);
+        let camera = camera(scene, &view, options.size);
+        let shot = Shot::new(stage, method, &setup, camera, globals.materials(scene, &view))?;
+        Ok((image::render(stage, &shot, inside)?, camera))
+    }
+}

@@ -1,0 +1,65 @@
+//! Classification (NUMERICS, "What a robust method does", item 7): which tiles of an image hold mirrors
+//! and which hold gloss, so that each is traced where it is and by what it needs.
+
+use super::{GBuffer, Tiles};
+use crate::error::Result;
+use crate::gpu::memory::Place;
+use crate::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
+use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Resource};
+use ash::vk;
+
+/// Pixels along a side of a tile: `TILE` of `tiles.glsl`.
+const TILE: u32 = 8;
+
+/// Lists that the shader writes.
+const LISTS: u64 = 2;
+
+/// Pipeline and lists of one size.
+pub struct ClassifyPass {
+    pipeline: ComputePipeline,
+    lists: Buffer,
+    arguments: Buffer,
+}
+
+impl ClassifyPass {
+    /// For images of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::BufferUsageFlags as U;
+        let [x, y] = tiles(extent).map(u64::from);
+        Ok(Self {
+            pipeline: ComputePipeline::new(gpu, &UNIFIED_CLASSIFY_COMP)?,
+            lists: Buffer::new(gpu, "tiles", LISTS * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
+            arguments: Buffer::new(
+                gpu,
+                "tile counts",
+                LISTS * 16,
+                U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST,
+                Place::Device,
+            )?,
+        })
+    }
+
+    /// Passes "classify/clear" and "classify/tiles".
+    pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, parameters: &UnifiedBlock) -> Result<Tiles<'a>> {
+        let [x, y] = tiles(gbuffer.material.extent());
+        frame.fill("classify/clear", &self.arguments, 0)?;
+        frame.compute(
+            "classify/tiles",
+            &self.pipeline,
+            &[
+                ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                ("Counts", Resource::Buffer(&self.arguments)),
+                ("Tiles", Resource::Buffer(&self.lists)),
+            ],
+            &[],
+            [x, y, 1],
+        )?;
+        Ok(Tiles { lists: &self.lists, arguments: &self.arguments })
+    }
+}
+
+/// Tiles along each side.
+fn tiles(extent: [u32; 2]) -> [u32; 2] {
+    extent.map(|side| side.div_ceil(TILE))
+}

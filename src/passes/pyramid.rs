@@ -1,0 +1,88 @@
+//! The pyramid of front and back depths that rays walk over (NUMERICS, "What a robust method does",
+//! item 2), all levels in one dispatch. CPU twin: `reference::unified`.
+
+use super::{GBuffer, Pyramid};
+use crate::error::Result;
+use crate::gpu::shader::{UNIFIED_PYRAMID_COMP, UnifiedBlock};
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Resource};
+use ash::vk;
+
+/// Pixels along a side of what a workgroup of the shader makes.
+const TILE: u32 = 64;
+
+/// The coarsest level that is ever made: cells of 64 pixels. Measured: coarser ones gain nothing.
+pub const COARSEST: u32 = TILE.ilog2();
+
+/// Pipeline and image of one size.
+pub struct PyramidPass {
+    pipeline: ComputePipeline,
+    image: Image,
+}
+
+/// The coarsest level that rays in an image of some pixels can use: the first of one cell, at most
+/// [`COARSEST`].
+pub fn top_level(extent: [u32; 2]) -> u32 {
+    extent[0].max(extent[1]).next_power_of_two().ilog2().min(COARSEST)
+}
+
+/// Width and height of level 0: whole cells of the coarsest level, so that every level halves
+/// exactly.
+pub fn padded(extent: [u32; 2]) -> [u32; 2] {
+    extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
+}
+
+impl PyramidPass {
+    /// For images of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let [width, height] = padded(extent);
+        Ok(Self {
+            pipeline: ComputePipeline::new(gpu, &UNIFIED_PYRAMID_COMP)?,
+            image: Image::new(
+                gpu,
+                &ImageDesc {
+                    name: "pyramid",
+                    format: vk::Format::R32G32_SFLOAT,
+                    extent: [width, 2 * height],
+                    levels: 1,
+                    layers: 1,
+                    usage: U::STORAGE | U::SAMPLED | U::TRANSFER_SRC,
+                },
+            )?,
+        })
+    }
+
+    /// Pass "pyramid".
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        parameters: &UnifiedBlock,
+    ) -> Result<Pyramid<'a>> {
+        let [width, height] = padded(gbuffer.depth.extent());
+        let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
+        frame.compute(
+            "pyramid",
+            &self.pipeline,
+            &[
+                ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("pyramid", Resource::Storage(self.image.all())),
+            ],
+            &[],
+            [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * self.pipeline.local_size[i])),
+        )?;
+        Ok(Pyramid(&self.image))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_reach_one_cell_and_halve_exactly() {
+        assert_eq!([[1, 1], [2, 1], [3, 5], [64, 64], [65, 1]].map(top_level), [0, 1, 3, 6, 6]);
+        assert_eq!([[1, 1], [3, 5], [1920, 1080], [641, 479]].map(padded), [[1, 1], [8, 8], [1920, 1088], [704, 512]]);
+    }
+}

@@ -1,0 +1,169 @@
+//! The thesis's Hi-Z ray tracing on the CPU (§4.2.7: Alg. 2, Alg. 4 and its listing), step by step: the
+//! twin of `shaders-glsl/thesis/hi_z_ray_trace.glsl` in the same 32-bit floats and with the same
+//! departures. It keeps what the shader forgets: which cells of which level a ray went through.
+
+use super::Level;
+use super::hi_z::MinMax;
+use crate::scene::Camera;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+
+/// The numbers of a preset that the traversal reads (`methods::thesis` says whose).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constants {
+    /// Level that it begins at.
+    pub start_level: u32,
+    /// Bound of its iterations.
+    pub iterations: u32,
+    /// Pixels that a ray is pushed past a boundary.
+    pub cross_offset: f32,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// The level that was read.
+    pub level: u32,
+    /// The cell that the ray stood in.
+    pub cell: Vec2,
+    /// Cells of that level.
+    pub cell_count: Vec2,
+    /// Its minimum depth plane.
+    pub minimum_plane: f32,
+    /// Whether the cell's boundary was closer than its plane: then the level goes up, else down.
+    pub crossed: bool,
+    /// Where the ray stands after it: texture coordinates and standard depth.
+    pub ray: Vec3,
+}
+
+/// How a traversal ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Below level 0: a hit.
+    Hit,
+    /// Outside the screen: a miss.
+    LeftScreen,
+    /// Out of iterations; the thesis takes it for a hit.
+    Exhausted,
+}
+
+/// A traversal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HiZTrace {
+    /// Where the ray began: the pixel.
+    pub from: Vec3,
+    /// Where it left its first cell.
+    pub entered: Vec3,
+    /// Every iteration.
+    pub steps: Vec<Step>,
+    /// How it ended.
+    pub end: End,
+}
+
+impl HiZTrace {
+    /// Where the ray stands at the end.
+    pub fn last(&self) -> Vec3 {
+        self.steps.last().map_or(self.entered, |s| s.ray)
+    }
+}
+
+/// Alg. 2: the reflection vector V_ss of a pixel P_ss (texture coordinates and standard depth) with a
+/// unit view-space normal. `offset` is the algorithm's ε in metres.
+pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) -> Vec3 {
+    // As the shader gets them: inverted in f64, rounded once.
+    let projection = camera.view_to_clip().as_dmat4();
+    let (project, unproject) = (projection.as_mat4(), projection.inverse().as_mat4());
+    let half = Vec2::new(0.5, -0.5);
+    let p_vs = unproject.project_point3(((p_ss.xy() - 0.5) / half).extend(p_ss.z));
+    let r_vs = p_vs.normalize().reflect(normal);
+    let o_ps = project.project_point3(p_vs + r_vs * offset);
+    (o_ps.xy() * half + 0.5).extend(o_ps.z) - p_ss
+}
+
+/// Alg. 4 over a Hi-Z chain, finest level first. V_ss.z must be above 0.
+pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &Constants) -> HiZTrace {
+    let resolution = cell_count(chain, 0);
+    let sign = Vec2::select(v_ss.xy().cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
+    let cross_offset = sign * (constants.cross_offset / resolution);
+    let cross_step = sign.max(Vec2::ZERO);
+
+    // Eq. 4.4.
+    let direction = v_ss / v_ss.z;
+    let origin = p_ss + direction * -p_ss.z;
+    let at = |z: f32| origin + direction * z;
+    let to_boundary = |cell: Vec2, count: Vec2| {
+        let delta = ((cell + cross_step) / count + cross_offset - origin.xy()) / direction.xy();
+        at(delta.min_element())
+    };
+    let cell_of = |ray: Vec3, count: Vec2| (ray.xy() * count).floor();
+
+    let mut level = constants.start_level as usize;
+    let count = cell_count(chain, level);
+    let entered = to_boundary(cell_of(p_ss, count), count);
+    let (mut ray, mut steps) = (entered, Vec::new());
+    let end = loop {
+        if steps.len() as u32 >= constants.iterations {
+            break End::Exhausted;
+        }
+        let count = cell_count(chain, level);
+        let cell = cell_of(ray, count);
+        // The nearest texel, clamped to the edge.
+        let minimum_plane = chain[level].at_clamped(cell.x.max(0.0) as u32, cell.y.max(0.0) as u32).min;
+        let on_plane = at(ray.z.max(minimum_plane));
+        let crossed = cell_of(on_plane, count) != cell;
+        ray = if crossed { to_boundary(cell, count) } else { on_plane };
+        steps.push(Step { level: level as u32, cell, cell_count: count, minimum_plane, crossed, ray });
+        let left = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
+        let below = !crossed && level == 0;
+        level = if crossed { (level + 1).min(chain.len() - 1) } else { level.saturating_sub(1) };
+        // In the shader's order: the screen is asked about within the loop, the level at its head.
+        if left {
+            break End::LeftScreen;
+        }
+        if below {
+            break End::Hit;
+        }
+    };
+    HiZTrace { from: p_ss, entered, steps, end }
+}
+
+fn cell_count(chain: &[Level<MinMax>], level: usize) -> Vec2 {
+    Vec2::new(chain[level].width as f32, chain[level].height as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::hi_z;
+
+    /// A floor far away, and from column 12 of 16 on a wall at depth 0.5.
+    fn wall() -> Vec<Level<MinMax>> {
+        hi_z::chain(&Level::from_fn(16, 16, |x, _| if x >= 12 { 0.5 } else { 0.9 }))
+    }
+
+    const PUBLISHED: Constants = Constants { start_level: 0, iterations: 1024, cross_offset: 0.5 };
+
+    #[test]
+    fn a_ray_meets_the_wall_at_its_depth() {
+        // From the pixel (2, 8) at depth 0.3 to the right and away: depth 0.55 at column 12.5.
+        let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
+        let to = Vec3::new(12.5 / 16.0, 8.5 / 16.0, 0.55);
+        let found = trace(&wall(), from, to - from, &PUBLISHED);
+        assert_eq!(found.end, End::Hit);
+        let hit = found.last();
+        assert!((12.0..=13.0).contains(&(hit.x * 16.0)) && (hit.y * 16.0 - 8.5).abs() < 1e-3, "{hit}");
+        assert!(found.steps.iter().any(|s| s.level > 0), "it took longer steps in between");
+        for pair in found.steps.windows(2) {
+            let expected = if pair[0].crossed { (pair[0].level + 1).min(4) } else { pair[0].level - 1 };
+            assert_eq!(pair[1].level, expected);
+        }
+    }
+
+    #[test]
+    fn a_ray_past_the_wall_leaves_the_screen_and_a_bound_ends_it() {
+        let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
+        let v = Vec3::new(0.0, 0.4, 0.01);
+        assert_eq!(trace(&wall(), from, v, &PUBLISHED).end, End::LeftScreen);
+        let short = trace(&wall(), from, v, &Constants { iterations: 2, ..PUBLISHED });
+        assert_eq!((short.end, short.steps.len()), (End::Exhausted, 2));
+    }
+}

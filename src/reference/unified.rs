@@ -1,0 +1,292 @@
+//! Twin of `unified`'s pyramid and traversal (`shaders-glsl/unified/`), in f32 and operation for
+//! operation the same, so that the two can be compared bit by bit. The shaders say why; see
+//! `pyramid.comp`, `ray.glsl` and `traverse.glsl`, whose names are kept.
+//!
+//! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
+//! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
+
+use super::Level;
+use crate::scene::{Camera, GBufferData};
+use glam::{IVec2, Vec2, Vec3};
+
+/// Twin of the block in `parameters.glsl`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// M₀₀ and M₁₁ of the projection.
+    pub view_to_clip: Vec2,
+    /// 1 / width and 1 / height.
+    pub pixel_to_clip: Vec2,
+    /// The same, divided by `view_to_clip`.
+    pub pixel_to_view: Vec2,
+    /// Pixels.
+    pub size: IVec2,
+    /// Pixels of the pyramid: whole cells of its coarsest level.
+    pub padded: IVec2,
+    /// The pyramid's coarsest level.
+    pub top_level: i32,
+    /// near / (far − near).
+    pub depth_offset: f32,
+}
+
+impl Parameters {
+    /// Of a camera and a size in pixels; computed in f64 and rounded once.
+    pub fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
+        let projection = camera.view_to_clip_reversed().as_dmat4();
+        let to_clip = glam::DVec2::new(projection.x_axis.x, projection.y_axis.y);
+        let size = glam::UVec2::new(width, height);
+        let top_level = width.max(height).next_power_of_two().ilog2().min(6);
+        Self {
+            view_to_clip: to_clip.as_vec2(),
+            pixel_to_clip: (1.0 / size.as_dvec2()).as_vec2(),
+            pixel_to_view: (1.0 / (size.as_dvec2() * to_clip)).as_vec2(),
+            size: size.as_ivec2(),
+            padded: glam::UVec2::new(width.next_multiple_of(1 << top_level), height.next_multiple_of(1 << top_level))
+                .as_ivec2(),
+            top_level: top_level as i32,
+            depth_offset: -projection.z_axis.z as f32,
+        }
+    }
+}
+
+/// Front and back in reversed depth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Block {
+    /// Nearest.
+    pub front: f32,
+    /// Farthest.
+    pub back: f32,
+}
+
+impl Block {
+    /// Of sky: met by no depth.
+    pub const EMPTY: Self = Self { front: -1.0, back: 2.0 };
+
+    fn union(self, other: Self) -> Self {
+        Self { front: self.front.max(other.front), back: self.back.min(other.back) }
+    }
+}
+
+/// A ray in the image; `ray.glsl`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Begins at this pixel's centre.
+    pub pixel: IVec2,
+    /// Reversed depth there.
+    pub depth: f32,
+    /// Change of x, y and depth with s.
+    pub rate: Vec3,
+    /// 1 / rate.xy, or 1e30.
+    pub inverse: Vec2,
+    /// s at which it leaves the frustum.
+    pub end: f32,
+}
+
+/// How a ray ended; the values of `HIT_*`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Code {
+    /// It met a pixel's block.
+    Surface = 1,
+    /// It left the frustum.
+    Nothing = 3,
+    /// Out of steps, which cannot be.
+    Unfinished = 7,
+}
+
+/// `Hit` of `traverse.glsl`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit {
+    /// How it ended.
+    pub code: Code,
+    /// The pixel that was hit.
+    pub pixel: IVec2,
+    /// Continuous pixel coordinates, within that pixel.
+    pub position: Vec2,
+    /// Reversed depth of the ray there.
+    pub depth: f32,
+    /// Cells looked at.
+    pub steps: i32,
+}
+
+/// What the shader takes for infinite.
+const NEVER: f32 = 1e30;
+
+/// The pyramid of one G-buffer, and its rays.
+#[derive(Debug, Clone)]
+pub struct Traversal<'a> {
+    gbuffer: &'a GBufferData,
+    /// The camera and the sizes.
+    pub parameters: Parameters,
+    /// Level n has padded >> n cells.
+    pub levels: Vec<Level<Block>>,
+}
+
+impl<'a> Traversal<'a> {
+    /// Builds the pyramid.
+    pub fn new(gbuffer: &'a GBufferData) -> Self {
+        let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
+        let [width, height] = parameters.padded.as_uvec2().to_array();
+        let mut levels =
+            vec![Level::from_fn(width, height, |x, y| block(gbuffer, &parameters, IVec2::new(x as i32, y as i32)))];
+        for n in 0..parameters.top_level as usize {
+            let below = &levels[n];
+            levels.push(Level::from_fn(below.width / 2, below.height / 2, |x, y| {
+                let at = |dx, dy| below.at_clamped(2 * x + dx, 2 * y + dy);
+                at(0, 0).union(at(1, 0)).union(at(0, 1).union(at(1, 1)))
+            }));
+        }
+        Self { gbuffer, parameters, levels }
+    }
+
+    /// The mirror ray of a pixel; `None` for sky or without a normal. Whether the pixel is seen from
+    /// its normal's side is the second value.
+    pub fn mirror_ray(&self, x: u32, y: u32) -> Option<(Ray, bool)> {
+        let (p, index) = (&self.parameters, self.gbuffer.index(x, y));
+        let (pixel, depth) = (IVec2::new(x as i32, y as i32), self.levels[0].at_clamped(x, y).front);
+        let n = self.gbuffer.normal[index];
+        if depth <= 0.0 || n == Vec3::ZERO {
+            return None;
+        }
+        let (view, ndc) = self.pixel_point(pixel);
+        let along = view.x * n.x + view.y * n.y + n.z;
+        let squared = n.x * n.x + n.y * n.y + n.z * n.z;
+        let a = -2.0 * along * (1.0 / squared);
+        let change = (p.view_to_clip * n.truncate() - ndc * n.z) * a;
+        let change_z = -((depth + p.depth_offset) * (1.0 + a * n.z));
+        Some((self.make_ray(pixel, depth, change.extend(change_z)), along < 0.0))
+    }
+
+    /// The ray along a view-space direction of any length; `None` for sky.
+    pub fn ray_along(&self, x: u32, y: u32, direction: Vec3) -> Option<Ray> {
+        let (p, pixel) = (&self.parameters, IVec2::new(x as i32, y as i32));
+        let depth = self.levels[0].at_clamped(x, y).front;
+        let (_, ndc) = self.pixel_point(pixel);
+        let change = p.view_to_clip * direction.truncate() - ndc * direction.z;
+        let change_z = -((depth + p.depth_offset) * direction.z);
+        (depth > 0.0).then(|| self.make_ray(pixel, depth, change.extend(change_z)))
+    }
+
+    fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
+        let p = &self.parameters;
+        let centre = IVec2::new(2 * pixel.x + 1 - p.size.x, p.size.y - 2 * pixel.y - 1).as_vec2();
+        (centre * p.pixel_to_view, centre * p.pixel_to_clip)
+    }
+
+    fn make_ray(&self, pixel: IVec2, depth: f32, change: Vec3) -> Ray {
+        let size = self.parameters.size;
+        let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
+        let fastest = moved.x.abs().max(moved.y.abs());
+        if fastest.is_nan() || fastest <= 1e-30 {
+            return Ray { pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0 };
+        }
+        let scale = 1.0 / fastest;
+        let (rate, depth_rate) = (moved * scale, change.z * scale);
+        let invert = |v: f32| if v.abs() > 1.0 / NEVER { 1.0 / v } else { NEVER };
+        let depth_inverse = invert(depth_rate);
+        let inverse = Vec2::new(invert(rate.x), invert(rate.y));
+        let side =
+            IVec2::new(if inverse.x > 0.0 { size.x } else { 0 }, if inverse.y > 0.0 { size.y } else { 0 }) - pixel;
+        let sides = (side.as_vec2() - 0.5) * inverse;
+        let plane = ((if depth_inverse > 0.0 { 1.0 } else { 0.0 }) - depth) * depth_inverse;
+        Ray { pixel, depth, rate: rate.extend(depth_rate), inverse, end: sides.x.min(sides.y).min(plane) }
+    }
+
+    /// `MaxSteps`.
+    pub fn max_steps(&self) -> i32 {
+        2 * (self.parameters.size.x + self.parameters.size.y)
+    }
+
+    /// `Traverse`.
+    pub fn traverse(&self, ray: &Ray) -> Hit {
+        let mut hit = Hit { code: Code::Nothing, pixel: ray.pixel, position: Vec2::ZERO, depth: 0.0, steps: 0 };
+        let ahead = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0));
+        let (slope, ahead2) = (ray.rate.truncate(), 2 * ahead - 1);
+
+        let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
+        let mut entry = sides.x.min(sides.y);
+        if entry.is_nan() || entry >= ray.end {
+            return hit;
+        }
+        let start = ray.pixel.as_vec2() + 0.5;
+        let beside = (start + entry * slope).as_ivec2();
+        let mut pixel = IVec2::new(
+            if sides.x == entry { ray.pixel.x + ahead2.x } else { beside.x },
+            if sides.y == entry { ray.pixel.y + ahead2.y } else { beside.y },
+        );
+        let mut entry_depth = ray.depth + entry * ray.rate.z;
+        let mut level = 0_i32;
+        while hit.steps < self.max_steps() {
+            hit.steps += 1;
+            let cell = pixel >> level;
+            let cells = &self.levels[level as usize];
+            let block = cells.texels[(cell.y as u32 * cells.width + cell.x as u32) as usize];
+            let edge = (cell + ahead) << level;
+            let crossings = (edge.as_vec2() - start) * ray.inverse;
+            let exit = crossings.x.min(crossings.y);
+            let last = exit.min(ray.end);
+            let exit_depth = ray.depth + last * ray.rate.z;
+            let (far, near) = (entry_depth.min(exit_depth), entry_depth.max(exit_depth));
+            let meets = far <= block.front && near >= block.back;
+            if if meets { level == 0 } else { exit >= ray.end } {
+                if !meets {
+                    return hit;
+                }
+                let crossing = (block.front - ray.depth) * (1.0 / ray.rate.z);
+                let crosses = far <= block.front && near >= block.front && entry_depth != exit_depth;
+                let s = if crosses { crossing.max(entry).min(entry.max(last)) } else { entry };
+                let low = (pixel - ray.pixel).as_vec2();
+                let offset = (s * slope + 0.5).max(low).min(low + 1.0);
+                return Hit {
+                    code: Code::Surface,
+                    pixel,
+                    position: ray.pixel.as_vec2() + offset,
+                    depth: ray.depth + s * ray.rate.z,
+                    ..hit
+                };
+            }
+            let inside = (start + last * slope).as_ivec2();
+            let first = cell << level;
+            let mut onward = inside.clamp(first, first + ((1 << level) - 1));
+            if crossings.x == exit {
+                onward.x = edge.x - 1 + ahead.x;
+            }
+            if crossings.y == exit {
+                onward.y = edge.y - 1 + ahead.y;
+            }
+            let differs = onward ^ pixel;
+            let left_parent = (differs.x | differs.y) >> (level + 1) != 0;
+            if meets {
+                level -= 1;
+            } else {
+                if left_parent {
+                    level = (level + 1).min(self.parameters.top_level);
+                }
+                (pixel, entry, entry_depth) = (onward, exit, exit_depth);
+            }
+        }
+        Hit { code: Code::Unfinished, ..hit }
+    }
+}
+
+/// A pixel's block; `Block` of `pyramid.comp`.
+fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
+    let depth_at = |p: IVec2| {
+        let inside = p.cmpge(IVec2::ZERO).all() && p.cmplt(parameters.size).all();
+        if inside { gbuffer.depth[gbuffer.index(p.x as u32, p.y as u32)] } else { 0.0 }
+    };
+    let depth = depth_at(p);
+    if depth <= 0.0 {
+        return Block::EMPTY;
+    }
+    let span = |dx, dy| {
+        let neighbour = depth_at(p + IVec2::new(dx, dy));
+        let reciprocal = 1.0 / (neighbour + parameters.depth_offset);
+        if neighbour > 0.0 { (depth - neighbour).abs() * reciprocal } else { NEVER }
+    };
+    let least = |a: f32, b: f32| if a.min(b) < NEVER { a.min(b) } else { 0.0 };
+    let thickness = (least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1))) + 0.004;
+    let scale = 1.0 / (1.0 + thickness);
+    Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,193 @@
+//! The thesis's figure 4.6: a ray's way through the Hi-Z cells, from the side and on the screen, and the
+//! level at each of its iterations.
+
+use super::{COLORS, Svg, depth_text};
+use crate::reference::Level;
+use crate::reference::hi_z::MinMax;
+use crate::reference::hi_z_ray_trace::{HiZTrace, Step};
+use glam::{Vec2, Vec3, Vec3Swizzles};
+
+const WIDTH: f32 = 900.0;
+const PROFILE: f32 = 330.0;
+const LOWER: f32 = 300.0;
+/// Between the profile and what lies below, for words.
+const GAP: f32 = 98.0;
+const LEFT: f32 = 66.0;
+const TOP: f32 = 34.0;
+
+/// Draws a traversal of a chain.
+pub fn ray(trace: &HiZTrace, chain: &[Level<MinMax>]) -> String {
+    let mut svg = Svg::new(Vec2::new(WIDTH, TOP + PROFILE + GAP + LOWER));
+    profile(&mut svg, trace, chain);
+    let top = TOP + PROFILE + GAP;
+    levels(&mut svg, trace, Vec2::new(LEFT, top));
+    screen(&mut svg, trace, chain, Vec2::new(0.5 * WIDTH + 40.0, top));
+    svg.finish()
+}
+
+fn color(level: u32) -> &'static str {
+    COLORS[level as usize % COLORS.len()]
+}
+
+/// Depth over the way on the screen.
+struct Profile {
+    from: Vec3,
+    along: Vec2,
+    pixels: Vec2,
+    length: f32,
+    depth: [f32; 2],
+}
+
+impl Profile {
+    fn new(trace: &HiZTrace, chain: &[Level<MinMax>]) -> Self {
+        let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
+        let way = (trace.last() - trace.from).xy() * pixels;
+        let far = trace.steps.iter().map(|s| s.minimum_plane.max(s.ray.z)).fold(trace.from.z, f32::max);
+        let room = 0.08 * (far - trace.from.z);
+        let depth = [trace.from.z - room, far + room];
+        Self { from: trace.from, along: way.normalize_or_zero(), pixels, length: way.length() * 1.04, depth }
+    }
+
+    /// Pixels of way at a point of the ray.
+    fn way(&self, uv: Vec2) -> f32 {
+        ((uv - self.from.xy()) * self.pixels).dot(self.along)
+    }
+
+    fn place(&self, way: f32, depth: f32) -> Vec2 {
+        let share = (depth - self.depth[0]) / (self.depth[1] - self.depth[0]);
+        Vec2::new(LEFT + way / self.length * (WIDTH - LEFT - 24.0), TOP + PROFILE * (1.0 - share.clamp(0.0, 1.0)))
+    }
+
+    /// Where the ray's line enters and leaves a cell, in pixels of way, inside the drawing.
+    fn span(&self, cell: Vec2, count: Vec2) -> [f32; 2] {
+        let (low, high) = (cell / count * self.pixels, (cell + 1.0) / count * self.pixels);
+        let start = self.from.xy() * self.pixels;
+        let mut span = [0.0, self.length];
+        for axis in 0..2 {
+            if self.along[axis].abs() < 1e-6 {
+                continue;
+            }
+            let ends = [low[axis], high[axis]].map(|edge| (edge - start[axis]) / self.along[axis]);
+            span[0] = span[0].max(ends[0].min(ends[1]));
+            span[1] = span[1].min(ends[0].max(ends[1]));
+        }
+        span
+    }
+}
+
+fn profile(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>]) {
+    let p = Profile::new(trace, chain);
+    let (corner, size) = (Vec2::new(LEFT, TOP), Vec2::new(WIDTH - LEFT - 24.0, PROFILE));
+    svg.text(Vec2::new(LEFT, TOP - 12.0), 15.0, "", "From the side: depth over the way on the screen");
+    svg.rect(corner, size, r##"fill="#dfe9f3" stroke="#888""##);
+    // What the depth buffer holds under the ray: behind its surface everything is closed.
+    let finest = &chain[0];
+    let count = p.length.ceil() as usize * 2;
+    for n in 0..count {
+        let ends = [n, n + 1].map(|n| n as f32 / count as f32 * p.length);
+        let pixel = p.from.xy() * p.pixels + p.along * (0.5 * (ends[0] + ends[1]));
+        let z = finest.at_clamped(pixel.x.max(0.0) as u32, pixel.y.max(0.0) as u32).min;
+        let at = p.place(ends[0], p.depth[1]);
+        svg.rect(at, p.place(ends[1], z) - at + Vec2::new(0.4, 0.0), r##"fill="#9a9a9a""##);
+    }
+    for step in &trace.steps {
+        cell(svg, &p, step);
+    }
+    let points = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
+    svg.polyline(points.map(|r| p.place(p.way(r.xy()), r.z)), r##"fill="none" stroke="#111" stroke-width="1.6""##);
+    for (n, step) in trace.steps.iter().enumerate() {
+        let at = p.place(p.way(step.ray.xy()), step.ray.z);
+        svg.circle(
+            at,
+            Vec2::splat(3.2),
+            &format!(r##"fill="{}" stroke="#111" stroke-width="0.6""##, color(step.level)),
+        );
+        // Where many points lie close, every other number would cover its neighbour.
+        let crowded = n > 0 && {
+            let before = trace.steps[n - 1].ray;
+            p.place(p.way(before.xy()), before.z).distance(at) < 9.0
+        };
+        if !crowded {
+            svg.text(at + Vec2::new(4.0, 13.0), 10.0, "", &(n + 1).to_string());
+        }
+    }
+    for z in p.depth {
+        let at = p.place(0.0, z) + Vec2::new(-6.0, if z == p.depth[0] { 0.0 } else { 10.0 });
+        svg.text(at, 12.0, r#"text-anchor="end""#, &depth_text(z));
+    }
+    let foot = TOP + PROFILE + 18.0;
+    svg.text(Vec2::new(LEFT, foot), 12.0, "", "the pixel");
+    let right = Vec2::new(WIDTH - 24.0, foot);
+    svg.text(right, 12.0, r#"text-anchor="end""#, &format!("{:.0} pixels on", p.length));
+    let note = "Dark: the depth buffer. Frames: the cells that were read, from their minimum depth on, coloured by level; \
+                points: where";
+    svg.text(Vec2::new(LEFT, foot + 18.0), 12.0, "", note);
+    let note = "each iteration left the ray, numbered.";
+    svg.text(Vec2::new(LEFT, foot + 34.0), 12.0, "", note);
+}
+
+/// A cell that was read: closed from its minimum on.
+fn cell(svg: &mut Svg, p: &Profile, step: &Step) {
+    let span = p.span(step.cell, step.cell_count);
+    if span[1] <= span[0] {
+        return;
+    }
+    let at = p.place(span[0], p.depth[1]);
+    let size = p.place(span[1], step.minimum_plane) - at;
+    let c = color(step.level);
+    let attributes = format!(r#"fill="{c}" fill-opacity="0.12" stroke="{c}" stroke-width="1.4""#);
+    svg.rect(at, size.max(Vec2::ZERO), &attributes);
+}
+
+/// The level over the iterations.
+fn levels(svg: &mut Svg, trace: &HiZTrace, corner: Vec2) {
+    let most = trace.steps.iter().map(|s| s.level).max().unwrap_or(0).max(1);
+    let size = Vec2::new(0.5 * WIDTH - 60.0, LOWER - 40.0);
+    svg.text(corner + Vec2::new(0.0, -12.0), 15.0, "", "Level that each iteration reads");
+    svg.rect(corner, size, r##"fill="none" stroke="#888""##);
+    let step = size.x / trace.steps.len().max(1) as f32;
+    let place = |n: usize, level: u32| {
+        corner + Vec2::new((n as f32 + 0.5) * step, size.y * (0.94 - 0.86 * level as f32 / most as f32))
+    };
+    for level in 0..=most {
+        let at = Vec2::new(corner.x, place(0, level).y);
+        svg.line(at, at + Vec2::new(size.x, 0.0), r##"stroke="#ddd""##);
+        svg.text(at + Vec2::new(-8.0, 4.0), 12.0, r#"text-anchor="end""#, &level.to_string());
+    }
+    let points = trace.steps.iter().enumerate().map(|(n, s)| place(n, s.level));
+    svg.polyline(points, r##"fill="none" stroke="#111""##);
+    for (n, s) in trace.steps.iter().enumerate() {
+        svg.circle(place(n, s.level), Vec2::splat(3.6), &format!(r#"fill="{}""#, color(s.level)));
+    }
+    let last = trace.steps.len();
+    let foot = corner.y + size.y + 18.0;
+    svg.text(Vec2::new(corner.x, foot), 12.0, "", "iteration 1");
+    svg.text(Vec2::new(corner.x + size.x, foot), 12.0, r#"text-anchor="end""#, &last.to_string());
+}
+
+/// The cells on the screen.
+fn screen(svg: &mut Svg, trace: &HiZTrace, chain: &[Level<MinMax>], corner: Vec2) {
+    let pixels = Vec2::new(chain[0].width as f32, chain[0].height as f32);
+    let room = Vec2::new(WIDTH - corner.x - 24.0, LOWER - 40.0);
+    let scale = (room / pixels).min_element();
+    svg.text(
+        corner + Vec2::new(0.0, -12.0),
+        15.0,
+        "",
+        &format!("On the screen ({} × {}): from dark to white", pixels.x, pixels.y),
+    );
+    svg.rect(corner, pixels * scale, r##"fill="#f4f4f4" stroke="#888""##);
+    // Coarse ones first, or they would hide the fine ones.
+    let mut cells: Vec<&Step> = trace.steps.iter().collect();
+    cells.sort_by_key(|s| std::cmp::Reverse(s.level));
+    for s in cells {
+        let size = pixels / s.cell_count * scale;
+        let c = color(s.level);
+        let attributes = format!(r#"fill="{c}" fill-opacity="0.25" stroke="{c}""#);
+        svg.rect(corner + s.cell * size, size, &attributes);
+    }
+    let place = |r: Vec3| corner + r.xy() * pixels * scale;
+    svg.line(place(trace.from), place(trace.last()), r##"stroke="#111" stroke-width="1.4""##);
+    svg.circle(place(trace.from), Vec2::splat(3.0), r##"fill="#111""##);
+    svg.circle(place(trace.last()), Vec2::splat(3.0), r##"fill="#fff" stroke="#111""##);
+}

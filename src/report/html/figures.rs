@@ -1,0 +1,134 @@
+//! The page of the theses' figures: each as it is made here, beside what it shows in print, the
+//! commands that make it, and what differs.
+
+use super::embed::{embed, svg_uri};
+use super::{head, heading, page_header};
+use crate::error::{Error, Result};
+use crate::gpu::DeviceInfo;
+use maud::{DOCTYPE, Markup, html};
+use std::path::Path;
+
+/// Pixels that an embedded picture is wide at most.
+const WIDEST: u32 = 1600;
+
+/// The whole page.
+pub struct FiguresPage<'a> {
+    /// Device that rendered them.
+    pub device: &'a DeviceInfo,
+    /// The command that made it.
+    pub command: String,
+    /// Figures by document.
+    pub groups: Vec<Group>,
+}
+
+/// The figures of a document.
+pub struct Group {
+    /// The part's id.
+    pub id: String,
+    /// Its heading.
+    pub title: String,
+    /// What the document is.
+    pub source: String,
+    /// Its figures, in order.
+    pub entries: Vec<Entry>,
+}
+
+/// A figure.
+pub struct Entry {
+    /// File stem, and its place on the page.
+    pub stem: String,
+    /// Number and subject.
+    pub title: String,
+    /// Its file, relative to the page; or why there is none.
+    pub file: std::result::Result<String, String>,
+    /// What the print shows.
+    pub print: String,
+    /// What differs here.
+    pub differs: String,
+    /// Its parts, in reading order.
+    pub panels: Vec<Panel>,
+    /// The command that makes it alone.
+    pub command: String,
+}
+
+/// A part of a figure.
+pub struct Panel {
+    /// What it is.
+    pub label: String,
+    /// The command that renders what it shows.
+    pub command: String,
+}
+
+impl FiguresPage<'_> {
+    /// The page; its pictures are read from the folder that it will lie in.
+    pub fn render(&self, folder: &Path) -> Result<String> {
+        let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
+        let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
+        let page = html! {
+            (DOCTYPE)
+            html lang="en" {
+                (head("figures"))
+                body {
+                    (page_header("Figures of the theses", Some(self.device), &self.command, &parts))
+                    p {
+                        "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "
+                        "its file. Scenes are generated stand-ins for those in print, seen from similar places."
+                    }
+                    @for group in groups { (group) }
+                }
+            }
+        };
+        Ok(page.into_string())
+    }
+}
+
+fn group(group: &Group, folder: &Path) -> Result<Markup> {
+    let entries = group.entries.iter().map(|e| entry(e, folder)).collect::<Result<Vec<_>>>()?;
+    Ok(html! {
+        (heading((&group.id, &group.title)))
+        p { (group.source) }
+        nav aria-label={ "Figures: " (group.title) } {
+            ul { @for e in &group.entries { li { a href={ "#" (e.stem) } { (e.title.split(':').next().unwrap_or_default()) } } } }
+        }
+        @for entry in entries { (entry) }
+    })
+}
+
+fn entry(entry: &Entry, folder: &Path) -> Result<Markup> {
+    let shown = match &entry.file {
+        Ok(file) => {
+            let picture = picture(entry, file, folder)?;
+            html! { figure { a href=(file) { (picture) } } }
+        }
+        Err(why) => html! { p { "Left out: " (why) } },
+    };
+    Ok(html! {
+        section.plate id=(entry.stem) {
+            h3 { (entry.title) }
+            (shown)
+            dl {
+                dt { "In print" } dd { (entry.print) }
+                dt { "Here" } dd { (entry.differs) }
+                dt { "Made by" } dd { code { (entry.command) } }
+                @if !entry.panels.is_empty() {
+                    dt { "Parts" }
+                    dd {
+                        ul { @for p in &entry.panels { li { (p.label) ": " code { (p.command) } } } }
+                    }
+                }
+            }
+        }
+    })
+}
+
+fn picture(entry: &Entry, file: &str, folder: &Path) -> Result<Markup> {
+    let path = folder.join(file);
+    if path.extension().is_some_and(|e| e == "svg") {
+        let svg = std::fs::read_to_string(&path).map_err(|e| Error::io("read", &path, e))?;
+        return Ok(html! { img src=(svg_uri(&svg)) alt=(entry.title) decoding="async"; });
+    }
+    let embedded = embed(&path, WIDEST)?;
+    Ok(html! {
+        img src=(embedded.uri) alt=(entry.title) width=(embedded.width) height=(embedded.height) decoding="async";
+    })
+}

@@ -1,0 +1,138 @@
+//! Pictures set beside each other, parts of them enlarged, and their difference.
+
+use super::images::Rgb;
+use crate::error::{Error, Result};
+
+/// Pixels between two pictures.
+const GAP: u32 = 8;
+
+/// A part of a picture: left, top, width and height as shares of its sides.
+pub type Part = [f32; 4];
+
+/// Rows of pictures, top aligned, on white.
+pub fn sheet(rows: &[Vec<Rgb>]) -> Rgb {
+    let width = |row: &Vec<Rgb>| row.iter().map(|p| p.width + GAP).sum::<u32>().saturating_sub(GAP);
+    let height = |row: &Vec<Rgb>| row.iter().map(|p| p.height).max().unwrap_or(0);
+    let total = rows.iter().map(|r| height(r) + GAP).sum::<u32>().saturating_sub(GAP);
+    let mut sheet = blank(rows.iter().map(width).max().unwrap_or(0), total, 255);
+    let mut y = 0;
+    for row in rows {
+        let mut x = 0;
+        for picture in row {
+            paste(&mut sheet, picture, x, y);
+            x += picture.width + GAP;
+        }
+        y += height(row) + GAP;
+    }
+    sheet
+}
+
+/// A picture of one value.
+pub(super) fn blank(width: u32, height: u32, value: u8) -> Rgb {
+    Rgb { width, height, bytes: vec![value; 3 * width as usize * height as usize] }
+}
+
+/// Copies a picture to a place in one that has room for it there.
+pub(super) fn paste(onto: &mut Rgb, image: &Rgb, x: u32, y: u32) {
+    for row in 0..image.height {
+        let from = 3 * (row * image.width) as usize;
+        let to = 3 * ((y + row) * onto.width + x) as usize;
+        let len = 3 * image.width as usize;
+        onto.bytes[to..to + len].copy_from_slice(&image.bytes[from..from + len]);
+    }
+}
+
+/// Pixels of a part: x, y, width and height, at least one pixel and inside the picture.
+fn pixels(picture: &Rgb, [x, y, w, h]: Part) -> [u32; 4] {
+    let place = |share: f32, side: u32| ((share * side as f32).round() as u32).min(side - 1);
+    let (x, y) = (place(x, picture.width), place(y, picture.height));
+    let size = |share: f32, side: u32, from: u32| ((share * side as f32).round() as u32).clamp(1, side - from);
+    [x, y, size(w, picture.width, x), size(h, picture.height, y)]
+}
+
+/// A part in a whole number of times its size: each pixel a square, nothing interpolated.
+pub fn enlarged(picture: &Rgb, part: Part, times: u32) -> Rgb {
+    let [left, top, width, height] = pixels(picture, part);
+    let mut bytes = Vec::with_capacity(3 * (width * height * times * times) as usize);
+    for y in 0..height * times {
+        for x in 0..width * times {
+            let at = 3 * ((top + y / times) * picture.width + left + x / times) as usize;
+            bytes.extend_from_slice(&picture.bytes[at..at + 3]);
+        }
+    }
+    Rgb { width: width * times, height: height * times, bytes }
+}
+
+/// The picture with a red frame around a part.
+pub fn framed(picture: &Rgb, part: Part) -> Rgb {
+    let [left, top, width, height] = pixels(picture, part);
+    let mut framed = picture.clone();
+    for y in top..top + height {
+        for x in left..left + width {
+            let edge = [x - left, y - top, left + width - 1 - x, top + height - 1 - y].into_iter().min();
+            if edge.is_some_and(|e| e < 2) {
+                let at = 3 * (y * picture.width + x) as usize;
+                framed.bytes[at..at + 3].copy_from_slice(&[230, 30, 30]);
+            }
+        }
+    }
+    framed
+}
+
+/// The absolute difference of two display images, times a factor.
+///
+/// # Errors
+/// [`Error::Usage`] if they differ in size.
+pub fn difference(a: &Rgb, b: &Rgb, times: u8) -> Result<Rgb> {
+    if (a.width, a.height) != (b.width, b.height) {
+        return Err(Error::Usage(format!("{}x{} and {}x{} can't be compared", a.width, a.height, b.width, b.height)));
+    }
+    let bytes = a.bytes.iter().zip(&b.bytes).map(|(a, b)| a.abs_diff(*b).saturating_mul(times)).collect();
+    Ok(Rgb { bytes, ..*a })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red counts columns, green rows.
+    fn ramp(width: u32, height: u32) -> Rgb {
+        let bytes = (0..width * height).flat_map(|n| [(n % width) as u8, (n / width) as u8, 7]).collect();
+        Rgb { width, height, bytes }
+    }
+
+    fn at(p: &Rgb, x: u32, y: u32) -> [u8; 3] {
+        let i = 3 * (y * p.width + x) as usize;
+        [p.bytes[i], p.bytes[i + 1], p.bytes[i + 2]]
+    }
+
+    #[test]
+    fn pictures_stand_where_they_should() {
+        let s = sheet(&[vec![ramp(4, 2), ramp(3, 5)], vec![ramp(2, 2)]]);
+        assert_eq!((s.width, s.height), (4 + GAP + 3, 5 + GAP + 2));
+        assert_eq!(at(&s, 3, 1), [3, 1, 7]);
+        assert_eq!(at(&s, 3, 2), [255; 3], "below the lower picture");
+        assert_eq!(at(&s, 4 + GAP + 2, 4), [2, 4, 7]);
+        assert_eq!(at(&s, 1, 5 + GAP + 1), [1, 1, 7]);
+        assert_eq!((sheet(&[]).width, sheet(&[]).height), (0, 0));
+    }
+
+    #[test]
+    fn parts_are_enlarged_and_framed() {
+        let e = enlarged(&ramp(8, 8), [0.5, 0.25, 0.25, 0.5], 3);
+        assert_eq!((e.width, e.height), (6, 12));
+        assert_eq!((at(&e, 2, 0), at(&e, 3, 11)), ([4, 2, 7], [5, 5, 7]));
+        let f = framed(&ramp(16, 16), [0.25, 0.25, 0.5, 0.5]);
+        assert_eq!((at(&f, 4, 8), at(&f, 11, 11), at(&f, 8, 8)), ([230, 30, 30], [230, 30, 30], [8, 8, 7]));
+        assert_eq!(at(&f, 3, 8), [3, 8, 7]);
+        // Beyond the edge, what there is.
+        assert_eq!(enlarged(&ramp(4, 4), [1.0, 0.9, 0.5, 0.5], 1).bytes, [3, 3, 7]);
+    }
+
+    #[test]
+    fn the_difference_is_absolute_and_does_not_wrap() {
+        let (a, b) = (Rgb { width: 1, height: 1, bytes: vec![10, 200, 3] }, ramp(1, 1));
+        assert_eq!(difference(&a, &b, 2).expect("one size").bytes, [20, 255, 8]);
+        assert!(difference(&a, &ramp(2, 1), 1).is_err());
+    }
+}
