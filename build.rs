@@ -41,7 +41,10 @@ fn run() -> Result<(), String> {
         for (block_name, block) in interface.blocks {
             match structs.get(&block_name) {
                 Some(known) if known.fields != block.fields => {
-                    return Err(format!("{name}: block {block_name} differs from its declaration for {}", known.used_in));
+                    return Err(format!(
+                        "{name}: block {block_name} differs from its declaration for {}",
+                        known.used_in
+                    ));
                 }
                 Some(_) => {}
                 None => drop(structs.insert(block_name, block)),

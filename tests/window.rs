@@ -187,7 +187,11 @@ mod with_window {
         let Some(x) = Xvfb::start("the_other_ways_to_present_work_or_are_refused_in_a_sentence") else { return };
         let folder = tempfile::tempdir().unwrap();
         for mode in ["mailbox", "immediate"] {
-            let shown = ssct(folder.path(), Some(&x.display), &["view", "--frames", "2", "--panel", "none", "--present-mode", mode]);
+            let shown = ssct(
+                folder.path(),
+                Some(&x.display),
+                &["view", "--frames", "2", "--panel", "none", "--present-mode", mode],
+            );
             let said = String::from_utf8_lossy(&shown.stderr);
             assert!(shown.status.success() || said.contains("does not present by"), "{mode}: {said}");
         }

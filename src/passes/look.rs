@@ -75,8 +75,7 @@ pub struct Tone {
 
 impl Tone {
     /// As the display image shows colour.
-    pub const DISPLAY: Self =
-        Self { content: Content::Color, channel: None, exposure_stops: 0.0, range: [0.0, 1.0] };
+    pub const DISPLAY: Self = Self { content: Content::Color, channel: None, exposure_stops: 0.0, range: [0.0, 1.0] };
 }
 
 /// What the screen shows.

@@ -167,7 +167,10 @@ mod tests {
         let answered = ask(&question(vec![truth, black], materials.clone(), Escape::Black));
         let Answer::Errors { samples: 2, methods, .. } = answered else { panic!("{answered:?}") };
         assert_eq!((methods[0].rmse, methods[0].relative_mse, methods[0].flip), (0.0, Some(0.0), 0.0));
-        assert!(methods[1].rmse > 0.05 && methods[1].relative_mse == Some(1.0) && methods[1].flip > 0.05, "{methods:?}");
+        assert!(
+            methods[1].rmse > 0.05 && methods[1].relative_mse == Some(1.0) && methods[1].flip > 0.05,
+            "{methods:?}"
+        );
 
         assert_eq!(ask(&question(Vec::new(), materials, Escape::Environment)), Answer::NoReference);
         let rougher = Globals { roughness: Some(0.5), ..globals }.materials(&scene, &view);

@@ -87,11 +87,8 @@ mod tests {
     use crate::gpu::PassTime;
 
     fn report(passes: &[(&str, f64, bool)]) -> FrameReport {
-        let pass = |(name, ms, counted): &(&str, f64, bool)| PassTime {
-            name: (*name).into(),
-            ms: *ms,
-            counted: *counted,
-        };
+        let pass =
+            |(name, ms, counted): &(&str, f64, bool)| PassTime { name: (*name).into(), ms: *ms, counted: *counted };
         FrameReport { passes: passes.iter().map(pass).collect(), ..FrameReport::default() }
     }
 

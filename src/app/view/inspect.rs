@@ -164,7 +164,9 @@ impl Inspection {
     /// The thesis's Hi-Z ray tracing of a pixel (Alg. 6); `None` where the pixel does not reflect, or its
     /// ray runs towards the camera.
     fn hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
-        let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else { return None };
+        let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else {
+            return None;
+        };
         let g = &self.gbuffer;
         let (index, finest) = (g.index(x, y), &chain[0]);
         let normal = g.normal[index];

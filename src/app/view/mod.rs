@@ -7,6 +7,7 @@
 mod against;
 mod animation;
 mod fly_camera;
+mod follow;
 mod history;
 mod input;
 mod inspect;
@@ -250,13 +251,7 @@ fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
     matches.as_ref().and_then(|m| m.subcommand_matches("view")).map(given_options).unwrap_or_default()
 }
 
-fn state(
-    options: &ViewOptions,
-    scene: &Scene,
-    view: View,
-    globals: crate::study::Globals,
-    sides: [Side; 2],
-) -> State {
+fn state(options: &ViewOptions, scene: &Scene, view: View, globals: crate::study::Globals, sides: [Side; 2]) -> State {
     State {
         tab: options.panel,
         scene: viewer::scene_name(&options.common.place),
@@ -274,7 +269,11 @@ fn state(
         gain: 4.0,
         inside: options.inside.clone(),
         tone: Tone {
-            range: if options.inside.as_ref().is_some_and(|i| i.name == state::STEPS) { [0.0, 64.0] } else { [0.0, 1.0] },
+            range: if options.inside.as_ref().is_some_and(|i| i.name == state::STEPS) {
+                [0.0, 64.0]
+            } else {
+                [0.0, 1.0]
+            },
             ..Tone::DISPLAY
         },
         picked: options.pick,

@@ -9,8 +9,8 @@ use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{FrameReport, Gpu, Image, Pixels};
 use crate::methods::{Intermediate, Setup};
-use crate::passes::look::KeepPass;
 use crate::passes::Content;
+use crate::passes::look::KeepPass;
 use crate::scene::{Camera, Material, Scene};
 use crate::study::{Shot, Stage, gbuffer, image};
 use std::time::Instant;
@@ -204,9 +204,11 @@ impl Pictures {
         let side = &wanted.sides[0];
         let mut split = side.clone();
         split.setup.split = true;
-        if !self.split.as_ref().is_some_and(|(made, shot)| {
-            *made == split && shot.gbuffer.gbuffer().depth.extent() == wanted.extent
-        }) {
+        if !self
+            .split
+            .as_ref()
+            .is_some_and(|(made, shot)| *made == split && shot.gbuffer.gbuffer().depth.extent() == wanted.extent)
+        {
             self.split = None;
             let shot = self.shot(&split, wanted)?;
             self.split = Some((split, shot));
@@ -256,8 +258,11 @@ impl Shown {
         };
         self.content = content;
         stage.context.once(|frame| self.kept.record(frame, slice))?;
-        let info =
-            |i: &Intermediate| ImageInfo { name: i.name, levels: i.image.parts().len() as u32, extent: i.image.extent() };
+        let info = |i: &Intermediate| ImageInfo {
+            name: i.name,
+            levels: i.image.parts().len() as u32,
+            extent: i.image.extent(),
+        };
         self.images = images.iter().map(info).collect();
         Ok(())
     }

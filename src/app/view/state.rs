@@ -52,9 +52,10 @@ impl Side {
     /// Reads the options as the command line does.
     fn apply(&mut self) {
         let command = Self::command().no_binary_name(true);
-        let arguments = self.options.iter().map(|(name, value)| {
-            if value == SWITCHED_ON { format!("--{name}") } else { format!("--{name}={value}") }
-        });
+        let arguments = self
+            .options
+            .iter()
+            .map(|(name, value)| if value == SWITCHED_ON { format!("--{name}") } else { format!("--{name}={value}") });
         let parsed = command.try_get_matches_from(arguments).and_then(|m| MethodOptions::from_arg_matches(&m));
         self.fault = match parsed {
             Ok(options) => {

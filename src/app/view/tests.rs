@@ -12,8 +12,8 @@ use crate::methods::METHODS;
 use crate::passes::PathCode;
 use crate::passes::look::{Compare, Tone};
 use crate::reference::hi_z_ray_trace::End;
-use crate::scene::path::CameraPath;
 use crate::scene::library;
+use crate::scene::path::CameraPath;
 use crate::study::Globals;
 use clap::{Args, FromArgMatches};
 use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, vec2};
@@ -236,7 +236,9 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
     bench.settle();
     let after = bench.screen();
     // The panel shows other numbers.
-    let picture = |p: &Pixels| (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.at(x, y).to_vec()).collect::<Vec<_>>();
+    let picture = |p: &Pixels| {
+        (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.at(x, y).to_vec()).collect::<Vec<_>>()
+    };
     assert!(picture(&before) == picture(&after));
     bench.is_valid("the last");
 }

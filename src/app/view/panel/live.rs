@@ -72,7 +72,8 @@ fn bars(ui: &mut Ui, history: &History) {
         }
         let mut below = 0.0;
         // The method's passes stand at the bottom, so that their sum can be read off.
-        let order = (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
+        let order =
+            (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
         for i in order {
             let above = below + stages[i].ms;
             let bar = Rect::from_min_max(pos2(right - (width - 1.0).max(1.0), at(above)), pos2(right, at(below)));
@@ -83,7 +84,13 @@ fn bars(ui: &mut Ui, history: &History) {
     let median = at(history.total().median_ms);
     painter.hline(rect.x_range(), median, Stroke::new(1.0, Color32::WHITE));
     let font = egui::FontId::proportional(10.0);
-    painter.text(rect.left_top() + vec2(4.0, 2.0), egui::Align2::LEFT_TOP, format!("{most:.1} ms"), font, Color32::GRAY);
+    painter.text(
+        rect.left_top() + vec2(4.0, 2.0),
+        egui::Align2::LEFT_TOP,
+        format!("{most:.1} ms"),
+        font,
+        Color32::GRAY,
+    );
 }
 
 fn work(ui: &mut Ui, told: &Told) {

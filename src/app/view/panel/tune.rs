@@ -203,9 +203,7 @@ fn published(preset: Preset, flag: &str, told: &Told) -> Option<f64> {
 fn materials(ui: &mut Ui, state: &mut State) {
     heading(ui, "Materials");
     let globals = &mut state.globals;
-    for (name, value) in
-        [("roughness", &mut globals.roughness), ("normal deviation", &mut globals.normal_deviation)]
-    {
+    for (name, value) in [("roughness", &mut globals.roughness), ("normal deviation", &mut globals.normal_deviation)] {
         ui.horizontal(|ui| {
             let mut own = value.is_none();
             let mut number = value.unwrap_or(0.0);
