@@ -186,7 +186,7 @@ impl Viewer {
     /// and makes the screen's drawing ready.
     pub fn update(&mut self, input: Input) -> Result<Updated> {
         self.move_camera(&input);
-        self.take_shaders()?;
+        self.take_shaders();
         self.against.poll();
         let (mut output, done) = self.run_panel(input.egui);
         self.looking = done.looking;
@@ -278,8 +278,8 @@ impl Viewer {
     }
 
     /// Takes the shaders that were compiled; one whose pipeline can't be made is not taken.
-    fn take_shaders(&mut self) -> Result<()> {
-        let Some(shaders) = &mut self.shaders else { return Ok(()) };
+    fn take_shaders(&mut self) {
+        let Some(shaders) = &mut self.shaders else { return };
         for (shader, made) in shaders.changes.try_iter().flatten() {
             let replaced = &self.gpu.shared().replaced_shaders;
             let said = made.and_then(|code| {
@@ -297,7 +297,6 @@ impl Viewer {
             shaders.said.retain(|(name, _)| *name != shader.name);
             shaders.said.insert(0, (shader.name, said));
         }
-        Ok(())
     }
 
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, Done) {
