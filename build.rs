@@ -65,8 +65,11 @@ fn constant(interface: &Interface, name: &str, file: &str) -> String {
         "/// `{ROOT}/{name}`.\npub static {}: Shader = Shader {{\n    name: {name:?},\n    spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{file}\")),\n    push_constant_size: {push_size},\n    local_size: {local_size:?},\n    bindings: &[\n",
         constant_name(name),
     );
-    for (binding, name, kind) in bindings {
-        let _ = writeln!(text, "        Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind} }},");
+    for (binding, name, kind, count) in bindings {
+        let _ = writeln!(
+            text,
+            "        Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }},"
+        );
     }
     text.push_str("    ],\n};\n");
     text

@@ -244,7 +244,9 @@ fn a_fallback_shows_where_the_method_fades() {
                 part += usize::from(fade > 0.0 && fade < 1.0);
                 whole += usize::from(fade == 0.0 && back[3] == 1.0);
             }
-            assert!(part > 1000 && whole > 1000, "{}: {part} faded in part, {whole} wholly", method.name);
+            // SSLR is printed without a fade: it hits or it misses.
+            let fades = method.name != "sslr";
+            assert!(whole > 1000 && (part > 100) == fades, "{}: {part} faded in part, {whole} wholly", method.name);
         }
     }
 }

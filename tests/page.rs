@@ -72,6 +72,8 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
             march: Default::default(),
             poster_filter: Default::default(),
             fallback: Fallback::None,
+            billboards: Default::default(),
+            mirrors: Default::default(),
             tuning: Default::default(),
         },
         time_ms: Some(ms),

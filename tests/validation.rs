@@ -20,7 +20,9 @@ use ssct::study::{Globals, Shot, Stage};
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
     let usual = Setup::new(extent);
-    if !method.is_screen_space() {
+    // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
+    // of the time.
+    if !method.is_screen_space() || extent[0] > 500 {
         return vec![usual];
     }
     let mut setups = Vec::new();
@@ -68,6 +70,18 @@ fn every_method_in_every_mode_is_valid() {
                 let image = render(&mut stage, &shot, true).unwrap();
                 gpu.check_validation().unwrap_or_else(|e| panic!("{what}, read back: {e}"));
                 assert_eq!([image.composite.width, image.composite.height], extent);
+            }
+        }
+    }
+    // And each of its settings: variants that are off by default.
+    for method in METHODS {
+        for setup in (method.settings)(Setup::new([127, 61])) {
+            let camera = clutter_camera(setup.extent);
+            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+            for mode in [Mode::Plain, Mode::Plain, Mode::Timed] {
+                stage.run(&shot, mode).unwrap();
+                gpu.check_validation().unwrap_or_else(|e| panic!("{}, {setup:?}, {mode:?}: {e}", method.name));
+                frames += 1;
             }
         }
     }

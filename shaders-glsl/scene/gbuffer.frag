@@ -39,8 +39,9 @@ void main() {
             normal = normalize(mix(geometric, bumped, draw.normal_deviation));
         }
     }
-    // Seen from behind, a surface shows its other side.
-    if (!gl_FrontFacing) {
+    // Seen from behind, a surface shows its other side. A mirrored view turns windings round.
+    bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
+    if (gl_FrontFacing == mirrored) {
         normal = -normal;
     }
     out_albedo = vec4(albedo * draw.albedo.rgb, draw.albedo.a);

@@ -17,5 +17,7 @@ void main() {
     gl_Position = draw.world_to_clip * vec4(position, 1.0);
     out_normal = mat3(camera.world_to_view) * normal;
     out_uv = uv;
-    out_tangent = vec4(mat3(camera.world_to_view) * tangent.xyz, tangent.w);
+    // A mirrored view turns the handedness of a tangent space round.
+    mat3 turn = mat3(camera.world_to_view);
+    out_tangent = vec4(turn * tangent.xyz, tangent.w * sign(determinant(turn)));
 }

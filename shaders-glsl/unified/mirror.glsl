@@ -7,11 +7,14 @@ layout(binding = 3) uniform sampler2D material_buffer;        // reflectivity, r
 layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
 
 #include "unified/tiles.glsl"
+#ifndef WHOLE
 #include "unified/tile_list.glsl"
+#endif
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
 #include "unified/traverse.glsl"
 #include "unified/fade.glsl"
+#include "unified/sound.glsl"
 
 struct Mirror {
     vec4 reflection; // colour, and fade in a; a miss is 0
@@ -20,23 +23,31 @@ struct Mirror {
     Hit hit;
 };
 
-// Discards the pixels of a tile that its list is not for: the images already hold what they show.
+// Pixels that the list is not for are discarded: the images already hold what they show. With WHOLE the
+// images hold nothing, all that reflects is for the list, and the other pixels show their lit colour.
 Mirror TraceMirror(ivec2 pixel) {
     vec2 material = texelFetch(material_buffer, pixel, 0).xy;
     float depth = imageLoad(pyramid, pixel).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
-    if (!Reflects(material) || ListOf(material) != tile_list.list || !(depth > 0.0) || normal == vec3(0.0))
-        discard;
+    bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     Mirror mirror;
     mirror.reflection = vec4(0.0);
     mirror.composite = vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0);
+#ifdef WHOLE
+    if (!traced)
+        return mirror;
+#else
+    if (!traced || ListOf(material) != tile_list.list)
+        discard;
+#endif
     bool faces;
     mirror.ray = MirrorRay(pixel, depth, normal, faces);
     mirror.hit = Traverse(mirror.ray);
     if (mirror.hit.code == HIT_SURFACE && faces) {
         vec2 uv = mirror.hit.position * unified.pixel_to_clip;
-        mirror.reflection = vec4(textureLod(color_buffer, uv, 0.0).rgb, Fade(uv));
-        mirror.composite.rgb += material.x * mirror.reflection.a * mirror.reflection.rgb;
+        mirror.reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), Fade(uv));
+        vec3 seen = mirror.composite.rgb + material.x * mirror.reflection.a * mirror.reflection.rgb;
+        mirror.composite.rgb = min(seen, GREATEST);
     }
     return mirror;
 }

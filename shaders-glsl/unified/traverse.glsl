@@ -52,8 +52,10 @@ Hit Traverse(Ray ray) {
     int level = 0;
     int rows = PyramidRows();
     int bound = MaxSteps();
-    float front = -1.0;
-    bool ended = false;
+    ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
+    ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
+    float front = -2.0; // of the block that was hit; -1 for a miss
+    hit.code = HIT_UNFINISHED;
 
     // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
     // for each other in every branch that one of them takes.
@@ -63,7 +65,7 @@ Hit Traverse(Ray ray) {
         vec2 block = imageLoad(pyramid, ivec2(cell.x, cell.y + rows - (rows >> level))).xy;
         int size = 1 << level;
         ivec2 first = pixel & -size;
-        ivec2 edge = first + (-ahead & size);
+        ivec2 edge = first + (far_side & size);
         precise vec2 crossings = (vec2(edge) - start) * ray.inverse;
         bool leaves_x = crossings.x <= crossings.y;
         bool leaves_y = crossings.y <= crossings.x;
@@ -74,7 +76,6 @@ Hit Traverse(Ray ray) {
         bool meets = (recedes ? exit_depth : entry_depth) <= block.x && (recedes ? entry_depth : exit_depth) >= block.y;
         if (meets ? level == 0 : !goes_on) {
             front = meets ? block.x : -1.0;
-            ended = true;
             break;
         }
 
@@ -82,8 +83,8 @@ Hit Traverse(Ray ray) {
         // there, which is in the same cell.
         precise vec2 inside = start + last * ray.rate.xy;
         ivec2 onward = clamp(ivec2(inside), first, first + (size - 1));
-        onward.x = leaves_x ? edge.x + (ahead.x - 1) : onward.x;
-        onward.y = leaves_y ? edge.y + (ahead.y - 1) : onward.y;
+        onward.x = leaves_x ? edge.x + across.x : onward.x;
+        onward.y = leaves_y ? edge.y + across.y : onward.y;
         ivec2 differs = onward ^ pixel;
         bool left_parent = (differs.x | differs.y) >= 2 * size;
 
@@ -92,9 +93,8 @@ Hit Traverse(Ray ray) {
         entry = meets ? entry : exit;
         entry_depth = meets ? entry_depth : exit_depth;
     }
-    if (!ended)
-        hit.code = HIT_UNFINISHED;
-
+    if (front == -1.0)
+        hit.code = HIT_NOTHING;
     if (front > 0.0) {
         // The crossing with the front if it lies inside the pixel, else the point of entry.
         precise vec2 crossings = (vec2(pixel + ahead) - start) * ray.inverse;

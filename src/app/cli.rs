@@ -3,8 +3,10 @@
 use super::view::ViewOptions;
 use crate::methods::{Fallback, Preset};
 use crate::passes::PosterFilter;
+use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
+use crate::passes::planar::{MAX_PLANES, Variant};
 use crate::report::figures::Figure;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::Vec3;
@@ -128,6 +130,18 @@ pub struct MethodOptions {
     /// How the colour chain of ssct and hzct is filtered.
     #[arg(long, value_enum, default_value_t)]
     pub chain_filter: ChainFilter,
+    /// Which of several billboards on a ray shows: as the listing has it, or the nearest.
+    #[arg(long, value_enum, default_value_t)]
+    pub billboard_order: Order,
+    /// What hides a billboard: nothing, as published, or what the depth buffer shows.
+    #[arg(long, value_enum, default_value_t)]
+    pub billboard_occlusion: Occlusion,
+    /// How planar gets its mirrored scene: inside the stencil, or as a render target.
+    #[arg(long, value_enum, default_value_t)]
+    pub planar_variant: Variant,
+    /// Planes that planar mirrors the scene at: those that cover most of the screen.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PLANES)))]
+    pub planar_planes: u32,
     /// Trace at a lower resolution and bring the reflection back to full size.
     #[arg(long, value_enum, default_value_t)]
     pub resolution_scale: ResolutionScale,

@@ -4,6 +4,8 @@ use super::cli::{DeviceOptions, MethodOptions, SceneOptions, Switch};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{Setup, Tuning};
+use crate::passes::billboard::Billboards;
+use crate::passes::planar::Mirrors;
 use crate::scene::path::VIEWS;
 use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
 use crate::study::Globals;
@@ -153,6 +155,8 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         chain_filter: options.chain_filter,
         march: options.march,
         poster_filter: options.poster_filter,
+        billboards: Billboards { order: options.billboard_order, occlusion: options.billboard_occlusion },
+        mirrors: Mirrors { variant: options.planar_variant, planes: options.planar_planes },
         fade: options.fade == Switch::On,
         divisor: options.resolution_scale.divisor(),
         composite: true,

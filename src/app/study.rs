@@ -27,8 +27,12 @@ const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
 
+/// Scenes of a quick study: the rooms and the atrium.
+const QUICK_SCENES: usize = 2;
+
 /// How much is done.
 struct Plan {
+    scenes: usize,
     views: usize,
     size: [u32; 2],
     samples: usize,
@@ -43,6 +47,7 @@ impl Plan {
         if options.quick {
             let table_sizes = vec![[640, 480]];
             return Ok(Self {
+                scenes: QUICK_SCENES,
                 views: 1,
                 size: [480, 270],
                 samples: 3,
@@ -58,7 +63,7 @@ impl Plan {
         let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
         table_sizes.dedup();
         let command = format!("ssct study --samples {samples}");
-        Ok(Self { views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
+        Ok(Self { scenes: usize::MAX, views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
     }
 
     /// What is timed of a view.
@@ -81,7 +86,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let folder = &options.output;
     let plan = Plan::new(options)?;
     let gpu = resolve::gpu(&options.device)?;
-    let scenes: Vec<Scene> = library::names().iter().filter_map(|n| library::scene(n)).collect();
+    let scenes: Vec<Scene> = library::names().iter().take(plan.scenes).filter_map(|n| library::scene(n)).collect();
 
     let bar = progress::bar("study", 0);
     let mut views = Vec::new();

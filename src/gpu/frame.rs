@@ -5,6 +5,7 @@
 //! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
 
 mod draw;
+mod target;
 mod transfer;
 
 use super::device::{Gpu, vulkan};
@@ -17,6 +18,7 @@ use crate::error::Result;
 use ash::vk;
 use draw::Raster;
 use std::cell::Cell;
+pub use target::Target;
 
 /// What a frame is recorded for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +36,8 @@ pub enum Mode {
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
     Sampled(ImageSlice<'a>, Sampler),
+    /// As many images as the shader's array has, sampled.
+    SampledArray(&'a [ImageSlice<'a>], Sampler),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
     /// A level of an image, loaded without a sampler.
@@ -55,31 +59,6 @@ impl<'a> Resource<'a> {
     /// Sampled with trilinear filtering.
     pub fn trilinear(slice: ImageSlice<'a>) -> Self {
         Self::Sampled(slice, Sampler::TrilinearClamp)
-    }
-}
-
-/// A colour or depth attachment.
-#[derive(Clone, Copy)]
-pub struct Target<'a> {
-    slice: ImageSlice<'a>,
-    load: vk::AttachmentLoadOp,
-    clear: [f32; 4],
-}
-
-impl<'a> Target<'a> {
-    /// Every texel is written; what was there is lost.
-    pub fn overwrite(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: vk::AttachmentLoadOp::DONT_CARE, clear: [0.0; 4] }
-    }
-
-    /// Texels that are not written stay as they are.
-    pub fn kept(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: vk::AttachmentLoadOp::LOAD, clear: [0.0; 4] }
-    }
-
-    /// Cleared first; for depth, the first component.
-    pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
-        Self { slice, load: vk::AttachmentLoadOp::CLEAR, clear: value }
     }
 }
 
@@ -249,6 +228,28 @@ impl Frame<'_> {
             frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
             frame.flush();
             frame.rendering(targets, None, false, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                // SAFETY: a pipeline and everything it reads are bound.
+                unsafe { frame.device().cmd_draw(frame.context.commands, 3, 1, 0, 0) };
+                Ok(())
+            })
+        })
+    }
+
+    /// Clears the stencil of a depth target and marks every pixel that a fragment shader doesn't
+    /// discard; its depth is lost.
+    pub fn mark(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        stencil: ImageSlice,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
+            frame.rendering(&[], Some(Target::unmarked(stencil)), false, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
                 frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
                 // SAFETY: a pipeline and everything it reads are bound.
@@ -458,6 +459,7 @@ impl Frame<'_> {
         for (_, resource) in resources {
             match *resource {
                 Resource::Sampled(slice, _) => self.use_image(slice, sampled),
+                Resource::SampledArray(slices, _) => slices.iter().for_each(|s| self.use_image(*s, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
                 Resource::Loaded(slice) => self.use_image(slice, read),
                 Resource::Buffer(b) => self.use_buffer(b, Access::ComputeStorage),
@@ -514,63 +516,6 @@ impl Frame<'_> {
             // SAFETY: outside rendering; the handles are alive.
             unsafe { self.device().cmd_pipeline_barrier2(self.context.commands, &info) };
         }
-    }
-
-    /// Begins and ends dynamic rendering around `draw`.
-    fn rendering(
-        &mut self,
-        targets: &[Target],
-        depth: Option<Target>,
-        y_up: bool,
-        draw: impl FnOnce(&mut Self) -> Result<()>,
-    ) -> Result<()> {
-        for target in targets {
-            self.use_image(target.slice, Access::ColorAttachment);
-        }
-        if let Some(depth) = depth {
-            self.use_image(depth.slice, Access::DepthAttachment);
-        }
-        self.flush();
-        let attachment = |t: &Target, layout, is_depth: bool| {
-            let value = t.clear;
-            vk::RenderingAttachmentInfo::default()
-                .image_view(t.slice.view())
-                .image_layout(layout)
-                .load_op(t.load)
-                .store_op(vk::AttachmentStoreOp::STORE)
-                .clear_value(if is_depth {
-                    vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: value[0], stencil: 0 } }
-                } else {
-                    vk::ClearValue { color: vk::ClearColorValue { float32: value } }
-                })
-        };
-        let colors: Vec<_> =
-            targets.iter().map(|t| attachment(t, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL, false)).collect();
-        let depth_attachment = depth.map(|t| attachment(&t, vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL, true));
-        let [width, height] = targets.iter().chain(depth.iter()).map(|t| t.slice.extent()).next().unwrap_or([1, 1]);
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
-        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
-        if let Some(depth) = &depth_attachment {
-            info = info.depth_attachment(depth);
-        }
-        let (w, h) = (width as f32, height as f32);
-        let viewport = if y_up {
-            vk::Viewport { x: 0.0, y: h, width: w, height: -h, min_depth: 0.0, max_depth: 1.0 }
-        } else {
-            vk::Viewport { x: 0.0, y: 0.0, width: w, height: h, min_depth: 0.0, max_depth: 1.0 }
-        };
-        let commands = self.context.commands;
-        // SAFETY: the attachments are in the layouts named, by the barriers above; rendering is
-        // ended below whatever `draw` returns.
-        unsafe {
-            self.device().cmd_begin_rendering(commands, &info);
-            self.device().cmd_set_viewport(commands, 0, &[viewport]);
-            self.device().cmd_set_scissor(commands, 0, &[area]);
-        }
-        let drawn = draw(self);
-        // SAFETY: as above.
-        unsafe { self.device().cmd_end_rendering(commands) };
-        drawn
     }
 }
 

@@ -76,8 +76,8 @@ pub struct Compiled {
 /// What a stage asks of its pipeline, and how its blocks lie in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Binding, name and kind of each descriptor, in order.
-    pub bindings: Vec<(u32, String, &'static str)>,
+    /// Binding, name, kind and number of descriptors of each, in order.
+    pub bindings: Vec<(u32, String, &'static str, u32)>,
     /// Bytes of the push-constant block.
     pub push_size: u32,
     /// Threads of a workgroup.
@@ -230,7 +230,12 @@ impl<'a> Reflection<'a> {
                 continue;
             }
             let Some(binding) = self.decoration(id, Decoration::Binding) else { continue };
-            let definition = self.definition(pointee).ok_or("no type")?;
+            let mut definition = self.definition(pointee).ok_or("no type")?;
+            let mut count = 1;
+            if class == StorageClass::UniformConstant && definition.class.opcode == Op::TypeArray {
+                count = self.constant_u32(self.operand_id(pointee, 1)?)?;
+                definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
+            }
             let kind = match (class, definition.class.opcode) {
                 (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
                 (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
@@ -240,7 +245,7 @@ impl<'a> Reflection<'a> {
             };
             let own = self.names.get(&id).filter(|n| !n.is_empty());
             let name = own.or_else(|| self.names.get(&pointee)).cloned().unwrap_or_default();
-            found.bindings.push((binding, name, kind));
+            found.bindings.push((binding, name, kind, count));
         }
         found.bindings.sort();
         Ok(found)

@@ -31,6 +31,11 @@ pub fn full_chain(extent: [u32; 2]) -> u32 {
     extent[0].max(extent[1]).max(1).ilog2() + 1
 }
 
+/// Whether a depth format has a stencil beside it.
+pub(crate) fn has_stencil(format: vk::Format) -> bool {
+    format == vk::Format::D32_SFLOAT_S8_UINT
+}
+
 /// Width and height of a mip level: halved, rounded down, at least 1.
 pub fn level_extent(extent: [u32; 2], level: u32) -> [u32; 2] {
     [(extent[0] >> level).max(1), (extent[1] >> level).max(1)]
@@ -43,6 +48,8 @@ pub struct Image {
     allocation: Option<Allocation>,
     level_views: Vec<vk::ImageView>,
     whole_view: vk::ImageView,
+    /// Depth and stencil together, where there is a stencil: the other views see the depth alone.
+    stencil_view: vk::ImageView,
     format: vk::Format,
     extent: [u32; 2],
     /// Slices of a volume, each with a view to render into; else 1 and no such view.
@@ -129,6 +136,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            stencil_view: vk::ImageView::null(),
             format: desc.format,
             extent: desc.extent,
             depth,
@@ -150,14 +158,19 @@ impl Image {
             | vk::ImageUsageFlags::COLOR_ATTACHMENT
             | vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         if desc.usage.intersects(view_usages) {
-            image.whole_view = image.view(view_type, image.range(0, desc.levels))?;
+            // A view of depth and stencil is one of the depth, where a shader reads it.
+            let shown = |image: &Self, range| vk::ImageSubresourceRange { aspect_mask: image.shown_aspect(), ..range };
+            image.whole_view = image.view(view_type, shown(&image, image.range(0, desc.levels)))?;
             for level in 0..desc.levels {
-                image.level_views.push(image.view(view_type, image.range(level, 1))?);
+                image.level_views.push(image.view(view_type, shown(&image, image.range(level, 1)))?);
             }
             for slice in 0..slices.unwrap_or(0) {
                 // A slice of a volume is a layer of its 2D views.
                 let range = vk::ImageSubresourceRange { base_array_layer: slice, ..image.range(0, 1) };
                 image.slice_views.push(image.view(V::TYPE_2D, range)?);
+            }
+            if has_stencil(desc.format) {
+                image.stencil_view = image.view(V::TYPE_2D, image.range(0, 1))?;
             }
         }
         Ok(image)
@@ -173,6 +186,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            stencil_view: vk::ImageView::null(),
             format,
             extent,
             depth: 1,
@@ -272,7 +286,16 @@ impl Image {
     }
 
     pub(crate) fn aspect(&self) -> vk::ImageAspectFlags {
-        if self.format == vk::Format::D32_SFLOAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
+        match self.format {
+            vk::Format::D32_SFLOAT => vk::ImageAspectFlags::DEPTH,
+            f if has_stencil(f) => vk::ImageAspectFlags::DEPTH | vk::ImageAspectFlags::STENCIL,
+            _ => vk::ImageAspectFlags::COLOR,
+        }
+    }
+
+    /// What shaders and copies see of it: depth without stencil.
+    pub(crate) fn shown_aspect(&self) -> vk::ImageAspectFlags {
+        self.aspect() & !vk::ImageAspectFlags::STENCIL
     }
 
     pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
@@ -317,6 +340,11 @@ impl<'a> ImageSlice<'a> {
         }
     }
 
+    /// The view that a depth target with stencil is attached by.
+    pub(crate) fn stencil_view(&self) -> Option<vk::ImageView> {
+        has_stencil(self.image.format).then_some(self.image.stencil_view)
+    }
+
     /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
     /// one layout for them all.
     pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Cell<State>)> + use<'a> {
@@ -334,6 +362,7 @@ impl Drop for Image {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);
+            device.destroy_image_view(self.stencil_view, None);
             if !self.borrowed {
                 device.destroy_image(self.handle, None);
             }

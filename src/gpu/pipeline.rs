@@ -2,6 +2,7 @@
 //! shaders' reflection says, so that there is no descriptor pool and resources are bound by name.
 
 use super::device::{Gpu, vulkan};
+use super::image;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
@@ -29,6 +30,24 @@ pub struct ComputePipeline {
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
     pub(crate) local_size: [u32; 3],
+}
+
+/// What a pipeline does with the stencil of its depth target.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Stencil {
+    /// Sets it to 1.
+    Mark,
+    /// Draws only where it is 1.
+    OnlyMarked,
+}
+
+/// The depth target of a pipeline.
+#[derive(Clone, Copy)]
+struct DepthState {
+    format: vk::Format,
+    /// Whether depth is tested and written.
+    tested: bool,
+    stencil: Option<Stencil>,
 }
 
 /// What a draw reads per vertex.
@@ -65,7 +84,7 @@ impl Layout {
                 vk::DescriptorSetLayoutBinding::default()
                     .binding(b.binding)
                     .descriptor_type(b.kind.descriptor_type())
-                    .descriptor_count(1)
+                    .descriptor_count(b.count)
                     .stage_flags(stages)
             })
             .collect();
@@ -143,7 +162,29 @@ impl GraphicsPipeline {
         targets: &[vk::Format],
         depth: vk::Format,
     ) -> Result<Self> {
+        let depth = DepthState { format: depth, tested: true, stencil: None };
         Self::new(gpu, vertex, fragment, Geometry::Triangles(Some(input)), targets, Some(depth))
+    }
+
+    /// As [`Self::mesh`], but draws only where a [`Self::marking`] pipeline marked the stencil; the
+    /// depth format has one.
+    pub fn mesh_where_marked(
+        gpu: &Gpu,
+        vertex: &'static Shader,
+        fragment: &'static Shader,
+        input: VertexInput,
+        targets: &[vk::Format],
+        depth: vk::Format,
+    ) -> Result<Self> {
+        let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
+        Self::new(gpu, vertex, fragment, Geometry::Triangles(Some(input)), targets, Some(depth))
+    }
+
+    /// A fragment shader over the whole of a depth target with stencil that marks every pixel that it
+    /// doesn't discard, and writes nothing else.
+    pub fn marking(gpu: &Gpu, fragment: &'static Shader, depth: vk::Format) -> Result<Self> {
+        let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
+        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, Geometry::Triangles(None), &[], Some(depth))
     }
 
     fn new(
@@ -152,7 +193,7 @@ impl GraphicsPipeline {
         fragment: &'static Shader,
         geometry: Geometry,
         targets: &[vk::Format],
-        depth: Option<vk::Format>,
+        depth: Option<DepthState>,
     ) -> Result<Self> {
         let layout =
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
@@ -192,10 +233,15 @@ impl GraphicsPipeline {
             .line_width(1.0);
         let multisample =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
-        let depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(depth.is_some())
-            .depth_write_enable(depth.is_some())
+        let tested = depth.is_some_and(|d| d.tested);
+        let mut depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(tested)
+            .depth_write_enable(tested)
             .depth_compare_op(vk::CompareOp::GREATER);
+        if let Some(stencil) = depth.and_then(|d| d.stencil) {
+            let state = stencil.state();
+            depth_state = depth_state.stencil_test_enable(true).front(state).back(state);
+        }
         let blends = vec![
             vk::PipelineColorBlendAttachmentState::default()
                 .color_write_mask(vk::ColorComponentFlags::RGBA);
@@ -206,7 +252,10 @@ impl GraphicsPipeline {
             .dynamic_states(&[vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR]);
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(targets)
-            .depth_attachment_format(depth.unwrap_or(vk::Format::UNDEFINED));
+            .depth_attachment_format(depth.map_or(vk::Format::UNDEFINED, |d| d.format));
+        if let Some(depth) = depth.filter(|d| image::has_stencil(d.format)) {
+            rendering = rendering.stencil_attachment_format(depth.format);
+        }
         let info = vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&vertex_state)
@@ -224,6 +273,16 @@ impl GraphicsPipeline {
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
         Ok(Self { layout, handle, name: fragment.name })
+    }
+}
+
+impl Stencil {
+    fn state(self) -> vk::StencilOpState {
+        let (pass_op, compare_op, write_mask) = match self {
+            Self::Mark => (vk::StencilOp::REPLACE, vk::CompareOp::ALWAYS, 0xff),
+            Self::OnlyMarked => (vk::StencilOp::KEEP, vk::CompareOp::EQUAL, 0),
+        };
+        vk::StencilOpState { pass_op, compare_op, compare_mask: 0xff, write_mask, reference: 1, ..Default::default() }
     }
 }
 

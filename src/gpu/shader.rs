@@ -25,6 +25,8 @@ pub struct Binding {
     pub binding: u32,
     /// What is bound there.
     pub kind: BindingKind,
+    /// How many: above 1 for an array of images.
+    pub count: u32,
 }
 
 /// What a descriptor is.

@@ -10,6 +10,8 @@ pub enum Access {
     ColorAttachment,
     /// Depth attachment, tested and written.
     DepthAttachment,
+    /// Depth and stencil attachment, tested and written.
+    DepthStencilAttachment,
     /// Sampled or fetched in a fragment shader.
     FragmentSampled,
     /// Sampled or fetched in a compute shader.
@@ -49,9 +51,10 @@ pub struct AccessInfo {
 
 impl Access {
     /// Every use, for tests and tools.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::ColorAttachment,
         Self::DepthAttachment,
+        Self::DepthStencilAttachment,
         Self::FragmentSampled,
         Self::ComputeSampled,
         Self::ComputeStorage,
@@ -81,6 +84,10 @@ impl Access {
                 L::DEPTH_ATTACHMENT_OPTIMAL,
                 true,
             ),
+            Self::DepthStencilAttachment => {
+                let depth = Self::DepthAttachment.info();
+                (depth.stages, depth.access, L::DEPTH_STENCIL_ATTACHMENT_OPTIMAL, true)
+            }
             Self::FragmentSampled => (S::FRAGMENT_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false),
             // SHADER_READ, not SHADER_SAMPLED_READ: best practices of 1.3.239 know only the former.
             Self::ComputeSampled => (S::COMPUTE_SHADER, A::SHADER_READ, L::SHADER_READ_ONLY_OPTIMAL, false),

@@ -24,10 +24,53 @@ impl Frustum {
     }
 }
 
+/// Share of the screen that a triangle would cover if nothing hid it: its part inside the clip volume,
+/// but for the far plane, of a matrix with standard depth. Either side counts.
+pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
+    let planes = [Vec4::Z, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(-1.0, 0.0, 0.0, 1.0)];
+    let planes = planes.into_iter().chain([Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(0.0, -1.0, 0.0, 1.0)]);
+    let mut polygon: Vec<Vec4> = triangle.iter().map(|p| *to_clip * p.extend(1.0)).collect();
+    for plane in planes {
+        // Sutherland and Hodgman 1974.
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (i, &a) in polygon.iter().enumerate() {
+            let b = polygon[(i + 1) % polygon.len()];
+            let (from, to) = (plane.dot(a), plane.dot(b));
+            if from >= 0.0 {
+                kept.push(a);
+            }
+            if (from >= 0.0) != (to >= 0.0) {
+                kept.push(a.lerp(b, from / (from - to)));
+            }
+        }
+        polygon = kept;
+    }
+    let points: Vec<_> = polygon.iter().filter(|p| p.w > 0.0).map(|p| p.truncate().truncate() / p.w).collect();
+    let twice: f32 = (2..points.len()).map(|i| (points[i - 1] - points[0]).perp_dot(points[i] - points[0])).sum();
+    // The screen's own area is 4.
+    0.125 * twice.abs()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::{Camera, Lens};
+
+    #[test]
+    fn a_triangle_covers_what_is_left_of_it_on_screen() {
+        let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens { fov_y_radians: 1.0, ..Lens::default() }, 1.0);
+        let matrix = c.view_to_clip() * c.world_to_view;
+        let h = 5.0 * 0.5_f32.tan();
+        let at = |x: f32, y: f32| Vec3::new(x * h, y * h, 5.0);
+        let area = |a, b, c| projected_area(&matrix, &[a, b, c]);
+        assert!((area(at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0)) - 0.5).abs() < 1e-4, "half the screen");
+        assert!((area(at(-9.0, -1.0), at(9.0, -1.0), at(0.0, 80.0)) - 1.0).abs() < 1e-4, "more than all of it");
+        assert_eq!(area(at(2.0, 0.0), at(3.0, 0.0), at(3.0, 1.0)), 0.0, "beside it");
+        assert_eq!(area(-at(-1.0, -1.0), -at(1.0, -1.0), -at(1.0, 1.0)), 0.0, "behind");
+        // A floor from behind the camera to afar covers the lower half, but for what the near plane cuts.
+        let floor = area(Vec3::new(-1e4, -1.0, -1e3), Vec3::new(1e4, -1.0, -1e3), Vec3::new(0.0, -1.0, 1e6));
+        assert!((0.49..0.5).contains(&floor), "{floor}");
+    }
 
     #[test]
     fn boxes_in_front_are_seen_and_others_are_not() {

@@ -2,12 +2,15 @@
 //! their outputs to their inputs; its `record` reads like the data flow. What all of them have around
 //! them, down to the composite, is [`effect`].
 
+pub mod area_light;
+pub mod billboard;
 pub mod capture;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
 pub mod linear;
 pub mod pccm;
+pub mod planar;
 pub mod poster;
 pub mod ssct;
 pub mod sslr;
@@ -18,8 +21,10 @@ pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
+use crate::passes::planar::Mirrors;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Content, GBuffer, Hits, PosterFilter, Reflection};
 use crate::scene::{Camera, Material};
@@ -43,6 +48,10 @@ pub struct Setup {
     pub march: March,
     /// How `poster` pre-filters the G-buffer.
     pub poster_filter: PosterFilter,
+    /// How `billboard` traces its quads.
+    pub billboards: Billboards,
+    /// Which planes `planar` mirrors, and how.
+    pub mirrors: Mirrors,
     /// Whether reflections fade at the screen's border.
     pub fade: bool,
     /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
@@ -94,6 +103,8 @@ impl Setup {
             chain_filter: ChainFilter::default(),
             march: March::default(),
             poster_filter: PosterFilter::default(),
+            billboards: Billboards::default(),
+            mirrors: Mirrors::default(),
             fade: true,
             divisor: 1,
             composite: true,
@@ -116,6 +127,16 @@ pub struct Input<'a, 's> {
     pub camera: &'s Camera,
     /// The scene itself; `None` where only a G-buffer is known.
     pub scene: Option<SceneInput<'s>>,
+}
+
+impl<'s> Input<'_, 's> {
+    /// The scene, for a method that can't do without.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if there is none.
+    pub fn scene(&self) -> Result<SceneInput<'s>> {
+        self.scene.ok_or_else(|| Error::Usage("the method needs the scene; a G-buffer alone does not show it".into()))
+    }
 }
 
 /// The scene on the device, for methods that draw it again or need more of it than the screen shows.
@@ -224,6 +245,9 @@ pub const METHODS: &[MethodInfo] = &[
     ssr::INFO,
     ssr_fast::INFO,
     pccm::INFO,
+    billboard::INFO,
+    planar::INFO,
+    area_light::INFO,
     environment::INFO,
     unified::INFO,
 ];

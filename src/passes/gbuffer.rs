@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, Reflectors, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -28,6 +28,7 @@ pub struct GBufferPass {
     pipeline: GraphicsPipeline,
     images: GBufferImages,
     albedo: Image,
+    label: &'static str,
 }
 
 /// What was drawn.
@@ -49,12 +50,19 @@ const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
+/// Format of the depth of [`GBufferPass::where_marked`].
+pub const DEPTH_STENCIL: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
+
 impl GBufferImages {
     /// Images of a size in pixels, without content.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::with_depth(gpu, extent, DEPTH)
+    }
+
+    fn with_depth(gpu: &Gpu, extent: [u32; 2], depth: vk::Format) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            depth: image_of(gpu, "depth", DEPTH, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
+            depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
             normal: image_of(gpu, "normal", NORMAL, extent, 1, U::COLOR_ATTACHMENT)?,
             material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT)?,
             color: image_of(gpu, "color", LIT_COLOR, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
@@ -110,6 +118,15 @@ fn image_of(
 impl GBufferPass {
     /// Images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::of(gpu, extent, DEPTH)
+    }
+
+    /// A pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
+    pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::of(gpu, extent, DEPTH_STENCIL)
+    }
+
+    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format) -> Result<Self> {
         let input = VertexInput {
             stride: size_of::<Vertex>() as u32,
             attributes: &[
@@ -120,11 +137,18 @@ impl GBufferPass {
             ],
         };
         let targets = [ALBEDO, NORMAL, MATERIAL];
+        let mesh = if depth == DEPTH_STENCIL { GraphicsPipeline::mesh_where_marked } else { GraphicsPipeline::mesh };
         Ok(Self {
-            pipeline: GraphicsPipeline::mesh(gpu, &SCENE_GBUFFER_VERT, &SCENE_GBUFFER_FRAG, input, &targets, DEPTH)?,
-            images: GBufferImages::new(gpu, extent)?,
+            pipeline: mesh(gpu, &SCENE_GBUFFER_VERT, &SCENE_GBUFFER_FRAG, input, &targets, depth)?,
+            images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
+            label: "g-buffer",
         })
+    }
+
+    /// Under another name, for a scene that a method draws for itself.
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// The images, whose colour the lighting pass writes.
@@ -163,7 +187,7 @@ impl GBufferPass {
             reflectors: reflectors(seen.iter().map(|m| &materials[m.material])),
         };
         frame.raster(
-            "g-buffer",
+            self.label,
             &self.pipeline,
             &targets,
             Target::cleared(self.images.depth.all(), [0.0; 4]),
@@ -202,10 +226,16 @@ impl GBufferPass {
 /// reflectivity.
 fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     let stored = |v: f32| half::f16::from_f32(v).to_f32();
-    let reflects = |m: &&Material| m.surface == Surface::Lit && stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
-    materials.filter(reflects).fold(Reflectors::default(), |r, m| Reflectors {
-        mirrors: r.mirrors || stored(m.roughness) <= 0.0,
-        glossy: r.glossy || stored(m.roughness) > 0.0,
+    let start = Reflectors { everywhere: true, ..Reflectors::default() };
+    materials.filter(|m| m.surface == Surface::Lit).fold(start, |r, m| {
+        let reflects = stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
+        let roughness = stored(m.roughness);
+        Reflectors {
+            mirrors: r.mirrors || (reflects && roughness <= 0.0),
+            narrow: r.narrow || (reflects && roughness > 0.0 && roughness <= WIDE_ABOVE),
+            wide: r.wide || (reflects && roughness > WIDE_ABOVE),
+            everywhere: r.everywhere && reflects && m.reflectivity_map.is_none(),
+        }
     })
 }
 

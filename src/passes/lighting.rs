@@ -13,12 +13,19 @@ pub const MAX_LIGHTS: usize = 16;
 /// The pipeline.
 pub struct LightingPass {
     pipeline: GraphicsPipeline,
+    label: &'static str,
 }
 
 impl LightingPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[LIT_COLOR])? })
+        let pipeline = GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[LIT_COLOR])?;
+        Ok(Self { pipeline, label: "lighting" })
+    }
+
+    /// Under another name, for a scene that a method draws for itself.
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// Writes level 0 of the G-buffer's colour.
@@ -33,7 +40,7 @@ impl LightingPass {
         let camera_data = camera_block(camera, gbuffer.depth.extent());
         let lights = light_block(&scene.lights, camera);
         frame.fullscreen(
-            "lighting",
+            self.label,
             &self.pipeline,
             &[Target::overwrite(gbuffer.color.level(0))],
             &[

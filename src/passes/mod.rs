@@ -3,6 +3,8 @@
 //! A pass owns its pipelines and the images it writes; `record` takes what it reads and returns
 //! what it wrote. No pass knows a method or another pass, only the types below.
 
+pub mod area_light;
+pub mod billboard;
 pub mod classify;
 pub mod color_chain;
 pub mod composite;
@@ -19,6 +21,7 @@ pub mod look;
 pub mod linear_trace;
 pub mod mask_chain;
 pub mod pccm;
+pub mod planar;
 pub mod pyramid;
 pub mod resolution;
 pub mod scene_data;
@@ -26,6 +29,7 @@ pub mod schmidt_trace;
 pub mod sslr_reflection;
 pub mod sslr_trace;
 pub mod thesis_trace;
+pub mod unified_gloss;
 pub mod unified_trace;
 pub mod visibility;
 
@@ -57,17 +61,29 @@ pub struct GBuffer<'a> {
 pub struct Reflectors {
     /// Whether there may be mirrors: surfaces that reflect with roughness 0.
     pub mirrors: bool,
-    /// Whether there may be glossy surfaces: that reflect with more.
-    pub glossy: bool,
+    /// Whether there may be gloss with narrow lobes: roughness above 0, up to [`WIDE_ABOVE`].
+    pub narrow: bool,
+    /// Whether there may be gloss with wide lobes: roughness above that.
+    pub wide: bool,
+    /// Whether every surface that is lit reflects: where the image shows no sky, all of it does.
+    pub everywhere: bool,
 }
+
+/// Roughness above which `unified` takes a lobe for wide (`shaders-glsl/unified/gloss.glsl`).
+pub const WIDE_ABOVE: f32 = 0.2;
 
 impl Reflectors {
     /// Nothing is known: there may be both.
-    pub const UNKNOWN: Self = Self { mirrors: true, glossy: true };
+    pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
     /// Whether anything may reflect.
     pub fn any(self) -> bool {
-        self.mirrors || self.glossy
+        self.mirrors || self.glossy()
+    }
+
+    /// Whether anything may be glossy.
+    pub fn glossy(self) -> bool {
+        self.narrow || self.wide
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::error::Result;
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
-use crate::scene::{Aabb, Encoding, Light, Probe, Scene, Texture, Vertex, sky};
+use crate::scene::planes::{CoplanarGroup, coplanar_groups};
+use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
 
@@ -20,6 +21,9 @@ pub struct SceneData {
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
     probes: Vec<Probe>,
+    pub(super) impostors: Vec<Impostor>,
+    pub(super) area_lights: Vec<AreaLight>,
+    planes: Vec<CoplanarGroup>,
 }
 
 /// A mesh in device memory.
@@ -66,6 +70,9 @@ impl SceneData {
             sky: environment(context)?,
             lights: scene.lights.clone(),
             probes: probes(scene),
+            impostors: scene.impostors.clone(),
+            area_lights: scene.area_lights.clone(),
+            planes: coplanar_groups(scene),
         })
     }
 
@@ -89,6 +96,13 @@ fn probes(scene: &Scene) -> Vec<Probe> {
     // Without meshes there are no bounds, and any box will do.
     let is_bounded = bounds.min.is_finite() && bounds.max.is_finite();
     vec![Probe::in_the_middle_of(if is_bounded { bounds } else { Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE } })]
+}
+
+impl SceneData {
+    /// The planes that the scene's triangles share, the largest first.
+    pub fn coplanar_groups(&self) -> &[CoplanarGroup] {
+        &self.planes
+    }
 }
 
 fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {

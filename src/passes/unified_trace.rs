@@ -1,10 +1,12 @@
 //! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the
-//! composite, tile by tile. What does not reflect is copied.
+//! composite in the same pass, over the tiles of a list or over the whole image. What does not reflect
+//! is copied.
 
 use super::{GBuffer, Hits, Pyramid, Reflection, TileList, Tiles};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{
-    TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_TILE_VERT, UnifiedBlock,
+    TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UNIFIED_TILE_VERT,
+    UnifiedBlock,
 };
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
 use ash::vk;
@@ -17,7 +19,12 @@ const TILE: f32 = 8.0;
 
 /// Pipeline and images of one size.
 pub struct UnifiedTracePass {
+    /// Over the tiles of a list.
     mirror: GraphicsPipeline,
+    /// Over the whole image, for one of several lists.
+    everywhere: GraphicsPipeline,
+    /// Over the whole image, for all that reflects, without hits.
+    whole: Option<GraphicsPipeline>,
     reflection: Image,
     composite: Image,
     hits: Option<Image>,
@@ -30,8 +37,8 @@ pub struct UnifiedTraceInput<'a> {
     pub gbuffer: GBuffer<'a>,
     /// Blocks to trace.
     pub pyramid: Pyramid<'a>,
-    /// Where to trace.
-    pub tiles: Tiles<'a>,
+    /// Where to trace; everywhere if `None`.
+    pub tiles: Option<Tiles<'a>>,
 }
 
 /// What the pass made.
@@ -69,6 +76,10 @@ impl UnifiedTracePass {
         };
         Ok(Self {
             mirror: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, shader, formats)?,
+            everywhere: GraphicsPipeline::fullscreen(gpu, shader, formats)?,
+            whole: (!hits)
+                .then(|| GraphicsPipeline::fullscreen(gpu, &UNIFIED_MIRROR_WHOLE_FRAG, formats))
+                .transpose()?,
             reflection: image("reflection", COLOR)?,
             composite: image("composite", COLOR)?,
             hits: hits.then(|| image("hits", HITS)).transpose()?,
@@ -76,7 +87,8 @@ impl UnifiedTracePass {
     }
 
     /// Passes "composite", which takes the lit colour over, and one of "trace/…" for each list. At least
-    /// one list is needed.
+    /// one list is needed. One list everywhere is a single pass,
+    /// "trace+composite".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -84,6 +96,24 @@ impl UnifiedTracePass {
         parameters: &UnifiedBlock,
         lists: &[TileList],
     ) -> Result<Traced<'a>> {
+        let mut resources = vec![
+            ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
+            ("pyramid", Resource::Loaded(input.pyramid.0.all())),
+            ("normal_buffer", Resource::nearest(input.gbuffer.normal.all())),
+            ("material_buffer", Resource::nearest(input.gbuffer.material.all())),
+            ("color_buffer", Resource::trilinear(input.gbuffer.color.level(0))),
+        ];
+        let traced = Traced {
+            reflection: Reflection(&self.reflection),
+            composite: &self.composite,
+            hits: self.hits.as_ref().map(Hits),
+        };
+        if let (None, [_], Some(whole)) = (input.tiles, lists, &self.whole) {
+            let targets = [&self.reflection, &self.composite].map(|i| Target::overwrite(i.all()));
+            frame.fullscreen("trace+composite", whole, &targets, &resources, &[])?;
+            return Ok(traced);
+        }
+        resources.extend(input.tiles.map(|tiles| ("Tiles", Resource::ReadBuffer(tiles.lists))));
         frame.copy("composite", input.gbuffer.color.level(0), self.composite.all())?;
         for (n, list) in lists.iter().enumerate() {
             let cleared = |image: &'a Image, value| {
@@ -91,29 +121,23 @@ impl UnifiedTracePass {
             };
             let mut targets = vec![cleared(&self.reflection, [0.0; 4]), Target::kept(self.composite.all())];
             targets.extend(self.hits.as_ref().map(|h| cleared(h, [-1.0, -1.0, -1.0, 0.0])));
-            frame.draw_indirect(
-                match list {
-                    TileList::Mirrors => "trace/mirrors",
-                    TileList::Glossy => "trace/glossy",
-                },
-                &self.mirror,
-                &targets,
-                &[
-                    ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
-                    ("pyramid", Resource::Loaded(input.pyramid.0.all())),
-                    ("normal_buffer", Resource::nearest(input.gbuffer.normal.all())),
-                    ("material_buffer", Resource::nearest(input.gbuffer.material.all())),
-                    ("color_buffer", Resource::trilinear(input.gbuffer.color.level(0))),
-                    ("Tiles", Resource::ReadBuffer(input.tiles.lists)),
-                ],
-                bytemuck::bytes_of(&TileListBlock { list: *list as i32 }),
-                (input.tiles.arguments, list.arguments_offset()),
-            )?;
+            let push = TileListBlock { list: *list as i32 };
+            let push = bytemuck::bytes_of(&push);
+            match input.tiles {
+                Some(tiles) => {
+                    let arguments = (tiles.arguments, list.arguments_offset());
+                    frame.draw_indirect(pass_name(*list), &self.mirror, &targets, &resources, push, arguments)?;
+                }
+                None => frame.fullscreen(pass_name(*list), &self.everywhere, &targets, &resources, push)?,
+            }
         }
-        Ok(Traced {
-            reflection: Reflection(&self.reflection),
-            composite: &self.composite,
-            hits: self.hits.as_ref().map(Hits),
-        })
+        Ok(traced)
+    }
+}
+
+fn pass_name(list: TileList) -> &'static str {
+    match list {
+        TileList::Mirrors => "trace/mirrors",
+        TileList::Glossy => "trace/glossy",
     }
 }

@@ -4,7 +4,7 @@ use super::{files, html, tables};
 use crate::error::Result;
 use crate::metrics::percentile;
 use crate::study::stress::motion::{Motion, MotionRecord};
-use crate::study::stress::{AGREEMENT, JUDGED, StressRecord};
+use crate::study::stress::{AGREEMENT, AGREEMENT_THROUGH_CORNERS, JUDGED, StressRecord};
 use std::path::Path;
 
 /// Writes stress.json, motion.json, stress.txt and index.html.
@@ -166,9 +166,11 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
     let rule = format!(
         "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
          are compared with oracle 1 where rays are defined. {JUDGED} passes a case with no such pixel and {} % of the hits \
-         (disagreements that a change of the ray's direction by four units in the last place of an f32 removes are ties); \
+         (disagreements that vanish when the ray's direction or its first depth changes by up to 16 units in the last place of an \
+         f32 are ties; of rays made to pass through corners {} %); \
          the published methods need only survive, and their counts are findings.",
-        100.0 * AGREEMENT
+        100.0 * AGREEMENT,
+        100.0 * AGREEMENT_THROUGH_CORNERS
     );
     html::tables_page(
         "Numerical stress",

@@ -155,7 +155,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     if !(sound && aspect.is_finite() && world_to_view.is_finite()) {
         return Err(format!("a projection of fov {fov}, near {near}, far {far}, aspect {aspect} is no camera"));
     }
-    Ok(Camera { world_to_view, lens, aspect })
+    Ok(Camera { world_to_view, lens, aspect, near_plane: None })
 }
 
 /// Lens and aspect of a symmetric perspective with reversed depth.

@@ -11,6 +11,7 @@ pub mod library;
 pub mod obj;
 pub mod path;
 pub mod pattern;
+pub mod planes;
 pub mod proxies;
 pub mod scene_file;
 pub mod sky;

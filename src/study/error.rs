@@ -15,9 +15,11 @@ use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
+use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::gbuffer::GBufferImages;
 use crate::passes::linear_trace::March;
+use crate::passes::planar::Mirrors;
 use crate::passes::{Hits, PosterFilter};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::hierarchy::Hierarchy;
@@ -61,9 +63,20 @@ pub struct Params {
     /// What is behind the method, if anything is.
     #[serde(default, skip_serializing_if = "Fallback::is_none")]
     pub fallback: Fallback,
+    /// How billboards are traced; left out where they are as published.
+    #[serde(flatten, skip_serializing_if = "is_default")]
+    pub billboards: Billboards,
+    /// Which planes are mirrors; left out where they are as by default.
+    #[serde(flatten, skip_serializing_if = "is_default")]
+    pub mirrors: Mirrors,
     /// What replaces the preset's numbers.
     #[serde(flatten)]
     pub tuning: Tuning,
+}
+
+/// Whether a parameter is as it is without a flag.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// What a figure is held against.
@@ -263,6 +276,8 @@ impl Record {
                 march: setup.march,
                 poster_filter: setup.poster_filter,
                 fallback: setup.fallback,
+                billboards: setup.billboards,
+                mirrors: setup.mirrors,
                 tuning: setup.tuning,
             },
             time_ms,

@@ -5,8 +5,10 @@ use super::record::Stats;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
 use crate::passes::PosterFilter;
+use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
+use crate::passes::planar::Variant as Planar;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -46,6 +48,20 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.head.resolution_scale != 1.0 {
         name += &format!(" scale {}", record.head.resolution_scale);
+    }
+    match record.params.billboards.order {
+        Order::Printed => {}
+        Order::Unbroken => name += " unbroken",
+        Order::Nearest => name += " nearest",
+    }
+    if record.params.billboards.occlusion == Occlusion::Depth {
+        name += " occluded";
+    }
+    if record.params.mirrors.variant == Planar::Target {
+        name += " target";
+    }
+    if record.params.mirrors.planes != 1 {
+        name += &format!(" planes {}", record.params.mirrors.planes);
     }
     let t = record.params.tuning;
     for (label, value) in

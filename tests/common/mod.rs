@@ -6,7 +6,10 @@
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{self, Setup};
-use ssct::scene::{Aabb, Camera, Encoding, Lens, Light, Material, Mesh, Scene, Surface, Texture, Vertex, View};
+use ssct::scene::{
+    Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
+    Vertex, View,
+};
 use ssct::study::image::{RenderedImage, render};
 use ssct::study::{Globals, Shot, Stage};
 use std::path::PathBuf;
@@ -110,6 +113,18 @@ pub fn clutter() -> Scene {
         let up = Vec3::new(0.0, 1.0, 0.4 * (random() - 0.5)) * (0.2 + 1.5 * random());
         b.quad(material, centre, right, up, up.cross(right));
     }
+    // What some methods reflect instead.
+    let impostor = |centre, half_u| Impostor { name: "sign".into(), centre, half_u, half_v: Vec3::NEG_Y, texture: 0 };
+    b.0.impostors = vec![
+        impostor(Vec3::new(1.0, 2.0, 12.0), Vec3::X * 3.0),
+        impostor(Vec3::new(-4.0, 1.5, 9.0), Vec3::new(0.7, 0.0, 0.7)),
+    ];
+    let shapes = [
+        AreaShape::Sphere { centre: Vec3::new(-2.0, 2.0, 8.0), radius: 0.6 },
+        AreaShape::Capsule { a: Vec3::new(0.0, 1.0, 6.0), b: Vec3::new(1.5, 2.0, 9.0), radius: 0.1 },
+        AreaShape::Rectangle { centre: Vec3::new(3.0, 2.0, 10.0), half_u: Vec3::X, half_v: -0.5 * Vec3::Y },
+    ];
+    b.0.area_lights = shapes.map(|shape| AreaLight { shape, radiance: Vec3::new(1.0, 0.9, 0.7) }).to_vec();
     b.0
 }
 

@@ -33,7 +33,14 @@ impl Frame<'_> {
             };
             let (image, buffer, kind) = self.descriptor(*resource);
             assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
-            images.push([image]);
+            let many = match resource {
+                Resource::SampledArray(slices, sampler) => {
+                    slices.iter().map(|s| self.descriptor(Resource::Sampled(*s, *sampler)).0).collect()
+                }
+                _ => vec![image],
+            };
+            assert_eq!(many.len(), binding.count as usize, "binding {binding_name} of {name}");
+            images.push(many);
             buffers.push([buffer]);
             kinds.push(binding);
         }
@@ -41,10 +48,8 @@ impl Frame<'_> {
             .iter()
             .enumerate()
             .map(|(i, b)| {
-                let write = vk::WriteDescriptorSet::default()
-                    .dst_binding(b.binding)
-                    .descriptor_type(b.kind.descriptor_type())
-                    .descriptor_count(1);
+                let write =
+                    vk::WriteDescriptorSet::default().dst_binding(b.binding).descriptor_type(b.kind.descriptor_type());
                 match b.kind {
                     BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
                     BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
@@ -76,6 +81,8 @@ impl Frame<'_> {
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
                 BindingKind::SampledImage
             }
+            // Each of its images is written by itself.
+            Resource::SampledArray(..) => BindingKind::SampledImage,
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
                 BindingKind::StorageImage

@@ -177,7 +177,7 @@ impl Frame<'_> {
 
 fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {
     vk::ImageSubresourceLayers {
-        aspect_mask: slice.image().aspect(),
+        aspect_mask: slice.image().shown_aspect(),
         mip_level: slice.base_level(),
         base_array_layer: 0,
         layer_count: slice.image().layers(),

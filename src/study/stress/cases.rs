@@ -14,6 +14,9 @@ pub struct Case {
     /// Whether its rays are defined, so that hits compare with the oracle's: normals of a finite length
     /// above 0, and mirrors.
     pub comparable: bool,
+    /// Whether its rays are made to pass exactly through the corners of pixels, where rounding alone says
+    /// which of two pixels they meet.
+    pub through_corners: bool,
     extent: [u32; 2],
     lens: Lens,
     texel: Box<dyn Fn(&Pixel) -> Texel + Sync>,
@@ -132,12 +135,18 @@ impl Case {
         lens: Lens,
         texel: impl Fn(&Pixel) -> Texel + Sync + 'static,
     ) -> Self {
-        Self { name: name.into(), comparable: true, extent, lens, texel: Box::new(texel) }
+        Self { name: name.into(), comparable: true, through_corners: false, extent, lens, texel: Box::new(texel) }
     }
 
     /// One whose rays nobody can say the truth about.
     fn without_truth(mut self) -> Self {
         self.comparable = false;
+        self
+    }
+
+    /// One whose rays pass through corners.
+    fn through_corners(mut self) -> Self {
+        self.through_corners = true;
         self
     }
 
@@ -237,8 +246,8 @@ fn depths() -> Vec<Case> {
         flat("depth denormal", 1e-40),
         of("depth white noise", |p| p.uniform(3) as f32),
         of("depth white noise with sky", |p| if p.uniform(4) < 0.3 { 0.0 } else { p.uniform(3) as f32 }),
-        of("depth checkerboard", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { p.depth_of(20.0) }),
-        of("depth checkerboard of sky", |p| if (p.x + p.y) % 2 == 0 { p.depth_of(2.0) } else { 0.0 }),
+        of("depth checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { p.depth_of(20.0) }),
+        of("depth checkerboard of sky", |p| if (p.x + p.y).is_multiple_of(2) { p.depth_of(2.0) } else { 0.0 }),
         of("depth steps", |p| p.depth_of(1.0 + f64::from(p.x / 8))),
         of("depth one-pixel poles", |p| if p.x % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
         of("depth one-pixel beams", |p| if p.y % 8 == 3 { p.depth_of(2.0) } else { p.depth_of(30.0) }),
@@ -268,14 +277,19 @@ fn directions() -> Vec<Case> {
     let lens = Lens::default();
     let mut all: Vec<Case> = axes
         .into_iter()
-        .map(|(name, along)| Case::new(format!("rays along {name}"), ODD, lens, move |p: &Pixel| p.aimed(3, along)))
+        .map(|(name, along)| {
+            let case = Case::new(format!("rays along {name}"), ODD, lens, move |p: &Pixel| p.aimed(3, along));
+            let is_diagonal = along.x != 0.0 && along.x.abs() == along.y.abs();
+            if is_diagonal { case.through_corners() } else { case }
+        })
         .collect();
     // Towards the eye, each pixel its own way: the ray stays in its pixel.
     all.push(Case::new("rays straight back", ODD, lens, |p: &Pixel| p.aimed(3, -p.direction())));
     // In a square image of a square lens, steps of whole pixels in x and y pass through corners.
-    all.push(Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
-        p.aimed(3, DVec3::new(if p.y % 2 == 0 { 1.0 } else { -1.0 }, 1.0, 0.0))
-    }));
+    let corners = Case::new("rays through the corners of cells", [64, 64], lens, |p: &Pixel| {
+        p.aimed(3, DVec3::new(if p.y.is_multiple_of(2) { 1.0 } else { -1.0 }, 1.0, 0.0))
+    });
+    all.push(corners.through_corners());
     all
 }
 
@@ -359,7 +373,7 @@ fn materials() -> Vec<Case> {
         rough("NaN", |_| f32::NAN),
         rough("infinite", |_| f32::INFINITY),
         rough("of every pixel its own", |p| p.uniform(9) as f32),
-        rough("mirrors and gloss in a checkerboard", |p| if (p.x + p.y) % 2 == 0 { 0.0 } else { 0.5 }),
+        rough("mirrors and gloss in a checkerboard", |p| if (p.x + p.y).is_multiple_of(2) { 0.0 } else { 0.5 }),
         reflecting("-1", |_| -1.0),
         reflecting("NaN", |_| f32::NAN),
         reflecting("2", |_| 2.0),

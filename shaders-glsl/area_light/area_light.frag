@@ -1,0 +1,61 @@
+#version 460
+// `area-light`: highlights of lights with an extent, by the roughness of each pixel (thesis 3.1.1). Direct
+// light only: nothing hides a light, and nothing else is reflected.
+
+#include "common/camera.glsl"
+#include "area_light/share.glsl"
+
+// The size of the list; MAX_AREA_LIGHTS in passes/area_light.rs.
+#define MAX_AREA_LIGHTS 16
+
+#define SHAPE_SPHERE 0.0
+#define SHAPE_CAPSULE 1.0
+#define SHAPE_RECTANGLE 2.0
+
+struct AreaLightData { // view space, metres
+    vec4 a;        // centre, or one end; w: radius
+    vec4 b;        // the other end, or half_u
+    vec4 c;        // half_v
+    vec4 radiance; // linear; w: the shape
+};
+
+layout(std140, binding = 1) uniform AreaLightBlock {
+    AreaLightData lights[MAX_AREA_LIGHTS];
+    uint count;
+} area;
+
+layout(binding = 2) uniform sampler2D depth_buffer;    // reversed
+layout(binding = 3) uniform sampler2D normal_buffer;
+layout(binding = 4) uniform sampler2D material_buffer; // reflectivity, roughness
+
+layout(location = 0) out vec4 out_reflection;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    out_reflection = vec4(0.0);
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    if (depth <= 0.0 || material.r <= 1e-4)
+        return;
+    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
+    vec3 position = h.xyz / h.w;
+    vec3 n = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
+    vec3 r = reflect(normalize(position), n);
+    float m = LobeExponent(material.g);
+
+    vec3 sum = vec3(0.0);
+    for (uint i = 0u; i < area.count; ++i) {
+        AreaLightData light = area.lights[i];
+        vec3 a = light.a.xyz - position;
+        float share;
+        if (light.radiance.w == SHAPE_SPHERE)
+            share = SphereShare(r, n, a, light.a.w, m);
+        else if (light.radiance.w == SHAPE_CAPSULE)
+            share = CapsuleShare(r, n, a, light.b.xyz - position, light.a.w, m);
+        else
+            share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
+        sum += share * light.radiance.rgb;
+    }
+    out_reflection = vec4(sum, sum == vec3(0.0) ? 0.0 : 1.0);
+}

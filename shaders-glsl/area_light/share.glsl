@@ -1,0 +1,133 @@
+// Which share of a reflection lobe a light with an extent fills: analytic highlights of spheres, capsules
+// and rectangles with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
+// nearest distance, attenuated by the roughness).
+//
+// The lobe is cos^a around the mirror direction r (DEFINITIONS, "Surfaces"), and m = a + 1. Of directions
+// within the angle x of r it holds the share 1 - cos^m x: that of a Gaussian within G(x) = sqrt(-2 m ln cos x)
+// standard deviations. So angles are measured by G, and a light between two edges at the signed distances
+// x0 and x1 fills Phi(G(x1)) - Phi(G(x0)). Like the representative point (Karis 2013) this looks only at
+// where the light is nearest; unlike it, also at how far it goes on, so that the highlight of a light keeps
+// its energy: it tends to the light's radiance as the lobe narrows, and to the light's solid angle times
+// the lobe as the light shrinks. tests/area_light.rs states the error.
+
+// -ln(1 - sin^2 x) = -2 ln cos x, exact where x is small.
+float LogCos(float x) {
+    float q = sin(x) * sin(x);
+    return q < 0.01 ? q * (1.0 + q * (0.5 + q / 3.0)) : -log(max(1.0 - q, 1e-6));
+}
+
+// A mirror is taken for a lobe of 0.02 degrees: its highlights have an edge, not a stair.
+#define MIRROR_M 1e7
+
+float LobeExponent(float roughness) { // m; ln 0.244 is that of xi
+    return min(2.0 * 1.4105871 / max(LogCos(0.5 * roughness), 1e-12), MIRROR_M);
+}
+
+float G(float x, float m) {
+    float g = sqrt(m * LogCos(min(abs(x), 1.5607)));
+    return x < 0.0 ? -g : g;
+}
+
+// The normal distribution within 1.5e-4 (Bowling et al. 2009).
+float Phi(float x) {
+    x = clamp(x, -8.0, 8.0);
+    return 1.0 / (1.0 + exp(-(1.5976 * x + 0.07056 * x * x * x)));
+}
+
+float Angle(vec3 a, vec3 b) {
+    return atan(length(cross(a, b)), dot(a, b));
+}
+
+float Between(float from, float to, float m) {
+    return max(Phi(G(to, m)) - Phi(G(from, m)), 0.0);
+}
+
+// Directions below the surface carry nothing: the part above it of a light that reaches from elevation
+// e0 to e1, as the lobe weighs it along the elevation.
+float AboveHorizon(vec3 r, vec3 n, float e0, float e1, float m) {
+    if (e0 >= 0.0)
+        return 1.0;
+    if (e1 <= 0.0)
+        return 0.0;
+    float e = asin(clamp(dot(r, n), -1.0, 1.0));
+    float all = Between(e0 - e, e1 - e, m);
+    return all > 1e-3 ? Between(-e, e1 - e, m) / all : e1 / (e1 - e0);
+}
+
+float Elevation(vec3 p, vec3 n) {
+    return asin(clamp(dot(normalize(p), n), -1.0, 1.0));
+}
+
+// Half the angle that a ball fills.
+float HalfAngle(vec3 centre, float radius) {
+    return asin(min(radius / max(length(centre), 1e-6), 1.0));
+}
+
+// Everything below is seen from the origin.
+
+float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
+    if (dot(centre, centre) <= radius * radius)
+        return 1.0;
+    float s = HalfAngle(centre, radius);
+    float x = Angle(r, centre);
+    // Across the ray as through its middle, where the share is known.
+    float g = G(s, m);
+    float across = (1.0 - exp(-0.5 * g * g)) / max(2.0 * Phi(g) - 1.0, 1e-6);
+    float e = Elevation(centre, n);
+    return Between(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
+}
+
+float CapsuleShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, float m) {
+    vec3 normal = cross(a, b);
+    if (dot(normal, normal) < 1e-10 * dot(a, a) * dot(b, b))
+        return SphereShare(r, n, dot(a, a) < dot(b, b) ? a : b, radius, m);
+    normal = normalize(normal);
+    // Along the great circle of the segment, from the direction nearest to the ray.
+    vec3 nearest = r - dot(r, normal) * normal;
+    nearest = length(nearest) > 1e-6 ? normalize(nearest) : normalize(a + b);
+    float to_a = atan(dot(cross(nearest, a), normal), dot(nearest, a));
+    float to_b = atan(dot(cross(nearest, b), normal), dot(nearest, b));
+    if (to_b < to_a) { // the segment passes behind
+        float arc = Angle(a, b);
+        if (abs(to_a) < abs(to_b))
+            to_b = to_a + arc;
+        else
+            to_a = to_b - arc;
+    }
+    float t = abs(to_a) < abs(to_b) ? 0.0 : 1.0;
+    if (to_a <= 0.0 && to_b >= 0.0) {
+        vec3 along = b - a;
+        float d = dot(cross(along, nearest), normal);
+        t = abs(d) > 1e-12 ? clamp(-dot(cross(a, nearest), normal) / d, 0.0, 1.0) : 0.5;
+    }
+    float s = HalfAngle(mix(a, b, t), radius);
+    float x = asin(min(abs(dot(r, normal)), 1.0));
+    // The round ends: where the ray passes them in a mirror, their mean width in a wide lobe.
+    float s_a = HalfAngle(a, radius), s_b = HalfAngle(b, radius);
+    vec2 ends = vec2(s_a, s_b);
+    vec2 sharp = ends * ends * m / (1.0 + ends * ends * m);
+    ends = mix(0.25 * 3.14159265 * ends, sqrt(max(ends * ends - x * x, 0.0)), sharp);
+    float e_a = Elevation(a, n), e_b = Elevation(b, n);
+    return Between(x - s, x + s, m) * Between(to_a - ends.x, to_b + ends.y, m)
+        * AboveHorizon(r, n, min(e_a - s_a, e_b - s_b), max(e_a + s_a, e_b + s_b), m);
+}
+
+// Phi at the ray's signed distance from the great circle of an edge; the light is on its inner side.
+float EdgeShare(vec3 r, vec3 from, vec3 to, vec3 centre, float m) {
+    vec3 normal = normalize(cross(from, to));
+    if (dot(normal, centre) < 0.0)
+        normal = -normal;
+    return Phi(G(asin(clamp(dot(r, normal), -1.0, 1.0)), m));
+}
+
+float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float m) {
+    if (dot(cross(half_u, half_v), centre) >= 0.0)
+        return 0.0; // from behind it is dark
+    vec3 p0 = centre - half_u - half_v, p1 = centre + half_u - half_v;
+    vec3 p2 = centre + half_u + half_v, p3 = centre - half_u + half_v;
+    float u = EdgeShare(r, p1, p2, centre, m) + EdgeShare(r, p3, p0, centre, m) - 1.0;
+    float v = EdgeShare(r, p0, p1, centre, m) + EdgeShare(r, p2, p3, centre, m) - 1.0;
+    vec4 e = vec4(Elevation(p0, n), Elevation(p1, n), Elevation(p2, n), Elevation(p3, n));
+    float lowest = min(min(e.x, e.y), min(e.z, e.w)), highest = max(max(e.x, e.y), max(e.z, e.w));
+    return max(u, 0.0) * max(v, 0.0) * AboveHorizon(r, n, lowest, highest, m);
+}

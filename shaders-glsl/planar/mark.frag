@@ -1,0 +1,10 @@
+#version 460
+// The stencil pattern of a mirror (thesis 3.1.2, first method, step 3). The reflective geometry is taken
+// from the G-buffer, which knows already what of it is hidden.
+
+#include "planar/plane.glsl"
+
+void main() {
+    if (!OnPlane(ivec2(gl_FragCoord.xy)))
+        discard;
+}

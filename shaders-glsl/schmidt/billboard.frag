@@ -1,0 +1,119 @@
+#version 460
+// `billboard`: impostor quads traced per pixel from the G-buffer, "in the G-buffer stage" (Schmidt 2013,
+// section 5.3). Mirrors only: the listings know no roughness.
+
+#include "common/camera.glsl"
+#include "schmidt/billboard_reflections.glsl"
+
+layout(binding = 3) uniform sampler2D depth_buffer;    // reversed
+layout(binding = 4) uniform sampler2D normal_buffer;
+layout(binding = 5) uniform sampler2D material_buffer;
+
+layout(location = 0) out vec4 out_reflection;
+
+// An occluder this near to the billboard is what the billboard stands for (metres, and share of the
+// depth: the tolerance of DEFINITIONS, "World agreement").
+#define OWN_BODY_M 0.02
+#define OWN_BODY_SHARE 0.02
+// Pixels that a ray passes at most; a longer one is sampled as often.
+#define MARCH_MAX 512
+
+vec3 ViewPosition(vec2 at, float depth) {
+    vec4 h = camera.clip_to_view_reversed * vec4(at / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0), depth, 1.0);
+    return h.xyz / h.w;
+}
+
+// Pixel coordinates and reversed depth.
+vec3 Screen(vec3 view) {
+    vec4 clip = camera.view_to_clip_reversed * vec4(view, 1.0);
+    return vec3((0.5 + vec2(0.5, -0.5) * clip.xy / clip.w) * camera.resolution, clip.z / clip.w);
+}
+
+float ViewZ(ivec2 pixel) {
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    return depth > 0.0 ? ViewPosition(vec2(pixel) + 0.5, depth).z : -1.0;
+}
+
+// What a pixel's surface is taken to measure in depth: T of DEFINITIONS, "Oracle", 3.
+float Thickness(ivec2 pixel, float z) {
+    vec2 slope = vec2(0.0);
+    for (int axis = 0; axis < 2; ++axis) {
+        float least = -1.0;
+        for (int side = -1; side <= 1; side += 2) {
+            ivec2 beside = pixel;
+            beside[axis] += side;
+            if (beside[axis] < 0 || beside[axis] >= int(camera.resolution[axis]))
+                continue;
+            float other = ViewZ(beside);
+            if (other > 0.0 && (least < 0.0 || abs(other - z) < least))
+                least = abs(other - z);
+        }
+        slope[axis] = max(least, 0.0);
+    }
+    return slope.x + slope.y + 0.004 * z;
+}
+
+// Whether the depth buffer shows something on the way from a pixel to its hit on a billboard. Where the
+// ray leaves the screen nothing is known, and nothing hides it.
+bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
+    if (occlusion == 0)
+        return false;
+    vec3 from = (camera.world_to_view * vec4(wsPosition, 1.0)).xyz;
+    vec3 along = mat3(camera.world_to_view) * wsReflectVec;
+    float far_end = max((from + t * along).z, camera.near_plane);
+    t -= OWN_BODY_M + OWN_BODY_SHARE * far_end;
+    // Before the near plane, where the projection ends.
+    if (along.z < 0.0)
+        t = min(t, (from.z - camera.near_plane) / -along.z * 0.999);
+    if (t <= 0.0)
+        return false;
+    vec3 start = Screen(from);
+    vec3 step = Screen(from + t * along) - start;
+    float pixels = max(abs(step.x), abs(step.y));
+    // To where it leaves the screen.
+    vec2 room = mix(start.xy, camera.resolution - start.xy, greaterThan(step.xy, vec2(0.0))) / max(abs(step.xy), 1e-6);
+    float inside = min(1.0, min(room.x, room.y));
+    int steps = int(clamp(ceil(pixels * inside), 1.0, float(MARCH_MAX)));
+    step *= inside / float(steps);
+    ivec2 own = ivec2(start.xy);
+    for (int i = 0; i < steps; ++i) {
+        vec3 a = start + float(i) * step;
+        vec3 b = a + step;
+        ivec2 pixel = ivec2(0.5 * (a.xy + b.xy));
+        if (pixel == own)
+            continue;
+        float front = ViewZ(pixel);
+        if (front < 0.0)
+            continue;
+        float z_a = ViewPosition(a.xy, a.z).z;
+        float z_b = ViewPosition(b.xy, b.z).z;
+        if (max(z_a, z_b) >= front && min(z_a, z_b) <= front + Thickness(pixel, front))
+            return true;
+    }
+    return false;
+}
+
+// Of a pixel's width seen along the whole path, as a mirror shows it.
+float BillboardLod(int i, vec3 wsPosition, float t) {
+    vec3 eye = camera.view_to_world[3].xyz;
+    float pixel = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);
+    float width = (distance(wsPosition, eye) + t) * pixel;
+    mat4 m = Impostor[i].ModelMatrix;
+    vec2 texels = TexelCount(i) / vec2(length(m[0].xyz), length(m[2].xyz));
+    return log2(max(width * max(texels.x, texels.y), 1.0));
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    out_reflection = vec4(0.0);
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= 1e-4)
+        return;
+    vec3 position = ViewPosition(gl_FragCoord.xy, depth);
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec3 reflected = reflect(normalize(position), normal);
+    vec3 wsPosition = (camera.view_to_world * vec4(position, 1.0)).xyz;
+    vec3 wsReflectVec = normalize(mat3(camera.view_to_world) * reflected);
+    out_reflection = order == ORDER_NEAREST ? NearestBillboardReflections(wsPosition, wsReflectVec)
+                                  : BillboardReflections(wsPosition, wsReflectVec);
+}

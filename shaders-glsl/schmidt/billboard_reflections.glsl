@@ -1,0 +1,167 @@
+// Billboard reflections: Schmidt 2013, section 5.3, listings 2 and 3. See ERRATA.md, "Billboards".
+// Whoever includes this defines the two functions that the listings lack:
+//   float BillboardLod(int i, vec3 wsPosition, float t)   the level that a pixel's footprint asks for
+//   bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t)
+
+// The size of ImpostorTex; MAX_IMPOSTORS in passes/billboard.rs.
+#define MAX_IMPOSTORS 16
+
+#define ORDER_PRINTED 0
+#define ORDER_UNBROKEN 1
+#define ORDER_NEAREST 2
+
+struct ImpostorData {
+    mat4 ModelMatrix; // the standard quad, 1 x 1 in x and z, to world space
+};
+
+layout(std140, binding = 1) uniform BillboardBlock {
+    ImpostorData Impostor[MAX_IMPOSTORS];
+    int billboardCount;
+    int order;      // ORDER_…
+    int occlusion;  // 1: Occlusion::Depth
+};
+
+layout(binding = 2) uniform sampler2D ImpostorTex[MAX_IMPOSTORS];
+
+// textureLod(ImpostorTex[i], uv, lod). Erratum B4: an index that is no constant needs a feature that not
+// every device has, and texture() has no derivatives where neighbours left the loop.
+vec4 Texel(int i, vec2 uv, float lod)
+{
+#define CASE(n) case n: return textureLod(ImpostorTex[n], uv, lod);
+    switch (i)
+    {
+        CASE(0) CASE(1) CASE(2) CASE(3) CASE(4) CASE(5) CASE(6) CASE(7)
+        CASE(8) CASE(9) CASE(10) CASE(11) CASE(12) CASE(13) CASE(14) CASE(15)
+    }
+#undef CASE
+    return vec4(0.0);
+}
+
+// Width and height of an image.
+vec2 TexelCount(int i)
+{
+#define CASE(n) case n: return vec2(textureSize(ImpostorTex[n], 0));
+    switch (i)
+    {
+        CASE(0) CASE(1) CASE(2) CASE(3) CASE(4) CASE(5) CASE(6) CASE(7)
+        CASE(8) CASE(9) CASE(10) CASE(11) CASE(12) CASE(13) CASE(14) CASE(15)
+    }
+#undef CASE
+    return vec2(1.0);
+}
+
+float BillboardLod(int i, vec3 wsPosition, float t);
+bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t);
+
+// Listing 3: intersect a triangle with a ray. (u, v) on the parallelogram of its edges, and t.
+vec3 IntersectTriangle(in vec3 rayOrigin, in vec3 rayDirect, in vec3 vert0, in vec3 vert1, in vec3 vert2)
+{
+    float t, u, v;
+    vec3 edge0, edge1;
+    float det, inv_det;
+
+    edge0 = vert1 - vert0;
+    edge1 = vert2 - vert0;
+
+    vec3 pvec = cross(rayDirect, edge1);
+
+    // Kept (erratum B8): 0 for a ray along the plane.
+    det = dot(edge0, pvec);
+    inv_det = 1.0 / det;
+
+    vec3 tvec = rayOrigin - vert0;
+    u = dot(tvec, pvec) * inv_det;
+
+    vec3 qvec = cross(tvec, edge0);
+    v = dot(rayDirect, qvec) * inv_det;
+
+    t = dot(edge1, qvec) * inv_det;
+
+    return vec3(u, v, t);
+}
+
+// Lines 11 to 32 of listing 2: where a ray meets the quad of a billboard.
+vec3 IntersectBillboard(in int i, in vec3 rayOrigin, in vec3 rayDirect)
+{
+    vec3 vert0 = vec3( 0.5, 0.0,  0.5);
+    vec3 vert1 = vec3(-0.5, 0.0, -0.5);
+    vec3 vert2 = vec3(-0.5, 0.0,  0.5);
+
+    vert0 = (Impostor[i].ModelMatrix * vec4(vert0, 1.0)).xyz;
+    vert1 = (Impostor[i].ModelMatrix * vec4(vert1, 1.0)).xyz;
+    vert2 = (Impostor[i].ModelMatrix * vec4(vert2, 1.0)).xyz;
+
+    return IntersectTriangle(rayOrigin, rayDirect, vert2, vert0, vert1);
+}
+
+// Listing 2.
+vec4 BillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
+{
+    vec4 reflectedColor = vec4(0.0);
+
+    for (int i = 0; i < billboardCount; i++)
+    {
+        vec3 uvt = IntersectBillboard(i, wsPosition, wsReflectVec);
+
+        // Kept (erratum B1): one billboard behind the pixel hides all that follow in the list.
+        if (uvt.z <= 0.001 && order == ORDER_PRINTED)
+            break;
+        // Departure of the order "unbroken".
+        if (uvt.z <= 0.001)
+            continue;
+
+        if (uvt.x > 0.0 && uvt.x < 1.0 &&
+            uvt.y > 0.0 && uvt.y < 1.0)
+        {
+            // Departure, off by default: the improvement that the conclusion asks for.
+            if (Occluded(wsPosition, wsReflectVec, uvt.z))
+                continue;
+
+            float lod = BillboardLod(i, wsPosition, uvt.z);
+            float alpha = Texel(i, uvt.xy, lod).a;
+            // Kept (errata B2, B3): the last in the list wins, not the nearest, and where it is
+            // transparent it blackens what an earlier one gave; the image is read twice.
+            reflectedColor.rgb = Texel(i, uvt.xy, lod).rgb * alpha;
+            // Erratum B5: as printed a stays 0 and says of no pixel that it was hit.
+            reflectedColor.a = alpha > 0.0 ? 1.0 : 0.0;
+        }
+    }
+
+    return reflectedColor;
+}
+
+// Departure: what the listing is after. From the nearest billboard on, each blended under those
+// before it, until nothing shines through. Its back shows nothing: a window set back behind the face of
+// its house would reflect that face.
+vec4 NearestBillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
+{
+    vec4 reflectedColor = vec4(0.0); // premultiplied
+    float passed = 0.001;
+
+    for (int n = 0; n < billboardCount && reflectedColor.a < 0.996; n++)
+    {
+        vec3 found = vec3(0.0);
+        int which = -1;
+        for (int i = 0; i < billboardCount; i++)
+        {
+            vec3 uvt = IntersectBillboard(i, wsPosition, wsReflectVec);
+            bool faced = dot(wsReflectVec, Impostor[i].ModelMatrix[1].xyz) < 0.0;
+            if (faced && uvt.z > passed && (which < 0 || uvt.z < found.z) &&
+                uvt.x > 0.0 && uvt.x < 1.0 &&
+                uvt.y > 0.0 && uvt.y < 1.0)
+            {
+                found = uvt;
+                which = i;
+            }
+        }
+        // What hides a billboard hides those behind it.
+        if (which < 0 || Occluded(wsPosition, wsReflectVec, found.z))
+            break;
+        float lod = BillboardLod(which, wsPosition, found.z);
+        vec4 texel = Texel(which, found.xy, lod);
+        reflectedColor += (1.0 - reflectedColor.a) * vec4(texel.rgb * texel.a, texel.a);
+        passed = found.z;
+    }
+
+    return vec4(reflectedColor.rgb, reflectedColor.a > 0.0 ? 1.0 : 0.0);
+}

@@ -1,0 +1,68 @@
+// What tracing and resolving glossy rays share: the lobe, the pattern, and the record of a ray.
+// Needs parameters.glsl and ray.glsl.
+//
+// Interleaved sampling (Keller and Heidrich 2001): the directions of one stratified pattern over the
+// lobe are dealt out to the pixels, a ray each, always the same. A pixel then gathers its neighbours'
+// hits as samples of its own lobe: a ratio estimator with the weights
+// lobe(from here to that hit) / density(that was sampled there) (Stachowiak 2015; Heitz et al. 2018
+// for the estimator). There is nothing random, and nothing of earlier frames.
+//
+// The pattern has as many directions as the gathered neighbourhood has pixels, dealt out so that the
+// neighbourhood of every pixel holds each direction once: a cross of 5 pixels with the direction
+// (x + 2 y) mod 5, a diamond of 13 with (x + 5 y) mod 13. (Both shapes tile the plane in a lattice.)
+// So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
+
+#define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
+#define LOG2_E 1.442695
+
+// As passes::WIDE_ABOVE. Of a roughness above this, one ray for 2 x 2 pixels is traced, and the diamond is gathered: a wider
+// lobe needs more rays, and those of farther neighbours fit it.
+#define WIDE_ABOVE 0.2
+
+// alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
+// which does not cancel; roughness is at most 1, where it is good to 1e-4.
+float LobePower(float roughness) {
+    float h = 0.25 * roughness * roughness;
+    return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
+}
+
+// ln cos of the angle between two unit vectors, from their chord: exact for lobes of any narrowness.
+float LogCos(vec3 a, vec3 b) {
+    vec3 chord = a - b;
+    float x = 0.5 * dot(chord, chord); // 1 - cos
+    return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
+}
+
+// A direction around the unit vector `axis`, by the inverse of the lobe's distribution (Eq. 4.5 with
+// arccos): cos^(alpha + 1) = 1 - u.x. `log_rest` is ln(1 - u.x), `turn` the cosine and sine of 2 pi u.y.
+vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
+    float x = 2.0 * log_rest / power;
+    // sin^2 = -expm1(x), by its series: x is near 0.
+    float sin_theta = sqrt(max(-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0))), 0.0));
+    float cos_theta = sqrt(max(1.0 - sin_theta * sin_theta, 0.0));
+    // A frame without a division by zero (Duff et al. 2017).
+    float s = axis.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + axis.z);
+    float b = axis.x * axis.y * a;
+    vec3 tangent = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
+    vec3 bitangent = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
+}
+
+// View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
+// reversed depth to a point.
+vec3 ViewPoint(vec2 position, float depth) {
+    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
+    return vec3(centred * unified.pixel_to_view, 1.0) / (depth + unified.depth_offset);
+}
+
+vec3 MirrorDirection(vec3 point, vec3 normal) {
+    vec3 unit = normalize(normal);
+    return normalize(reflect(normalize(point), unit));
+}
+
+// How pixels of a direction's index share a pattern of n: point i of the rank-1 lattice with the
+// generator (1, g), in the middle of its stratum.
+vec2 LatticePoint(int i, int g, int n) {
+    return (vec2(i, (i * g) % n) + 0.5) / float(n);
+}

@@ -1,0 +1,94 @@
+// Each pixel's reflection, from the rays around it or from the cells around it, and the composite. A
+// frame whose materials have one kind of lobe does not pay for the other: NARROW_LOBES, WIDE_LOBES, or
+// both are defined. (A device without branches runs both sides of every one.) Needs parameters.glsl.
+
+#include "unified/ray.glsl"
+#include "unified/gloss.glsl"
+#include "unified/sound.glsl"
+
+layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
+layout(binding = 2) uniform sampler2D normal_buffer;   // view space
+layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
+#ifdef NARROW_LOBES
+layout(binding = 5, rgba32f) uniform readonly image2D place_image; // gloss_narrow.frag
+layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
+#endif
+#ifdef WIDE_LOBES
+layout(binding = 7, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
+layout(binding = 8, rgba16f) uniform readonly image2D cell_surface;
+#endif
+
+layout(location = 0) out vec4 out_reflection;
+layout(location = 1) out vec4 out_color;
+
+#include "unified/gloss_gather.glsl"
+
+// Off its plane by this share of its depth, a cell has lost most of its weight: the world's tolerance
+// in DEFINITIONS, "World agreement".
+#define PLANE_TOLERANCE 0.02
+
+#ifdef NARROW_LOBES
+// A narrow lobe, from the cross of five rays around the pixel.
+vec4 Narrow(ivec2 pixel, Lobe lobe) {
+    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+    for (int i = 0; i < 5; ++i) {
+        ivec2 step = ivec2(int(i == 1) - int(i == 2), int(i == 3) - int(i == 4));
+        ivec2 at = clamp(pixel + step, ivec2(0), unified.size - 1);
+        Gather(sum, lobe, imageLoad(place_image, at), imageLoad(seen_image, at));
+    }
+    return Reflection(sum);
+}
+#endif
+
+#ifdef WIDE_LOBES
+// A wide lobe, between the cell's ray, which begins at its even pixel, and that of the cell towards which
+// this pixel lies: half and half, as far as each lies in the pixel's plane and faces its way (joint
+// bilateral upsampling; Kopf et al. 2007). At the even pixel both are the same.
+vec4 Wide(ivec2 pixel, vec3 point, vec3 normal) {
+    ivec2 last = (unified.size - 1) >> 1;
+    vec4 sum = vec4(0.0);
+    float weights = 0.0;
+    for (int i = 0; i < 2; ++i) {
+        ivec2 at = min((pixel + i) >> 1, last);
+        vec4 surface = imageLoad(cell_surface, at);
+        vec3 there = ViewPoint(vec2(2 * at) + 0.5, surface.w - unified.depth_offset);
+        float off = dot(normal, there - point) / (PLANE_TOLERANCE * point.z);
+        float facing = max(dot(normal, surface.xyz), 0.0);
+        facing *= facing;
+        facing *= facing;
+        facing *= facing;
+        facing *= facing;
+        facing *= facing; // to the 32nd: cos 20 deg is 0.14
+        float weight = surface.w > 0.0 ? max(facing / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
+        sum += weight * imageLoad(cell_reflection, at);
+        weights += weight;
+    }
+    return weights > 0.0 ? sum / weights : vec4(0.0);
+}
+#endif
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 reflection = vec4(0.0);
+    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    if (material.r > REFLECTS_ABOVE && depth > 0.0) {
+        vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+#ifdef NARROW_LOBES
+        if (material.g <= 0.0)
+            reflection = imageLoad(seen_image, pixel);
+        else if (material.g <= WIDE_ABOVE)
+            reflection = Narrow(pixel, LobeOf(pixel, depth, normal, material.g));
+#endif
+#ifdef WIDE_LOBES
+        if (material.g > WIDE_ABOVE)
+            reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal);
+#endif
+        reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
+        color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);
+    }
+    out_reflection = reflection;
+    out_color = vec4(color, 1.0);
+}

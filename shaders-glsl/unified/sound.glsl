@@ -1,0 +1,13 @@
+// What a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits: NaN and
+// what is negative are no light, infinity is the greatest number. A comparison with NaN is false, which
+// no compiler may assume away as it may with isnan.
+
+#define GREATEST 65504.0
+
+float Sound(float v) {
+    return v > 0.0 ? min(v, GREATEST) : 0.0;
+}
+
+vec3 Sound(vec3 color) {
+    return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
+}

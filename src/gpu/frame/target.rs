@@ -1,0 +1,137 @@
+//! What a pass draws into: its targets, what they hold when it begins, and rendering around its draws.
+
+use super::Frame;
+use crate::error::Result;
+use crate::gpu::image::ImageSlice;
+use crate::gpu::sync::Access;
+use ash::vk;
+
+/// A colour or depth attachment.
+#[derive(Clone, Copy)]
+pub struct Target<'a> {
+    slice: ImageSlice<'a>,
+    load: Load,
+}
+
+/// What an attachment holds when a pass begins.
+#[derive(Clone, Copy, PartialEq)]
+enum Load {
+    /// Anything.
+    Lost,
+    /// One value. A stencil beside a depth is kept.
+    Cleared([f32; 4]),
+    /// What it held.
+    Kept,
+    /// No mark in its stencil; its depth is lost.
+    Unmarked,
+}
+
+impl<'a> Target<'a> {
+    /// Every texel is written; what was there is lost.
+    pub fn overwrite(slice: ImageSlice<'a>) -> Self {
+        Self { slice, load: Load::Lost }
+    }
+
+    /// Cleared first; for depth, the first component, and a stencil beside it is kept.
+    pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
+        Self { slice, load: Load::Cleared(value) }
+    }
+
+    /// A depth target with stencil, to be marked anew; its depth is lost.
+    pub(super) fn unmarked(slice: ImageSlice<'a>) -> Self {
+        Self { slice, load: Load::Unmarked }
+    }
+
+    /// Some texels are written; the others stay as they are.
+    pub fn kept(slice: ImageSlice<'a>) -> Self {
+        Self { slice, load: Load::Kept }
+    }
+}
+
+impl Load {
+    fn op(self) -> vk::AttachmentLoadOp {
+        match self {
+            Self::Lost | Self::Unmarked => vk::AttachmentLoadOp::DONT_CARE,
+            Self::Cleared(_) => vk::AttachmentLoadOp::CLEAR,
+            Self::Kept => vk::AttachmentLoadOp::LOAD,
+        }
+    }
+
+    fn value(self) -> [f32; 4] {
+        if let Self::Cleared(value) = self { value } else { [0.0; 4] }
+    }
+}
+
+impl Frame<'_> {
+    /// Begins and ends dynamic rendering around `draw`.
+    pub(super) fn rendering(
+        &mut self,
+        targets: &[Target],
+        depth: Option<Target>,
+        y_up: bool,
+        draw: impl FnOnce(&mut Self) -> Result<()>,
+    ) -> Result<()> {
+        for target in targets {
+            self.use_image(target.slice, Access::ColorAttachment);
+        }
+        if let Some(depth) = depth {
+            let with_stencil = depth.slice.stencil_view().is_some();
+            let access = if with_stencil { Access::DepthStencilAttachment } else { Access::DepthAttachment };
+            self.use_image(depth.slice, access);
+        }
+        self.flush();
+        let attachment = |t: &Target, layout| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(t.slice.stencil_view().unwrap_or(t.slice.view()))
+                .image_layout(layout)
+                .load_op(t.load.op())
+                .store_op(vk::AttachmentStoreOp::STORE)
+        };
+        let color = |t: &Target| {
+            let clear = vk::ClearValue { color: vk::ClearColorValue { float32: t.load.value() } };
+            attachment(t, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL).clear_value(clear)
+        };
+        let depth_value =
+            |depth: f32| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
+        let colors: Vec<_> = targets.iter().map(color).collect();
+        let stencil_attachment = depth.filter(|t| t.slice.stencil_view().is_some()).map(|t| {
+            let op = if t.load == Load::Unmarked { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+            let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+            attachment(&t, layout).load_op(op).clear_value(depth_value(0.0))
+        });
+        let depth_attachment = depth.map(|t| {
+            let layout = match stencil_attachment {
+                Some(_) => vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL,
+                None => vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
+            };
+            attachment(&t, layout).clear_value(depth_value(t.load.value()[0]))
+        });
+        let [width, height] = targets.iter().chain(depth.iter()).map(|t| t.slice.extent()).next().unwrap_or([1, 1]);
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
+        if let Some(depth) = &depth_attachment {
+            info = info.depth_attachment(depth);
+        }
+        if let Some(stencil) = &stencil_attachment {
+            info = info.stencil_attachment(stencil);
+        }
+        let (w, h) = (width as f32, height as f32);
+        let viewport = if y_up {
+            vk::Viewport { x: 0.0, y: h, width: w, height: -h, min_depth: 0.0, max_depth: 1.0 }
+        } else {
+            vk::Viewport { x: 0.0, y: 0.0, width: w, height: h, min_depth: 0.0, max_depth: 1.0 }
+        };
+        let commands = self.context.commands;
+        // SAFETY: the attachments are in the layouts named, by the barriers above; rendering is
+        // ended below whatever `draw` returns.
+        unsafe {
+            self.device().cmd_begin_rendering(commands, &info);
+            self.device().cmd_set_viewport(commands, 0, &[viewport]);
+            self.device().cmd_set_scissor(commands, 0, &[area]);
+        }
+        let drawn = draw(self);
+        // SAFETY: as above.
+        unsafe { self.device().cmd_end_rendering(commands) };
+        drawn
+    }
+}

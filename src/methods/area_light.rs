@@ -1,0 +1,36 @@
+//! `area-light`: analytic highlights of spheres, capsules and rectangles with roughness (thesis §3.1.1). It
+//! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
+
+use super::{Input, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, Gpu};
+use crate::passes::area_light::AreaLightPass;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    name: "area-light",
+    summary: "analytic area lights (direct highlights)",
+    source: "Hermanns 2015, §3.1.1; Karis 2013",
+    sees: Sees::Scene,
+    settings: |base: Setup| vec![base],
+    create: |gpu, setup| Ok(Box::new(AreaLightMethod::new(gpu, setup)?)),
+};
+
+/// The pass.
+struct AreaLightMethod(AreaLightPass);
+
+impl AreaLightMethod {
+    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        Ok(Self(AreaLightPass::new(gpu, setup.extent)?))
+    }
+}
+
+impl Method for AreaLightMethod {
+    fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        AreaLightPass::check(scene.data)
+    }
+
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        Ok(Traced::new(self.0.record(frame, &input.gbuffer, input.scene()?.data, input.camera)?))
+    }
+}

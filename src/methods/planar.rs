@@ -1,0 +1,122 @@
+//! `planar`: a mirrored camera draws the scene once more for each mirror (thesis §3.1.2), by the stencil or
+//! by a render target. Mirrors are planes found in the scene: the coplanar reflecting triangles that cover
+//! most of the screen, hidden or not. Each further plane costs another scene, so there are few.
+//!
+//! The reflection is that of a perfect mirror, whatever the roughness and the normal map say: the
+//! mirrored matrix "does not allow any distortions". Mirrors in the mirror don't reflect. What the
+//! mirrored camera sees nothing of is a miss. The stencil spares the drawing outside the mirror, not the
+//! vertices, and the lighting runs over the whole image either way.
+
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, Gpu};
+use crate::math::frustum::projected_area;
+use crate::passes::Content;
+use crate::passes::gbuffer::{DEPTH_STENCIL, GBufferPass};
+use crate::passes::lighting::LightingPass;
+use crate::passes::planar::{MAX_PLANES, Mirrors, PlanarPass, Variant};
+use crate::scene::Camera;
+use crate::scene::planes::{CoplanarGroup, merged};
+use glam::Vec4;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    name: "planar",
+    summary: "mirrored camera for the largest planes",
+    source: "Hermanns 2015, §3.1.2",
+    sees: Sees::Scene,
+    settings,
+    create: |gpu, setup| Ok(Box::new(PlanarMethod::new(gpu, setup)?)),
+};
+
+/// Planes that are looked at in every frame: the largest of the scene.
+const CANDIDATES: usize = 64;
+/// Nearer than this to a plane, the camera sees it edge on (metres).
+const EDGE_ON_M: f32 = 1e-3;
+/// A plane that covers less of the screen is no mirror worth a scene: a share of the screen.
+const AREA_MIN: f32 = 1e-4;
+
+/// The passes, and the planes of the present materials.
+struct PlanarMethod {
+    scene: GBufferPass,
+    lighting: LightingPass,
+    planar: PlanarPass,
+    mirrors: Mirrors,
+    candidates: Vec<CoplanarGroup>,
+}
+
+/// Both variants of one plane, and more planes.
+fn settings(base: Setup) -> Vec<Setup> {
+    let of = |variant, planes| Setup { mirrors: Mirrors { variant, planes }, ..base };
+    vec![of(Variant::Stencil, 1), of(Variant::Target, 1), of(Variant::Stencil, 2), of(Variant::Stencil, 4)]
+}
+
+impl PlanarMethod {
+    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        let scene = match setup.mirrors.variant {
+            Variant::Stencil => GBufferPass::where_marked(gpu, setup.extent)?,
+            Variant::Target => GBufferPass::new(gpu, setup.extent)?,
+        };
+        Ok(Self {
+            scene: scene.labelled("mirrored g-buffer"),
+            lighting: LightingPass::new(gpu)?.labelled("mirrored lighting"),
+            planar: PlanarPass::new(gpu, setup.extent, DEPTH_STENCIL)?,
+            mirrors: setup.mirrors,
+            candidates: Vec::new(),
+        })
+    }
+
+    /// The planes that cover most of what a camera sees, the largest first.
+    fn planes(&self, camera: &Camera) -> Vec<Vec4> {
+        let world_to_clip = camera.view_to_clip() * camera.world_to_view;
+        let eye = camera.eye();
+        let mut seen: Vec<(f32, Vec4)> = self
+            .candidates
+            .iter()
+            .filter(|g| g.plane.truncate().dot(eye) + g.plane.w > EDGE_ON_M)
+            .map(|g| (g.triangles.iter().map(|t| projected_area(&world_to_clip, t)).sum(), g.plane))
+            .filter(|(area, _)| *area >= AREA_MIN)
+            .collect();
+        seen.sort_by(|a, b| b.0.total_cmp(&a.0));
+        seen.truncate(self.mirrors.planes.min(MAX_PLANES) as usize);
+        seen.into_iter().map(|(_, plane)| plane).collect()
+    }
+}
+
+impl Method for PlanarMethod {
+    fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        let reflects = |g: &&CoplanarGroup| scene.materials[g.material].reflectivity > 1e-4;
+        self.candidates = merged(scene.data.coplanar_groups().iter().filter(reflects), CANDIDATES);
+        Ok(())
+    }
+
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let (gbuffer, camera, scene) = (&input.gbuffer, input.camera, input.scene()?);
+        let mirrored = self.scene.gbuffer();
+        self.planar.record_clear(frame)?;
+        let planes = self.planes(camera);
+        for &plane in &planes {
+            let behind = camera.mirrored(plane);
+            if self.mirrors.variant == Variant::Stencil {
+                self.planar.record_mark(frame, gbuffer, camera, plane, mirrored.depth)?;
+            }
+            self.scene.record(frame, scene.data, scene.materials, &behind)?;
+            self.lighting.record(frame, &mirrored, self.scene.albedo(), scene.data, &behind)?;
+            match self.mirrors.variant {
+                Variant::Stencil => self.planar.record_copy(frame, &mirrored)?,
+                Variant::Target => self.planar.record_lookup(frame, gbuffer, camera, plane, &mirrored)?,
+            }
+        }
+        let made = |name, content, image| Intermediate { name, content, image };
+        // Of the last plane; empty where there is none.
+        let intermediates = if planes.is_empty() {
+            Vec::new()
+        } else {
+            vec![
+                made("mirrored-albedo", Content::Color, self.scene.albedo()),
+                made("mirrored-normal", Content::Normal, mirrored.normal),
+            ]
+        };
+        Ok(Traced { intermediates, ..Traced::new(self.planar.reflection()) })
+    }
+}

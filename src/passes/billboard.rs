@@ -1,0 +1,152 @@
+//! Billboard reflections: impostor quads that each pixel's mirror ray is traced against (Schmidt 2013,
+//! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack.
+
+use super::scene_data::SceneData;
+use super::{GBuffer, Reflection, camera_block};
+use crate::error::{Error, Result};
+use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Sampler, Target};
+use crate::scene::{Camera, Impostor};
+use ash::vk;
+use glam::Mat4;
+
+/// The most impostors that a scene can have for this pass; `MAX_IMPOSTORS` in
+/// `schmidt/billboard_reflections.glsl`.
+pub const MAX_IMPOSTORS: usize = 16;
+
+/// Which of several billboards on a ray shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Order {
+    /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
+    #[default]
+    Printed,
+    /// The last of the list that lies ahead.
+    Unbroken,
+    /// The nearest, blended over those behind it by its alpha, and from behind none.
+    Nearest,
+}
+
+/// What hides a billboard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Occlusion {
+    /// Nothing, as published (figure 41).
+    #[default]
+    None,
+    /// What the depth buffer shows on the way to it.
+    Depth,
+}
+
+/// How billboards are traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct Billboards {
+    /// Which shows.
+    #[serde(rename = "billboard_order")]
+    pub order: Order,
+    /// What hides them.
+    #[serde(rename = "billboard_occlusion")]
+    pub occlusion: Occlusion,
+}
+
+/// Pipeline and image of one size.
+pub struct BillboardPass {
+    pipeline: GraphicsPipeline,
+    reflection: Image,
+}
+
+impl BillboardPass {
+    /// An image of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let (format, usage) = (vk::Format::R16G16B16A16_SFLOAT, U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC);
+        let desc = ImageDesc { name: "billboard reflection", format, extent, levels: 1, layers: 1, usage };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_BILLBOARD_FRAG, &[format])?,
+            reflection: Image::new(gpu, &desc)?,
+        })
+    }
+
+    /// Whether a scene has no more impostors than the pass can take.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it has more than [`MAX_IMPOSTORS`].
+    pub fn check(scene: &SceneData) -> Result<()> {
+        let count = scene.impostors.len();
+        if count > MAX_IMPOSTORS {
+            return Err(Error::Usage(format!(
+                "the scene has {count} impostors; --method billboard takes at most {MAX_IMPOSTORS}"
+            )));
+        }
+        Ok(())
+    }
+
+    /// Pass "billboards".
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        scene: &SceneData,
+        camera: &Camera,
+        billboards: Billboards,
+    ) -> Result<Reflection<'a>> {
+        let camera_data = camera_block(camera, self.reflection.extent());
+        let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
+        let mut block = BillboardBlock {
+            billboardCount: impostors.len() as i32,
+            order: billboards.order as i32,
+            occlusion: i32::from(billboards.occlusion == Occlusion::Depth),
+            ..BillboardBlock::default()
+        };
+        let mut textures: [ImageSlice; MAX_IMPOSTORS] = [scene.white.all(); MAX_IMPOSTORS];
+        for ((data, texture), impostor) in block.Impostor.iter_mut().zip(&mut textures).zip(impostors) {
+            *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
+            *texture = scene.textures[impostor.texture].all();
+        }
+        frame.fullscreen(
+            "billboards",
+            &self.pipeline,
+            &[Target::overwrite(self.reflection.all())],
+            &[
+                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
+                ("BillboardBlock", Resource::Uniform(bytemuck::bytes_of(&block))),
+                ("ImpostorTex", Resource::SampledArray(&textures, Sampler::TrilinearClamp)),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ],
+            &[],
+        )?;
+        Ok(Reflection(&self.reflection))
+    }
+}
+
+/// The standard quad (figure 37: 1 × 1 in x and z) to an impostor's rectangle. Its texture coordinates
+/// run along +x and −z; ours begin at the image's top left.
+fn model_matrix(impostor: &Impostor) -> Mat4 {
+    Mat4::from_cols(
+        (2.0 * impostor.half_u).extend(0.0),
+        impostor.normal().extend(0.0),
+        (-2.0 * impostor.half_v).extend(0.0),
+        impostor.centre.extend(1.0),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_standard_quad_becomes_the_impostor() {
+        let (centre, half_u, half_v) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.0, -0.5, 0.0));
+        let matrix = model_matrix(&Impostor { name: String::new(), centre, half_u, half_v, texture: 0 });
+        // Texture coordinates (0, 0) are at x = −½, z = ½: the first vertex that the listing intersects.
+        let at = |u: f32, v: f32| matrix.transform_point3(Vec3::new(u - 0.5, 0.0, 0.5 - v));
+        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.25, 0.75)] {
+            let place = centre + (2.0 * u - 1.0) * half_u + (2.0 * v - 1.0) * half_v;
+            assert!(at(u, v).distance(place) < 1e-6, "{u}, {v}: {} is not {place}", at(u, v));
+        }
+    }
+}

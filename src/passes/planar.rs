@@ -1,0 +1,143 @@
+//! Planar reflections: what stands around the mirrored scene (thesis §3.1.2). The scene itself is drawn and
+//! lit by the passes that draw and light it anyway, with a mirrored camera.
+
+use super::{GBuffer, Reflection, camera_block};
+use crate::error::Result;
+use crate::gpu::shader::{PLANAR_COPY_FRAG, PLANAR_LOOKUP_FRAG, PLANAR_MARK_FRAG, PlaneBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::scene::Camera;
+use ash::vk;
+use glam::Vec4;
+
+/// How a mirror gets its mirrored scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variant {
+    /// Drawn only where the stencil marks the mirror: the thesis's first method.
+    #[default]
+    Stencil,
+    /// Drawn whole into a render target, which is a texture on the mirror: its second.
+    Target,
+}
+
+/// The most planes that one frame mirrors the scene at: each costs a scene of its own.
+pub const MAX_PLANES: u32 = 8;
+
+/// Which planes are mirrors, and how.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
+pub struct Mirrors {
+    /// How.
+    #[serde(rename = "planar_variant")]
+    pub variant: Variant,
+    /// How many planes, those that cover most of the screen, 1…[`MAX_PLANES`].
+    #[serde(rename = "planar_planes")]
+    pub planes: u32,
+}
+
+impl Default for Mirrors {
+    /// The dominant plane alone: the thesis speaks of one mirror.
+    fn default() -> Self {
+        Self { variant: Variant::default(), planes: 1 }
+    }
+}
+
+/// Pipelines and the image of one size.
+pub struct PlanarPass {
+    mark: GraphicsPipeline,
+    lookup: GraphicsPipeline,
+    copy: GraphicsPipeline,
+    reflection: Image,
+}
+
+impl PlanarPass {
+    /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let format = vk::Format::R16G16B16A16_SFLOAT;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let desc = ImageDesc { name: "planar reflection", format, extent, levels: 1, layers: 1, usage };
+        Ok(Self {
+            mark: GraphicsPipeline::marking(gpu, &PLANAR_MARK_FRAG, stencil)?,
+            lookup: GraphicsPipeline::fullscreen(gpu, &PLANAR_LOOKUP_FRAG, &[format])?,
+            copy: GraphicsPipeline::fullscreen(gpu, &PLANAR_COPY_FRAG, &[format])?,
+            reflection: Image::new(gpu, &desc)?,
+        })
+    }
+
+    /// The reflection, which the passes below write.
+    pub fn reflection(&self) -> Reflection<'_> {
+        Reflection(&self.reflection)
+    }
+
+    /// Pass "mirror clear": no reflection anywhere.
+    pub fn record_clear(&self, frame: &mut Frame) -> Result<()> {
+        frame.clear("mirror clear", self.reflection.all(), [0.0; 4])
+    }
+
+    /// Pass "mirror mark": marks the pixels of a plane (world space) in the stencil of `marked`.
+    pub fn record_mark(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        plane: Vec4,
+        marked: &Image,
+    ) -> Result<()> {
+        let block = camera_block(camera, self.reflection.extent());
+        frame.mark(
+            "mirror mark",
+            &self.mark,
+            marked.all(),
+            &[
+                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ],
+            bytemuck::bytes_of(&plane_block(camera, plane)),
+        )
+    }
+
+    /// Pass "mirror copy": the mirrored scene that was drawn inside the stencil.
+    pub fn record_copy(&self, frame: &mut Frame, mirrored: &GBuffer) -> Result<()> {
+        frame.fullscreen(
+            "mirror copy",
+            &self.copy,
+            &[Target::kept(self.reflection.all())],
+            &[
+                ("mirrored_depth", Resource::nearest(mirrored.depth.all())),
+                ("mirrored_color", Resource::nearest(mirrored.color.level(0))),
+            ],
+            &[],
+        )
+    }
+
+    /// Pass "mirror lookup": the mirrored scene as a texture on the pixels of a plane (world space).
+    pub fn record_lookup(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        plane: Vec4,
+        mirrored: &GBuffer,
+    ) -> Result<()> {
+        let block = camera_block(camera, self.reflection.extent());
+        frame.fullscreen(
+            "mirror lookup",
+            &self.lookup,
+            &[Target::kept(self.reflection.all())],
+            &[
+                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
+                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
+                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                ("mirrored_depth", Resource::nearest(mirrored.depth.all())),
+                ("mirrored_color", Resource::nearest(mirrored.color.level(0))),
+            ],
+            bytemuck::bytes_of(&plane_block(camera, plane)),
+        )
+    }
+}
+
+fn plane_block(camera: &Camera, plane: Vec4) -> PlaneBlock {
+    PlaneBlock { plane: camera.plane_in_view(plane).to_array() }
+}

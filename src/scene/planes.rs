@@ -1,0 +1,151 @@
+//! Planes that a scene's triangles share: where a mirrored camera can show a reflection (thesis §3.1.2).
+
+use super::{Scene, Surface};
+use glam::{DVec3, Vec3, Vec4};
+use std::collections::HashMap;
+
+/// How far from a plane a triangle may lie and still be of it, in metres.
+pub const TOLERANCE_M: f32 = 5e-4;
+/// How far a triangle's unit normal may be from the plane's.
+const NORMAL_TOLERANCE: f64 = 1e-3;
+/// Groups below this area aren't worth a mirrored scene, in square metres.
+const AREA_MIN_M2: f32 = 0.01;
+
+/// Triangles of one material in one plane, all facing one side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoplanarGroup {
+    /// The plane in world space: the unit normal of the triangles' winding, and the offset w, so that
+    /// n · x + w is a point's distance before it.
+    pub plane: Vec4,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// Sum of the triangles' areas, square metres.
+    pub area_m2: f32,
+    /// Their corners in the world.
+    pub triangles: Vec<[Vec3; 3]>,
+}
+
+/// The coplanar groups of a scene's lit meshes, the largest first; those below 0.01 m² are left out.
+///
+/// Triangles are gathered by their plane rounded to the tolerances, so a plane on the border between two
+/// roundings may come as two groups; [`merged`] joins those.
+pub fn coplanar_groups(scene: &Scene) -> Vec<CoplanarGroup> {
+    let mut groups: HashMap<(usize, [i64; 4]), CoplanarGroup> = HashMap::new();
+    let lit = |material: usize| scene.materials.get(material).is_none_or(|m| m.surface == Surface::Lit);
+    for mesh in scene.meshes.iter().filter(|m| lit(m.material)) {
+        for corners in mesh.indices.chunks_exact(3) {
+            let triangle = [0, 1, 2].map(|k| Vec3::from(mesh.vertices[corners[k] as usize].position));
+            let [a, b, c] = triangle.map(|p| p.as_dvec3());
+            let across = (b - a).cross(c - a);
+            let Some(normal) = across.try_normalize() else { continue };
+            let offset = -normal.dot((a + b + c) / 3.0);
+            let group = groups.entry((mesh.material, rounded(normal, offset))).or_insert_with(|| CoplanarGroup {
+                plane: normal.extend(offset).as_vec4(),
+                material: mesh.material,
+                area_m2: 0.0,
+                triangles: Vec::new(),
+            });
+            group.area_m2 += 0.5 * across.length() as f32;
+            group.triangles.push(triangle);
+        }
+    }
+    largest_first(groups.into_values().filter(|g| g.area_m2 >= AREA_MIN_M2).collect())
+}
+
+/// Joins groups of one plane, whatever their materials, and keeps the largest `count`, the largest first.
+/// A joined group has the plane and the material of its largest part.
+pub fn merged<'a>(groups: impl Iterator<Item = &'a CoplanarGroup>, count: usize) -> Vec<CoplanarGroup> {
+    let mut joined: Vec<CoplanarGroup> = Vec::new();
+    for group in groups {
+        match joined.iter_mut().find(|known| is_same_plane(known, group)) {
+            Some(known) => {
+                known.area_m2 += group.area_m2;
+                known.triangles.extend_from_slice(&group.triangles);
+            }
+            None => joined.push(group.clone()),
+        }
+    }
+    let mut joined = largest_first(joined);
+    joined.truncate(count);
+    joined
+}
+
+fn rounded(normal: DVec3, offset: f64) -> [i64; 4] {
+    let cell = |v: f64, size: f64| (v / size).round() as i64;
+    let n = normal.to_array().map(|v| cell(v, NORMAL_TOLERANCE));
+    [n[0], n[1], n[2], cell(offset, f64::from(TOLERANCE_M))]
+}
+
+/// Whether the first triangle of a group lies in another's plane and faces its way.
+fn is_same_plane(known: &CoplanarGroup, group: &CoplanarGroup) -> bool {
+    let normal = known.plane.truncate();
+    let near = |p: &Vec3| (normal.dot(*p) + known.plane.w).abs() <= 2.0 * TOLERANCE_M;
+    let alike = normal.distance(group.plane.truncate()) <= 2.0 * NORMAL_TOLERANCE as f32;
+    alike && group.triangles.first().is_some_and(|t| t.iter().all(near))
+}
+
+/// In an order that doesn't depend on the map's.
+fn largest_first(mut groups: Vec<CoplanarGroup>) -> Vec<CoplanarGroup> {
+    let key = |g: &CoplanarGroup| (g.material, g.plane.to_array().map(f32::to_bits));
+    groups.sort_by(|a, b| b.area_m2.total_cmp(&a.area_m2).then_with(|| key(a).cmp(&key(b))));
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Material, Mesh, Vertex, library};
+
+    fn quad(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
+        let at = |p: Vec3| Vertex { position: p.to_array(), normal: [0.0; 3], uv: [0.0; 2], tangent: [0.0; 4] };
+        let vertices = vec![at(corner), at(corner + u), at(corner + u + v), at(corner + v)];
+        Mesh { vertices, indices: vec![0, 1, 2, 0, 2, 3], material, ..Mesh::default() }
+    }
+
+    #[test]
+    fn triangles_of_one_plane_are_one_group_and_others_are_not() {
+        let floor = |x: f32, material| quad(Vec3::new(x, 0.0, 0.0), Vec3::Z * 2.0, Vec3::X, material);
+        let scene = Scene {
+            meshes: vec![
+                floor(0.0, 0),
+                floor(5.0, 0),
+                floor(9.0, 1),
+                quad(Vec3::Y, Vec3::Z, Vec3::X, 0),          // higher
+                quad(Vec3::ZERO, Vec3::X, Vec3::Z * 0.5, 0), // facing down
+                quad(Vec3::ZERO, Vec3::Z * 4.0, Vec3::X, 2), // a window
+            ],
+            materials: vec![
+                Material::default(),
+                Material::default(),
+                Material { surface: Surface::Sky, ..Material::default() },
+            ],
+            ..Scene::default()
+        };
+        let groups = coplanar_groups(&scene);
+        let found: Vec<_> = groups.iter().map(|g| (g.material, g.plane.y, g.plane.w, g.area_m2)).collect();
+        assert_eq!(found, [(0, 1.0, 0.0, 4.0), (1, 1.0, 0.0, 2.0), (0, 1.0, -1.0, 1.0), (0, -1.0, 0.0, 0.5)]);
+        let joined = merged(groups.iter(), 2);
+        let found: Vec<_> = joined.iter().map(|g| (g.area_m2, g.triangles.len(), g.plane.w)).collect();
+        assert_eq!(found, [(6.0, 6, 0.0), (1.0, 2, -1.0)]);
+    }
+
+    #[test]
+    fn a_rough_grid_of_a_turned_plane_is_joined() {
+        // Many small triangles of a plane that no axis helps, each rounded in f32 by itself.
+        let (u, v) = (Vec3::new(0.8, 0.1, 0.3).normalize(), Vec3::new(-0.2, 0.9, 0.4).normalize());
+        let at = |i: u32, j: u32| Vec3::new(7.0, -3.0, 11.0) + u * i as f32 * 0.1 + v * j as f32 * 0.1;
+        let meshes = (0..1600).map(|k| quad(at(k % 40, k / 40), u * 0.1, v * 0.1, 0)).collect();
+        let scene = Scene { meshes, materials: vec![Material::default()], ..Scene::default() };
+        let groups = merged(coplanar_groups(&scene).iter(), 8);
+        let share = groups[0].triangles.len() as f32 / 3200.0;
+        assert!(share > 0.99, "{share} of the triangles in {} groups", groups.len());
+    }
+
+    #[test]
+    fn the_floor_of_the_rooms_is_found() {
+        let scene = library::scene("rooms").expect("a built-in scene");
+        let groups = coplanar_groups(&scene);
+        let up = groups.iter().find(|g| g.plane.y > 0.999).expect("a floor");
+        assert!(up.area_m2 > 40.0, "{} m²", up.area_m2);
+    }
+}
