@@ -39,6 +39,7 @@ fn a_build_without_the_window_says_so() {
 #[cfg(feature = "window")]
 mod with_window {
     use super::*;
+    use ssct::methods::METHODS;
     use std::io::{BufRead, BufReader};
     use std::process::{Child, Stdio};
 
@@ -102,23 +103,54 @@ mod with_window {
         }
     }
 
+    /// A record of `ssct view --json`.
+    fn record(output: &Output) -> serde_json::Value {
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()[0].take()
+    }
+
+    /// Different colours of some columns of an image, of 16 shades a channel.
+    fn colors(image: &image::RgbImage, columns: std::ops::Range<u32>) -> usize {
+        let texels = image.enumerate_pixels().filter(|(x, ..)| columns.contains(x));
+        texels.map(|(.., p)| p.0.map(|v| v / 16)).collect::<std::collections::HashSet<_>>().len()
+    }
+
     #[test]
-    fn an_idle_window_submits_nothing_and_the_panel_is_beside_the_picture() {
-        let Some(x) = Xvfb::start("an_idle_window_submits_nothing_and_the_panel_is_beside_the_picture") else { return };
+    fn every_part_of_the_panel_opens_beside_the_picture_and_an_idle_window_submits_nothing() {
+        let Some(x) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
         let folder = tempfile::tempdir().unwrap();
-        for panel in ["live", "ray"] {
+        let mut seen = Vec::new();
+        for panel in ["tune", "live", "inside", "ray", "path", "shaders"] {
             let file = format!("{panel}.png");
-            let idle = ["view", "--validation", "--json", "--frames", "2", "--stay", "1.5", "--panel", panel];
-            let more = ["--pick", "100,180", "--against", "hzct", "--view", "corridor", "--screenshot", &file];
-            let shown = ssct(folder.path(), Some(&x.display), &[&idle[..], &more].concat());
-            assert!(shown.status.success(), "{}", String::from_utf8_lossy(&shown.stderr));
-            let said: serde_json::Value = serde_json::from_slice(&shown.stdout).unwrap();
-            let said = &said[0];
-            assert!(said["submissions"].as_u64().unwrap() > 10 && said["frames"] == 2, "{said}");
-            assert_eq!((&said["submissions_while_idle"], &said["idle_s"]), (&0.into(), &1.5.into()), "{said}");
+            let idle = ["view", "--validation", "--json", "--frames", "1", "--stay", "0.5", "--panel", panel];
+            let more = ["--pick", "100,180", "--against", "unified", "--view", "corridor", "--screenshot", &file];
+            let said = record(&ssct(folder.path(), Some(&x.display), &[&idle[..], &more].concat()));
+            assert!(said["submissions"].as_u64().unwrap() > 5 && said["frames"] == 1, "{said}");
+            assert_eq!((&said["submissions_while_idle"], &said["idle_s"]), (&0.into(), &0.5.into()), "{panel}: {said}");
             let screen = image::open(folder.path().join(&file)).unwrap().to_rgb8();
             assert_eq!(screen.dimensions(), (320 + 340, 200), "the panel is 340 points wide");
+            assert!(colors(&screen, 0..320) > 100 && colors(&screen, 330..660) > 8, "{panel}");
+            // The splitting line is white from top to bottom, but for the names beside it.
+            assert!((40..200).all(|y| screen.get_pixel(160, y).0.iter().all(|v| *v > 250)), "{panel}: no line");
+            assert!(!seen.contains(&screen), "{panel} looks like another part");
+            seen.push(screen);
         }
+    }
+
+    #[test]
+    fn a_screen_with_large_points_gets_a_panel_of_as_many_pixels() {
+        let Some(x) = Xvfb::start("a_screen_with_large_points_gets_a_panel_of_as_many_pixels") else { return };
+        let folder = tempfile::tempdir().unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
+        command.args(["view", "--validation", "--json", "--frames", "1", "--screenshot", "large.png"]);
+        command.args(["--scene", "rooms", "--size", "80x200"]).current_dir(folder.path());
+        command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", &x.display).env("WINIT_X11_SCALE_FACTOR", "2");
+        assert_eq!(record(&command.output().unwrap())["frames"], 1);
+        let screen = image::open(folder.path().join("large.png")).unwrap().to_rgb8();
+        assert_eq!(screen.dimensions(), (80 + 2 * 340, 200));
+        // The panel's ground begins where the picture ends.
+        let ground = screen.get_pixel(759, 1);
+        assert!(screen.get_pixel(90, 1) == ground && screen.get_pixel(70, 100) != ground);
     }
 
     #[test]
@@ -146,7 +178,12 @@ mod with_window {
         let found = tool("search --sync --name rooms,.view");
         let id = String::from_utf8(found.stdout).unwrap().lines().next().unwrap().to_owned();
         tool(&format!("windowfocus {id}"));
-        for key in ["m", "c", "c", "F1", "3", "w", "k", "r", "F1", "p", "c"] {
+        // From the first method through all of them, and back to it: the title tells which is shown.
+        for n in 1..=METHODS.len() {
+            tool("key m");
+            tool(&format!("search --sync --name —.{}.—", METHODS[n % METHODS.len()].name));
+        }
+        for key in ["F2", "c", "F2", "c", "F2", "F2", "F2", "F1", "3", "w", "k", "r", "F1", "p", "c"] {
             tool(&format!("key {key}"));
         }
         tool("mousemove 100 100 mousedown 1 mousemove_relative 40 10 mouseup 1");

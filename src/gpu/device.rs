@@ -69,8 +69,7 @@ pub(crate) struct Shared {
     pub queue_family: u32,
     queue: Mutex<vk::Queue>,
     samplers: Samplers,
-    /// Shared with what draws the window's panel.
-    allocator: ManuallyDrop<Arc<Mutex<Allocator>>>,
+    allocator: ManuallyDrop<Mutex<Allocator>>,
     submissions: AtomicU64,
     #[cfg(feature = "window")]
     pub replaced_shaders: super::shader::Replaced,
@@ -167,11 +166,6 @@ impl Gpu {
     /// To be called with each submission.
     pub(super) fn count_submission(&self) {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
-    }
-
-    #[cfg(feature = "window")]
-    pub(super) fn share_allocator(&self) -> Arc<Mutex<Allocator>> {
-        Arc::clone(&self.shared.allocator)
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
@@ -554,7 +548,7 @@ fn open_device(
         device,
         queue_family: queue_family as u32,
         samplers,
-        allocator: ManuallyDrop::new(Arc::new(Mutex::new(allocator))),
+        allocator: ManuallyDrop::new(Mutex::new(allocator)),
         submissions: AtomicU64::new(0),
         #[cfg(feature = "window")]
         replaced_shaders: super::shader::Replaced::default(),

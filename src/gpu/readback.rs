@@ -81,8 +81,7 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();
     let unorm: Decode = |b| b.iter().map(|v| f32::from(*v) / 255.0).collect();
     let srgb: Decode = srgb_decoded;
-    let bgra: Decode =
-        |b| srgb_decoded(&b.chunks_exact(4).flat_map(|c| [c[2], c[1], c[0], c[3]]).collect::<Vec<u8>>());
+    let bgra: Decode = |b| srgb_decoded(&b.chunks_exact(4).flat_map(|c| [c[2], c[1], c[0], c[3]]).collect::<Vec<u8>>());
     Some(match format {
         vk::Format::D32_SFLOAT | vk::Format::R32_SFLOAT => (1, 4, f32s),
         vk::Format::R32G32_SFLOAT => (2, 8, f32s),

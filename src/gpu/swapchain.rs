@@ -244,8 +244,7 @@ impl Swapchain {
             self.create_chain(capabilities, extent, old.as_ref().map_or(vk::SwapchainKHR::null(), |c| c.handle));
         self.destroy_chain(old);
         let handle = created?;
-        let chain =
-            self.chain.insert(Chain { handle, extent, images: Vec::new(), rendered: Vec::new() });
+        let chain = self.chain.insert(Chain { handle, extent, images: Vec::new(), rendered: Vec::new() });
         // SAFETY: the swapchain was just made.
         let images =
             unsafe { self.swapchains.get_swapchain_images(handle) }.map_err(vulkan("vkGetSwapchainImagesKHR"))?;
@@ -345,9 +344,7 @@ fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format)
     };
     let pairs = || PAIRS.into_iter().filter(|(srgb, _)| encodes(*srgb));
     let direct = pairs().find_map(|(srgb, _)| Some(SurfaceFormat { shown: offered(srgb)?, encoded: srgb }));
-    direct.or_else(|| {
-        pairs().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: offered(unorm)?, encoded: srgb }))
-    })
+    direct.or_else(|| pairs().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: offered(unorm)?, encoded: srgb })))
 }
 
 #[cfg(test)]

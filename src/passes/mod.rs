@@ -16,9 +16,9 @@ pub mod filtered_gbuffer;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
+pub mod linear_trace;
 #[cfg(feature = "window")]
 pub mod look;
-pub mod linear_trace;
 pub mod mask_chain;
 pub mod pccm;
 pub mod planar;

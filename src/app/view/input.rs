@@ -22,6 +22,8 @@ pub enum Action {
     View(usize),
     /// Shows or hides the panel.
     Panel,
+    /// Opens the next part of the panel.
+    NextTab,
     /// Records a key frame.
     RecordKey,
     /// Plays the key frames, or stops.
@@ -39,6 +41,7 @@ pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
         K::KeyC => Some(Action::NextCompare),
         K::KeyR => Some(Action::Roughness(if shift { -1.0 } else { 1.0 })),
         K::F1 => Some(Action::Panel),
+        K::F2 => Some(Action::NextTab),
         K::KeyK => Some(Action::RecordKey),
         K::KeyP => Some(Action::Play),
         _ => DIGITS.iter().position(|d| *d == code).map(Action::View),
@@ -59,6 +62,7 @@ impl Viewer {
                 }
             }
             Action::Panel => toggle_panel(&mut self.state),
+            Action::NextTab => self.state.tab = self.state.tab.next(),
             Action::RecordKey => self.path.record(&self.state.camera),
             Action::Play => self.path.play_or_stop(),
         }

@@ -60,7 +60,7 @@ Keys, by their place on a US keyboard:
   C              one method, two side by side, their difference
   R, Shift+R     rougher, smoother
   K, P           record a key frame of the camera, play the key frames
-  F1             show or hide the panel
+  F1, F2         show or hide the panel, open its next part
   Esc            quit")]
 pub struct ViewOptions {
     #[command(flatten)]

@@ -71,6 +71,12 @@ impl Side {
         };
     }
 
+    /// The flags of the methods' options.
+    #[cfg(test)]
+    pub fn flags() -> Vec<String> {
+        Self::command().get_arguments().filter_map(|a| a.get_long()).map(ToOwned::to_owned).collect()
+    }
+
     /// The command line of the methods' options, whose flags are the panel's rows.
     pub fn command() -> clap::Command {
         MethodOptions::augment_args(clap::Command::new("method"))
@@ -147,6 +153,12 @@ impl Tab {
         (Self::Path, "Path"),
         (Self::Shaders, "Shaders"),
     ];
+
+    /// The one after it, of those that show something.
+    pub fn next(self) -> Self {
+        let now = Self::SHOWN.iter().position(|(tab, _)| *tab == self);
+        Self::SHOWN[now.map_or(0, |n| (n + 1) % Self::SHOWN.len())].0
+    }
 }
 
 /// Everything that a user changes.

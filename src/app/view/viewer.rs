@@ -247,6 +247,12 @@ impl Viewer {
         self.pictures.shown(0).map(|s| s.images.clone()).unwrap_or_default()
     }
 
+    /// The passes that the first method recorded in the last frame.
+    #[cfg(test)]
+    pub fn passes(&self) -> Vec<String> {
+        self.pictures.shown(0).map(|s| s.history.recorded.clone()).unwrap_or_default()
+    }
+
     /// The ray that is drawn.
     #[cfg(test)]
     pub fn ray(&self) -> Option<&PickedRay> {

@@ -80,7 +80,9 @@ impl ApplicationHandler<()> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         // A run by arguments shows what they say, whatever the mouse lies on.
         let takes_input = !self.script.is_running();
-        if let (true, Some(open)) = (takes_input, &mut self.open) {
+        // How large a point is, egui must know in any case.
+        let listens = takes_input || matches!(event, WindowEvent::ScaleFactorChanged { .. });
+        if let (true, Some(open)) = (listens, &mut self.open) {
             if open.egui.on_window_event(&open.window, &event).repaint && event != WindowEvent::RedrawRequested {
                 open.window.request_redraw();
             }

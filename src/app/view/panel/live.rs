@@ -4,6 +4,7 @@
 use super::{Told, heading};
 use crate::app::view::against::Answer;
 use crate::app::view::history::{History, StageTime};
+use crate::app::view::inspect::Inspection;
 use crate::app::view::state::State;
 use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
@@ -11,11 +12,12 @@ use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 const HEIGHT: f32 = 110.0;
 
 pub fn show(ui: &mut Ui, state: &State, told: &Told) {
-    for (history, side) in told.histories.iter().zip(state.rendered()) {
+    for (n, (history, side)) in told.histories.iter().zip(state.rendered()).enumerate() {
         heading(ui, format!("Time of {}", side.method.name));
-        times(ui, history);
+        // Two tables of one name would fight over their columns, drawing after drawing.
+        ui.push_id(n, |ui| times(ui, history));
     }
-    work(ui, told);
+    work(ui, state, told);
     error(ui, state, told);
 }
 
@@ -38,7 +40,7 @@ fn times(ui: &mut Ui, history: &History) {
     let total = history.total();
     bars(ui, history);
     ui.label(format!("{:.2} ms median, {:.2} ms p95 of {} frames", total.median_ms, total.p95_ms, total.samples));
-    Grid::new(("stages", ui.id())).num_columns(4).striped(true).show(ui, |ui| {
+    Grid::new("stages").num_columns(4).striped(true).show(ui, |ui| {
         for title in ["", "pass", "median ms", "p95 ms"] {
             ui.label(RichText::new(title).weak());
         }
@@ -93,36 +95,36 @@ fn bars(ui: &mut Ui, history: &History) {
     );
 }
 
-fn work(ui: &mut Ui, told: &Told) {
-    heading(ui, "Work of a frame");
+fn work(ui: &mut Ui, state: &State, told: &Told) {
+    for (n, (history, side)) in told.histories.iter().zip(state.rendered()).enumerate() {
+        heading(ui, format!("Passes of {}", side.method.name));
+        ui.push_id(("passes", n), |ui| passes(ui, history));
+    }
+    heading(ui, format!("Work of {}", state.sides[0].method.name));
     let Some(answers) = told.answers else {
         ui.label(RichText::new("counted when nothing moves").weak());
         return;
     };
     if let Some(inspection) = &answers.inspection {
-        let rays = inspection.rays();
-        ui.label(format!("{rays} reflecting pixels of {}", inspection.gbuffer.depth.len()));
+        let reflecting = inspection.reflecting();
+        ui.label(format!("{reflecting} reflecting pixels of {}", inspection.gbuffer.depth.len()));
         Grid::new("rays").num_columns(3).striped(true).show(ui, |ui| {
             for (code, count) in inspection.ends() {
                 ui.label(format!("{code:?}"));
                 ui.label(count.to_string());
-                ui.label(format!("{:.1} %", 100.0 * count as f64 / rays.max(1) as f64));
+                ui.label(format!("{:.1} %", 100.0 * count as f64 / reflecting.max(1) as f64));
                 ui.end_row();
             }
         });
-    }
-    if let Some(inspection) = &answers.inspection {
-        let t = inspection.tiles();
-        ui.label(format!(
-            "tiles of 8 × 8: {} mirrors, {} glossy, {} both, {} without reflections",
-            t.mirrors, t.glossy, t.both, t.empty
-        ));
+        if inspection.is_unified() {
+            classes(ui, inspection);
+        }
     }
     if let Some(steps) = &answers.steps {
         let traced: Vec<u32> = steps.iter().copied().filter(|n| *n > 0).collect();
         let mean = traced.iter().map(|n| f64::from(*n)).sum::<f64>() / traced.len().max(1) as f64;
         let most = traced.iter().max().copied().unwrap_or(0);
-        ui.label(format!("steps: {} rays, mean {mean:.1}, most {most}", traced.len()));
+        ui.label(format!("steps of {} mirror rays: mean {mean:.1}, most {most}", traced.len()));
     }
     ui.collapsing("Invocations of each pass", |ui| {
         Grid::new("invocations").num_columns(3).striped(true).show(ui, |ui| {
@@ -138,9 +140,43 @@ fn work(ui: &mut Ui, told: &Told) {
             }
         });
     });
-    let Some(history) = told.histories.first() else { return };
-    ui.collapsing(format!("{} passes recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
-    ui.label(format!("{} passes skipped", history.skipped.len()));
+}
+
+/// What `unified` finds in the frame: rays a class of pixels, and tiles.
+fn classes(ui: &mut Ui, inspection: &Inspection) {
+    let (p, t) = (inspection.pixels(), inspection.tiles());
+    ui.label(format!("{} rays:", p.rays()));
+    Grid::new("classes").num_columns(3).striped(true).show(ui, |ui| {
+        for title in ["lobe", "pixels", "rays"] {
+            ui.label(RichText::new(title).weak());
+        }
+        ui.end_row();
+        for (name, pixels, rays) in
+            [("mirrors", p.mirrors, p.mirrors), ("narrow", p.narrow, p.narrow), ("wide", p.wide, p.wide_cells)]
+        {
+            ui.label(name);
+            ui.label(pixels.to_string());
+            ui.label(rays.to_string());
+            ui.end_row();
+        }
+    });
+    ui.label("tiles of 8 × 8:");
+    Grid::new("tiles").num_columns(4).striped(true).show(ui, |ui| {
+        for title in ["mirrors", "glossy", "both", "neither"] {
+            ui.label(RichText::new(title).weak());
+        }
+        ui.end_row();
+        for count in [t.mirrors, t.glossy, t.both, t.empty] {
+            ui.label(count.to_string());
+        }
+        ui.end_row();
+    });
+}
+
+/// What was recorded, and what was not and why.
+fn passes(ui: &mut Ui, history: &History) {
+    ui.collapsing(format!("{} recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
+    ui.label(format!("{} skipped", history.skipped.len()));
     for skipped in &history.skipped {
         ui.label(RichText::new(format!("{}: {}", skipped.pass, skipped.why)).weak());
     }

@@ -3,6 +3,7 @@
 
 mod inside;
 mod live;
+pub mod options;
 mod path;
 mod ray;
 mod shaders;

@@ -2,10 +2,9 @@
 //! says of it.
 
 use super::{Told, heading};
-use crate::app::view::inspect::PickedRay;
+use crate::app::view::inspect::{PickedRay, WalkEnd};
 use crate::app::view::state::State;
 use crate::reference::Outcome;
-use crate::reference::hi_z_ray_trace::{End, HiZTrace, Step};
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
 
 const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
@@ -36,23 +35,24 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     };
     ends(ui, state, ray);
     if let Some(walk) = &ray.walk {
-        heading(ui, format!("{} steps through the Hi-Z", walk.steps.len()));
+        heading(ui, format!("{} steps through the Hi-Z", walk.cells.len()));
         Grid::new("steps").num_columns(5).striped(true).show(ui, |ui| {
             for title in ["", "level", "cell", "nearest", "ray"] {
                 ui.label(RichText::new(title).weak());
             }
             ui.end_row();
-            for (n, s) in walk.steps.iter().enumerate() {
+            for (n, cell) in walk.cells.iter().enumerate() {
                 ui.label((n + 1).to_string());
-                let way = if s.crossed { "⬆" } else { "⬇" };
-                ui.colored_label(level_color(s.level), format!("{} {way}", s.level));
-                ui.label(format!("{}, {}", s.cell.x, s.cell.y));
-                ui.label(format!("{:.6}", s.minimum_plane));
-                ui.label(format!("{:.6}", s.ray.z));
+                let way = if cell.crossed { "⬆" } else { "⬇" };
+                ui.colored_label(level_color(cell.level), format!("{} {way}", cell.level));
+                ui.label(format!("{}, {}", cell.place.x, cell.place.y));
+                ui.label(format!("{:.6}", cell.nearest));
+                ui.label(format!("{:.6}", cell.ray));
                 ui.end_row();
             }
         });
-        ui.label(RichText::new("⬇ met the cell's nearest depth, ⬆ left the cell").weak().small());
+        ui.label(RichText::new("⬇ met what the cell holds, ⬆ left the cell").weak().small());
+        ui.label(RichText::new(walk.depth).weak().small());
     }
 }
 
@@ -86,10 +86,11 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
         ui.end_row();
         if let Some(walk) = &ray.walk {
             ui.colored_label(WALK, "Hi-Z");
+            let (steps, end) = (walk.cells.len(), walk.last().as_dvec2());
             ui.label(match walk.end {
-                End::Hit => format!("met level 0 after {} steps", walk.steps.len()),
-                End::LeftScreen => format!("left the screen after {} steps", walk.steps.len()),
-                End::Exhausted => format!("out of iterations after {} steps", walk.steps.len()),
+                WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", at(end.x, end.y)),
+                WalkEnd::Left => format!("left the screen after {steps} steps"),
+                WalkEnd::Exhausted => format!("out of iterations after {steps} steps"),
             });
             ui.end_row();
         }
@@ -106,18 +107,15 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
         painter.line_segment([start, at(end.x as f32, end.y as f32)], Stroke::new(1.0, Color32::from_white_alpha(120)));
     }
     if let Some(walk) = &ray.walk {
-        for s in &walk.steps {
-            let corner = |cell: glam::Vec2| {
-                let share = cell / s.cell_count;
-                at(share.x * extent[0] as f32, share.y * extent[1] as f32)
-            };
-            let cell = Rect::from_min_max(corner(s.cell), corner(s.cell + 1.0));
-            painter.rect_stroke(cell, 0.0, Stroke::new(1.0, level_color(s.level)), StrokeKind::Inside);
+        for cell in &walk.cells {
+            let [low, high] = cell.corners.map(|corner| at(corner.x, corner.y));
+            let stroke = Stroke::new(1.0, level_color(cell.level));
+            painter.rect_stroke(Rect::from_min_max(low, high), 0.0, stroke, StrokeKind::Inside);
         }
-        let pixels = |v: glam::Vec3| at(v.x * extent[0] as f32, v.y * extent[1] as f32);
-        for pair in way(walk).windows(2) {
-            painter.line_segment([pixels(pair[0]), pixels(pair[1])], Stroke::new(2.0, WALK));
-            painter.circle_filled(pixels(pair[1]), 2.0, WALK);
+        for pair in walk.way.windows(2) {
+            let [from, to] = [pair[0], pair[1]].map(|p| at(p.x, p.y));
+            painter.line_segment([from, to], Stroke::new(2.0, WALK));
+            painter.circle_filled(to, 2.0, WALK);
         }
     }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
@@ -128,11 +126,6 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
         let o = at(o.x as f32, o.y as f32);
         painter.circle_stroke(o, 7.0, Stroke::new(2.0, ORACLE));
     }
-}
-
-/// Where the ray stood: at its pixel, after the first cell, after every step.
-fn way(walk: &HiZTrace) -> Vec<glam::Vec3> {
-    [walk.from, walk.entered].into_iter().chain(walk.steps.iter().map(|s: &Step| s.ray)).collect()
 }
 
 fn cross(painter: &Painter, at: Pos2, color: Color32) {
