@@ -42,6 +42,7 @@ mod with_window {
     use ssct::methods::METHODS;
     use std::io::{BufRead, BufReader};
     use std::process::{Child, Stdio};
+    use std::time::{Duration, Instant};
 
     /// An X server of our own, which ends with the test.
     struct Xvfb {
@@ -143,14 +144,14 @@ mod with_window {
         let folder = tempfile::tempdir().unwrap();
         let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
         command.args(["view", "--validation", "--json", "--frames", "1", "--screenshot", "large.png"]);
-        command.args(["--scene", "rooms", "--size", "80x200"]).current_dir(folder.path());
+        command.args(["--scene", "rooms", "--size", "200x200"]).current_dir(folder.path());
         command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", &x.display).env("WINIT_X11_SCALE_FACTOR", "2");
         assert_eq!(record(&command.output().unwrap())["frames"], 1);
         let screen = image::open(folder.path().join("large.png")).unwrap().to_rgb8();
-        assert_eq!(screen.dimensions(), (80 + 2 * 340, 200));
+        assert_eq!(screen.dimensions(), (200 + 2 * 340, 200));
         // The panel's ground begins where the picture ends.
-        let ground = screen.get_pixel(759, 1);
-        assert!(screen.get_pixel(90, 1) == ground && screen.get_pixel(70, 100) != ground);
+        let ground = screen.get_pixel(879, 1);
+        assert!(screen.get_pixel(210, 1) == ground && screen.get_pixel(190, 100) != ground);
     }
 
     #[test]
@@ -177,11 +178,19 @@ mod with_window {
         // The title tells that a frame was shown.
         let found = tool("search --sync --name rooms,.view");
         let id = String::from_utf8(found.stdout).unwrap().lines().next().unwrap().to_owned();
-        tool(&format!("windowfocus {id}"));
+        tool(&format!("windowfocus --sync {id}"));
         // From the first method through all of them, and back to it: the title tells which is shown.
         for n in 1..=METHODS.len() {
             tool("key m");
-            tool(&format!("search --sync --name —.{}.—", METHODS[n % METHODS.len()].name));
+            let (name, begun) = (METHODS[n % METHODS.len()].name, Instant::now());
+            loop {
+                let title = String::from_utf8(tool(&format!("getwindowname {id}")).stdout).unwrap();
+                if title.contains(&format!("— {name} —")) {
+                    break;
+                }
+                assert!(begun.elapsed() < Duration::from_secs(60), "M shows {title}, and not {name}");
+                std::thread::sleep(Duration::from_millis(20));
+            }
         }
         for key in ["F2", "c", "F2", "c", "F2", "F2", "F2", "F1", "3", "w", "k", "r", "F1", "p", "c"] {
             tool(&format!("key {key}"));

@@ -181,7 +181,10 @@ mod tests {
         edit("common/composite.frag", "color += reflectivity", "color += reflectivity * nonsense");
         let changes = watch.look();
         let [(shader, Err(message))] = &changes[..] else { panic!("{changes:?}") };
-        assert!(shader.name == "common/composite.frag" && message.contains("composite.frag:17"), "{message}");
+        let text = std::fs::read_to_string(root.join("common/composite.frag")).unwrap();
+        let line = 1 + text.lines().position(|line| line.contains("nonsense")).unwrap();
+        let place = format!("composite.frag:{line}");
+        assert!(shader.name == "common/composite.frag" && message.contains(&place), "{place}: {message}");
         edit("common/composite.frag", " * nonsense", " * 2.0");
         assert!(matches!(&watch.look()[..], [(_, Ok(_))]));
 

@@ -275,12 +275,12 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
 fn rows_are_shown_of_the_options_that_a_method_reads() {
     let mut bench = Bench::new();
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
-    bench.viewer.state.globals.roughness = Some(0.15);
+    bench.viewer.state.globals.roughness = Some(0.6);
     let another = [
         ("preset", "author"),
         ("iterations", "3"),
         ("start-level", "4"),
-        ("cone-samples", "2"),
+        ("cone-samples", "1"),
         ("pixel-step", "7"),
         ("distance-blur", ""),
         ("chain-filter", "gaussian"),

@@ -62,6 +62,7 @@ pub struct Viewer {
     pub(super) wake: Wake,
     /// What the last call of [`Self::update`] made ready to be drawn.
     triangles: Vec<egui::ClippedPrimitive>,
+    textures: egui::TexturesDelta,
     pixels_per_point: f32,
     pub(super) shown: Option<Look>,
     pub(super) frames: u64,
@@ -132,6 +133,7 @@ impl Viewer {
             against: Against::default(),
             wake,
             triangles: Vec::new(),
+            textures: egui::TexturesDelta::default(),
             pixels_per_point: 1.0,
             shown: None,
             frames: 0,
@@ -188,10 +190,10 @@ impl Viewer {
         self.move_camera(&input);
         self.take_shaders();
         self.against.poll();
-        let (mut output, done) = self.run_panel(input.egui);
+        let (output, done) = self.run_panel(input.egui);
         self.looking = done.looking;
         let active = self.follow(&done, input.extent, output.pixels_per_point)?;
-        self.overlay.update_textures(&mut output.textures_delta)?;
+        self.textures.append(output.textures_delta);
         self.triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
         self.pixels_per_point = output.pixels_per_point;
         let delay = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
@@ -206,9 +208,10 @@ impl Viewer {
         &mut self,
         present: impl FnOnce(&mut FrameContext, &Image, &mut dyn FnMut(&mut Frame) -> Result<()>) -> Result<R>,
     ) -> Result<Option<R>> {
-        let Self { pictures, look, shown, overlay, screen, triangles, pixels_per_point, .. } = self;
+        let Self { pictures, look, shown, overlay, screen, triangles, textures, pixels_per_point, .. } = self;
         let (Some(shown), Some((stage, kept, _))) = (shown, pictures.parts()) else { return Ok(None) };
         self.drawings += 1;
+        overlay.update_textures(textures)?;
         let mut record = |frame: &mut Frame| {
             look.record(frame, screen, shown, kept)?;
             overlay.record(frame, screen.all(), *pixels_per_point, triangles)

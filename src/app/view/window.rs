@@ -94,7 +94,12 @@ impl ApplicationHandler<()> for App {
                 self.check(events, drawn);
             }
             WindowEvent::Resized(_) | WindowEvent::Occluded(false) => self.request_redraw(),
-            WindowEvent::KeyboardInput { event, .. } if takes_input => self.key(events, &event),
+            // A window that gets the focus is told of the keys that are held then, beside their own events.
+            WindowEvent::KeyboardInput { event, is_synthetic, .. }
+                if takes_input && !(is_synthetic && event.state == ElementState::Pressed) =>
+            {
+                self.key(events, &event);
+            }
             // What is released elsewhere is not heard of here.
             WindowEvent::Focused(false) => self.keys.clear(),
             _ => {}
