@@ -5,8 +5,6 @@ use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::report::files;
 use crate::report::images::display;
-use image::codecs::gif::{GifEncoder, Repeat};
-use image::{Delay, Frame, RgbaImage};
 use std::path::Path;
 
 /// How far two bytes may differ to be the same to the eye.
@@ -16,26 +14,33 @@ const SPEED: i32 = 10;
 
 /// An animation that grows frame by frame.
 pub struct Animation {
-    delay_ms: u32,
-    frames: Vec<RgbaImage>,
+    delay_ms: u16,
+    size: [u16; 2],
+    /// RGBA bytes; what stays as it was is transparent.
+    frames: Vec<Vec<u8>>,
     /// What the frames so far leave on the screen, in RGBA bytes.
     seen: Vec<u8>,
 }
 
 impl Animation {
     /// An empty one, of so many milliseconds a frame.
-    pub fn new(delay_ms: u32) -> Self {
-        Self { delay_ms, frames: Vec::new(), seen: Vec::new() }
+    pub fn new(delay_ms: u16) -> Self {
+        Self { delay_ms, size: [0; 2], frames: Vec::new(), seen: Vec::new() }
     }
 
     /// Adds a screen. All must be of one size, else it is an error.
     pub fn add(&mut self, screen: &Pixels) -> Result<()> {
         let rgb = display(screen);
         let is_first = self.frames.is_empty();
+        let size = [rgb.width, rgb.height].map(u16::try_from);
+        let [Ok(width), Ok(height)] = size else {
+            return Err(Error::Usage("an animation has at most 65535 pixels a side".into()));
+        };
         if is_first {
+            self.size = [width, height];
             self.seen = vec![0; 4 * rgb.bytes.len() / 3];
         }
-        if self.seen.len() != 4 * rgb.bytes.len() / 3 {
+        if self.size != [width, height] {
             return Err(Error::Usage("the window changed its size during the animation".into()));
         }
         let mut rgba = vec![0; self.seen.len()];
@@ -46,21 +51,22 @@ impl Animation {
                 seen.copy_from_slice(out);
             }
         }
-        let image = RgbaImage::from_raw(rgb.width, rgb.height, rgba)
-            .ok_or_else(|| Error::Usage("an animation's frame has no pixels".into()))?;
-        self.frames.push(image);
+        self.frames.push(rgba);
         Ok(())
     }
 
     /// Writes the file, which repeats without an end.
     pub fn write(self, path: &Path) -> Result<()> {
-        let failed = |e: image::ImageError| Error::io("encode", path, std::io::Error::other(e));
+        let failed = |e: gif::EncodingError| Error::io("encode", path, std::io::Error::other(e));
         let mut bytes = Vec::new();
-        let mut encoder = GifEncoder::new_with_speed(&mut bytes, SPEED);
-        encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
-        let delay = Delay::from_numer_denom_ms(self.delay_ms, 1);
-        for image in self.frames {
-            encoder.encode_frame(Frame::from_parts(image, 0, 0, delay)).map_err(failed)?;
+        let mut encoder = gif::Encoder::new(&mut bytes, self.size[0], self.size[1], &[]).map_err(failed)?;
+        encoder.set_repeat(gif::Repeat::Infinite).map_err(failed)?;
+        for mut rgba in self.frames {
+            let mut frame = gif::Frame::from_rgba_speed(self.size[0], self.size[1], &mut rgba, SPEED);
+            // What a frame leaves out stays as it was.
+            frame.dispose = gif::DisposalMethod::Keep;
+            frame.delay = self.delay_ms.div_ceil(10);
+            encoder.write_frame(&frame).map_err(failed)?;
         }
         // The end of the file is written with the encoder's.
         drop(encoder);
@@ -93,8 +99,11 @@ mod tests {
         let frames = image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
         assert_eq!(frames.len(), 3);
         for (n, frame) in frames.iter().enumerate() {
-            let bright = frame.buffer().pixels().map(|p| p.0[0] > 200).collect::<Vec<_>>();
-            assert_eq!(bright, (0..8).map(|i| i == n).collect::<Vec<_>>(), "frame {n}");
+            // What did not change is still there: blue, and not the ground.
+            for (i, pixel) in frame.buffer().pixels().enumerate() {
+                let [red, _, blue, alpha] = pixel.0;
+                assert!((red > 200) == (i == n) && blue > 100 && alpha == 255, "frame {n}, pixel {i}: {pixel:?}");
+            }
         }
     }
 }

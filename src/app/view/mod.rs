@@ -46,7 +46,7 @@ use window::{App, no_window};
 use winit::event_loop::{ControlFlow, EventLoop};
 
 /// Milliseconds of a frame of an animation.
-const ANIMATION_DELAY_MS: u32 = 80;
+const ANIMATION_DELAY_MS: u16 = 80;
 
 /// Options of `ssct view`.
 #[derive(Debug, Args)]

@@ -305,7 +305,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         bench.viewer.state.sides[0] = side;
         bench.settle();
         let picture = bench.viewer.read_picture().unwrap().unwrap();
-        (picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(), bench.viewer.passes())
+        let images: Vec<_> = bench.viewer.images().into_iter().map(|i| i.name).collect();
+        (picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(), bench.viewer.passes(), images)
     };
     for info in METHODS {
         let (read, not): (Vec<_>, Vec<_>) = another.into_iter().partition(|(flag, _)| reads(info, flag));
@@ -380,8 +381,8 @@ fn the_drawn_walk_is_the_shaders() {
         let inspection = bench.viewer.inspection().unwrap();
         let hits = inspection.hits.as_ref().unwrap();
         let (mut rays, mut same, mut steps) = (0, 0, 0);
-        for y in (0..hits.height).step_by(3) {
-            for x in (0..hits.width).step_by(3) {
+        for y in (0..hits.height).step_by(7) {
+            for x in (0..hits.width).step_by(7) {
                 let hit = hits.at(x, y);
                 let Some(code) = PathCode::from_channel(hit[3]) else { continue };
                 let walk = inspection.pick([x, y]).unwrap().walk;
