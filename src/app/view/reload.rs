@@ -17,6 +17,9 @@ const PERIOD: Duration = Duration::from_millis(300);
 /// A shader that changed: its code, or why it can't be used.
 pub type Change = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
 
+/// A shader's name, and that it is in use or why not.
+pub type Said = (&'static str, std::result::Result<(), String>);
+
 /// The shaders' folder, as it was seen last.
 pub struct Watch {
     root: PathBuf,

@@ -7,7 +7,7 @@ use super::inspect::PickedRay;
 use super::panel::{self, Done, Told};
 use super::path::PathEditor;
 use super::pictures::{Answers, Pictures, Wanted};
-use super::reload::Change;
+use super::reload::{Change, Said};
 use super::state::State;
 use crate::app::cli::SceneOptions;
 use crate::app::resolve;
@@ -34,7 +34,7 @@ pub struct Shaders {
     /// Changes, as they are compiled.
     pub changes: Receiver<Vec<Change>>,
     /// What was last said of each that changed.
-    pub said: Vec<(&'static str, std::result::Result<(), String>)>,
+    pub said: Vec<Said>,
 }
 
 /// A scene with everything that a user changes while looking at it.
@@ -270,7 +270,7 @@ impl Viewer {
 
     /// What was last said of each shader that changed.
     #[cfg(test)]
-    pub fn said_of_shaders(&self) -> Vec<(&'static str, std::result::Result<(), String>)> {
+    pub fn said_of_shaders(&self) -> Vec<Said> {
         self.shaders.as_ref().map(|s| s.said.clone()).unwrap_or_default()
     }
 

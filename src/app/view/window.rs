@@ -82,10 +82,11 @@ impl ApplicationHandler<()> for App {
         let takes_input = !self.script.is_running();
         // How large a point is, egui must know in any case.
         let listens = takes_input || matches!(event, WindowEvent::ScaleFactorChanged { .. });
-        if let (true, Some(open)) = (listens, &mut self.open) {
-            if open.egui.on_window_event(&open.window, &event).repaint && event != WindowEvent::RedrawRequested {
-                open.window.request_redraw();
-            }
+        if let (true, Some(open)) = (listens, &mut self.open)
+            && open.egui.on_window_event(&open.window, &event).repaint
+            && event != WindowEvent::RedrawRequested
+        {
+            open.window.request_redraw();
         }
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),

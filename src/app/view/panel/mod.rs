@@ -13,6 +13,7 @@ use super::against::Against;
 use super::inspect::PickedRay;
 use super::path::PathEditor;
 use super::pictures::{Answers, ImageInfo};
+use super::reload::Said;
 use super::state::{State, Tab};
 use crate::passes::look::Compare;
 use crate::scene::{Camera, View};
@@ -47,7 +48,7 @@ pub struct Told<'a> {
     /// See `camera`.
     pub extent: [u32; 2],
     /// The folder that is watched for shaders, and what was said of each that changed.
-    pub shaders: Option<(&'a str, &'a [(&'static str, Result<(), String>)])>,
+    pub shaders: Option<(&'a str, &'a [Said])>,
     /// Frames rendered, drawings of the panel, submissions to the device.
     pub counts: [u64; 3],
     /// Whether there is nothing to render.
