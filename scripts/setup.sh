@@ -14,7 +14,7 @@ packages=(
     glslang-dev             # which is glslang
     spirv-tools             # and the SPIRV-Tools archives
     spirv-headers
-    xvfb                    # the window's test, without a screen
+    xvfb xdotool            # the window's test, without a screen, with mouse and keys
     # What ssct view loads at run time:
     libx11-6 libx11-xcb1 libxcb1 libxcursor1 libxi6 libxkbcommon0 libxkbcommon-x11-0 xkb-data libwayland-client0
 )

@@ -1,6 +1,6 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
-use super::window::ViewOptions;
+use super::view::ViewOptions;
 use crate::methods::{Fallback, Preset};
 use crate::passes::PosterFilter;
 use crate::passes::billboard::{Occlusion, Order};
@@ -69,7 +69,7 @@ pub struct CommonOptions {
 }
 
 /// What is looked at, from where, and with which materials.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
     /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]

@@ -6,8 +6,6 @@ mod devices;
 mod error;
 mod error_cells;
 mod figures;
-#[cfg(feature = "window")]
-mod fly_camera;
 mod gbuffer;
 mod precision;
 mod progress;
@@ -22,12 +20,10 @@ mod time_captions;
 mod time_path;
 mod truth;
 #[cfg(feature = "window")]
-mod viewer;
-#[cfg(feature = "window")]
-mod window;
+mod view;
 #[cfg(not(feature = "window"))]
-#[path = "no_window.rs"]
-mod window;
+#[path = "no_view.rs"]
+mod view;
 
 use crate::error::Error;
 use clap::Parser;
@@ -60,7 +56,7 @@ pub fn run() -> ExitCode {
         Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
         Command::Figures(options) => figures::run(options),
-        Command::View(options) => window::run(options),
+        Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
     };

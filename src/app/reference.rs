@@ -13,7 +13,7 @@ use crate::study::record::DEFINITIONS;
 use crate::study::timing::camera;
 use glam::Vec3;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Samples until the standard error is met; what was sampled before, for the same image, is kept.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
@@ -37,8 +37,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let escape = escape(options);
     let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
-    let name: String = reference.fingerprint().iter().take(16).map(|b| format!("{b:02x}")).collect();
-    let kept = options.cache.clone().or_else(default_cache).map(|folder| folder.join(format!("{name}.world")));
+    let kept = options.cache.clone().or_else(default_cache).map(|folder| kept_in(&folder, &reference));
     let (mut state, unusable) = match &kept {
         Some(path) => reference.resume(path),
         None => (reference.start(), None),
@@ -104,8 +103,14 @@ fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
     Pixels { width, height, channels: 4, values: color.iter().flat_map(|c| c.extend(1.0).to_array()).collect() }
 }
 
+/// The file that keeps a reference's state in a folder.
+pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
+    let name: String = reference.fingerprint().iter().take(16).map(|b| format!("{b:02x}")).collect();
+    folder.join(format!("{name}.world"))
+}
+
 /// Where states are kept unless `--cache` says otherwise.
-fn default_cache() -> Option<PathBuf> {
+pub fn default_cache() -> Option<PathBuf> {
     let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     Some(set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?.join("ssct"))
 }

@@ -8,6 +8,7 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
@@ -75,6 +76,9 @@ pub(crate) struct Shared {
     queue: Mutex<vk::Queue>,
     samplers: Samplers,
     allocator: ManuallyDrop<Mutex<Allocator>>,
+    submissions: AtomicU64,
+    #[cfg(feature = "window")]
+    pub replaced_shaders: super::shader::Replaced,
     info: DeviceInfo,
     pub limits: vk::PhysicalDeviceLimits,
     pub timestamp_mask: u64,
@@ -163,6 +167,16 @@ impl Gpu {
 
     pub(crate) fn shared(&self) -> &Shared {
         &self.shared
+    }
+
+    /// Submissions to the device's queue so far. An idle window makes none.
+    pub fn submissions(&self) -> u64 {
+        self.shared.submissions.load(Ordering::Relaxed)
+    }
+
+    /// To be called with each submission.
+    pub(super) fn count_submission(&self) {
+        self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
@@ -567,6 +581,9 @@ fn open_device(
         queue_family: queue_family as u32,
         samplers,
         allocator: ManuallyDrop::new(Mutex::new(allocator)),
+        submissions: AtomicU64::new(0),
+        #[cfg(feature = "window")]
+        replaced_shaders: super::shader::Replaced::default(),
         info: listing.info,
         limits: properties.limits,
         timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },

@@ -313,6 +313,20 @@ impl Frame<'_> {
         })
     }
 
+    /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
+    /// they read must be ready.
+    #[cfg(feature = "window")]
+    pub(super) fn overlay(
+        &mut self,
+        name: &str,
+        slice: ImageSlice,
+        draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.rendering(&[Target::kept(slice)], None, false, |frame| draw(frame.context.commands))
+        })
+    }
+
     /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
     /// indirect draw), from byte `offset`.
     pub fn draw_indirect(
@@ -385,6 +399,7 @@ impl Frame<'_> {
         unsafe {
             device.end_command_buffer(self.context.commands).map_err(vulkan("vkEndCommandBuffer"))?;
             let queue = self.context.gpu.queue();
+            self.context.gpu.count_submission();
             device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
             self.undo.0.clear();
             let waited = device.wait_for_fences(&fences, true, u64::MAX);

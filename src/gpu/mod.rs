@@ -7,8 +7,12 @@
 
 pub mod device;
 pub mod frame;
+#[cfg(feature = "window")]
+pub mod glsl;
 pub mod image;
 pub mod memory;
+#[cfg(feature = "window")]
+pub mod overlay;
 pub mod pipeline;
 pub mod readback;
 pub mod shader;
@@ -23,6 +27,8 @@ pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice, Sampler};
 pub use memory::Buffer;
+#[cfg(feature = "window")]
+pub use overlay::Overlay;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use readback::Pixels;
 #[cfg(feature = "window")]

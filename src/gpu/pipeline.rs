@@ -336,7 +336,11 @@ struct Module {
 
 impl Module {
     fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
-        let words = ash::util::read_spv(&mut std::io::Cursor::new(shader.spirv))
+        #[cfg(feature = "window")]
+        let replaced = gpu.shared().replaced_shaders.get(shader.name);
+        #[cfg(not(feature = "window"))]
+        let replaced: Option<std::sync::Arc<[u8]>> = None;
+        let words = ash::util::read_spv(&mut std::io::Cursor::new(replaced.as_deref().unwrap_or(shader.spirv)))
             .map_err(|e| Error::Memory { what: shader.name.to_owned(), message: e.to_string() })?;
         let info = vk::ShaderModuleCreateInfo::default().code(&words);
         // SAFETY: the words are a module that shaderc made; destroyed in `drop`.

@@ -80,15 +80,8 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     let f32s: Decode = |b| b.chunks_exact(4).map(|c| f32::from_ne_bytes([c[0], c[1], c[2], c[3]])).collect();
     let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();
     let unorm: Decode = |b| b.iter().map(|v| f32::from(*v) / 255.0).collect();
-    let srgb: Decode =
-        |b| {
-            b.iter()
-                .enumerate()
-                .map(|(i, v)| {
-                    if i % 4 == 3 { f32::from(*v) / 255.0 } else { crate::math::srgb_to_linear(f32::from(*v) / 255.0) }
-                })
-                .collect()
-        };
+    let srgb: Decode = srgb_decoded;
+    let bgra: Decode = |b| srgb_decoded(&b.chunks_exact(4).flat_map(|c| [c[2], c[1], c[0], c[3]]).collect::<Vec<u8>>());
     Some(match format {
         vk::Format::D32_SFLOAT | vk::Format::R32_SFLOAT => (1, 4, f32s),
         vk::Format::R32G32_SFLOAT => (2, 8, f32s),
@@ -98,6 +91,14 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
         vk::Format::R8_UNORM => (1, 1, unorm),
         vk::Format::R8G8B8A8_UNORM => (4, 4, unorm),
         vk::Format::R8G8B8A8_SRGB => (4, 4, srgb),
+        vk::Format::B8G8R8A8_SRGB => (4, 4, bgra),
         _ => return None,
     })
+}
+
+/// Of RGBA bytes; alpha is linear as it stands.
+fn srgb_decoded(rgba: &[u8]) -> Vec<f32> {
+    let unit = |v: u8| f32::from(v) / 255.0;
+    let channel = |(i, v): (usize, &u8)| if i % 4 == 3 { unit(*v) } else { crate::math::srgb_to_linear(unit(*v)) };
+    rgba.iter().enumerate().map(channel).collect()
 }

@@ -42,4 +42,31 @@ pub enum BindingKind {
     StorageBuffer,
 }
 
+/// Code that replaces the compiled-in one, by [`Shader::name`]: shaders that changed while a window
+/// shows them. A pipeline made after the change has the new code.
+#[cfg(feature = "window")]
+#[derive(Debug, Default)]
+pub struct Replaced(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);
+
+#[cfg(feature = "window")]
+impl Replaced {
+    /// The code that stands for a shader, if it was replaced.
+    pub fn get(&self, name: &str) -> Option<std::sync::Arc<[u8]>> {
+        self.lock().get(name).cloned()
+    }
+
+    /// Replaces a shader's code, or with `None` goes back to the compiled-in one. What was there is
+    /// returned.
+    pub fn set(&self, shader: &Shader, spirv: Option<std::sync::Arc<[u8]>>) -> Option<std::sync::Arc<[u8]>> {
+        match spirv {
+            Some(spirv) => self.lock().insert(shader.name, spirv),
+            None => self.lock().remove(shader.name),
+        }
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>> {
+        self.0.lock().unwrap_or_else(|e| e.into_inner())
+    }
+}
+
 include!(concat!(env!("OUT_DIR"), "/shaders.rs"));

@@ -1,11 +1,11 @@
-//! A window's surface and swapchain: takes linear images, and shows them sRGB-encoded.
+//! A window's surface and swapchain: takes an image that is sRGB-encoded already, and shows its bits.
 //!
-//! The encoding is the blit's: into an sRGB format of the swapchain where the surface has one, else
-//! into an sRGB image of our own whose bits are then copied. Either way it happens once, in hardware.
+//! The encoding happens where that image is drawn, once, in hardware, since its format
+//! ([`Swapchain::screen_format`]) is an sRGB one. The swapchain's own need not be.
 
 use super::device::{Gpu, vulkan};
-use super::frame::{FrameContext, Mode};
-use super::image::{Image, ImageDesc, ImageSlice};
+use super::frame::{Frame, FrameContext, Mode};
+use super::image::Image;
 use super::sync::Access;
 use crate::error::{Error, Result};
 use ash::vk;
@@ -83,16 +83,14 @@ struct Chain {
     images: Vec<Image>,
     /// For each image, signalled when it may be shown; free again when that image is acquired again.
     rendered: Vec<vk::Semaphore>,
-    /// Where the encoding happens if the swapchain's format doesn't do it.
-    encoded: Option<Image>,
 }
 
 /// A format of a surface, and which of our own encodes for it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct SurfaceFormat {
     shown: vk::SurfaceFormatKHR,
-    /// The sRGB format with the same bits, if the one shown is none.
-    encoded: Option<vk::Format>,
+    /// The sRGB format with the same bits: that of images to be shown.
+    encoded: vk::Format,
 }
 
 impl Swapchain {
@@ -119,7 +117,7 @@ impl Swapchain {
             surfaces: ash::khr::surface::Instance::new(&shared.entry, &shared.instance),
             surface,
             swapchains: ash::khr::swapchain::Device::new(&shared.instance, &shared.device),
-            format: SurfaceFormat { shown: vk::SurfaceFormatKHR::default(), encoded: None },
+            format: SurfaceFormat { shown: vk::SurfaceFormatKHR::default(), encoded: vk::Format::UNDEFINED },
             present_mode: vk::PresentModeKHR::FIFO,
             acquired: vk::Semaphore::null(),
             chain: None,
@@ -146,12 +144,23 @@ impl Swapchain {
         Ok(Some(extent))
     }
 
-    /// Shows a level of a linear image, scaled to the window. False if it could not be shown,
-    /// because the window changed in the meantime or is hidden: [`Self::prepare`] and draw again.
+    /// The format of images that [`Self::present`] takes.
+    pub fn screen_format(&self) -> vk::Format {
+        self.format.encoded
+    }
+
+    /// Shows an image of [`Self::screen_format`] and of the size that [`Self::prepare`] returned,
+    /// after `record` drew it in the same submission. False if it was neither drawn nor shown, because
+    /// the window changed in the meantime or is hidden: [`Self::prepare`] and draw again.
     ///
     /// # Errors
     /// Any Vulkan failure; the swapchain is then fit only to be dropped.
-    pub fn present(&mut self, context: &mut FrameContext, image: ImageSlice) -> Result<bool> {
+    pub fn present(
+        &mut self,
+        context: &mut FrameContext,
+        screen: &Image,
+        record: impl FnOnce(&mut Frame) -> Result<()>,
+    ) -> Result<bool> {
         let Some(chain) = &self.chain else { return Ok(false) };
         // SAFETY: the semaphore is unsignalled, since the submission that waited for it is done.
         let next = unsafe {
@@ -170,13 +179,8 @@ impl Swapchain {
         let wait_stages = Access::TransferWrite.info().stages;
         target.acquired(wait_stages);
         let mut frame = context.begin(Mode::Plain)?;
-        match &chain.encoded {
-            None => frame.blit("present", image, target.all())?,
-            Some(encoded) => {
-                frame.blit("encode", image, encoded.all())?;
-                frame.copy("present", encoded.all(), target.all())?;
-            }
-        }
+        record(&mut frame)?;
+        frame.copy("present", screen.all(), target.all())?;
         frame.make_ready(target.all(), Access::Present);
         frame.finish_presenting(self.acquired, wait_stages, rendered)?;
 
@@ -219,7 +223,7 @@ impl Swapchain {
         let encodes = |format| {
             // SAFETY: the physical device belongs to the instance.
             let p = unsafe { shared.instance.get_physical_device_format_properties(shared.physical, format) };
-            p.optimal_tiling_features.contains(vk::FormatFeatureFlags::BLIT_DST)
+            p.optimal_tiling_features.contains(vk::FormatFeatureFlags::COLOR_ATTACHMENT_BLEND)
         };
         self.format = surface_format(&formats, encodes)
             .ok_or_else(|| Error::NoWindow(format!("{name} has no 8-bit sRGB format for it")))?;
@@ -240,19 +244,13 @@ impl Swapchain {
             self.create_chain(capabilities, extent, old.as_ref().map_or(vk::SwapchainKHR::null(), |c| c.handle));
         self.destroy_chain(old);
         let handle = created?;
-        let chain =
-            self.chain.insert(Chain { handle, extent, images: Vec::new(), rendered: Vec::new(), encoded: None });
+        let chain = self.chain.insert(Chain { handle, extent, images: Vec::new(), rendered: Vec::new() });
         // SAFETY: the swapchain was just made.
         let images =
             unsafe { self.swapchains.get_swapchain_images(handle) }.map_err(vulkan("vkGetSwapchainImagesKHR"))?;
         for image in images {
             chain.images.push(Image::of_swapchain(&self.gpu, image, self.format.shown.format, extent));
             chain.rendered.push(semaphore(&self.gpu, "rendered")?);
-        }
-        if let Some(format) = self.format.encoded {
-            let usage = vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
-            let desc = ImageDesc { name: "encoded", format, extent, levels: 1, layers: 1, usage };
-            chain.encoded = Some(Image::new(&self.gpu, &desc)?);
         }
         self.stale = false;
         Ok(())
@@ -337,7 +335,7 @@ fn surface_extent(capabilities: &vk::SurfaceCapabilitiesKHR, window: [u32; 2]) -
     [window[0].min(max.width).max(min.width), window[1].min(max.height).max(min.height)]
 }
 
-/// An sRGB format that a blit can write, or else one whose bits an sRGB format of ours shares.
+/// An sRGB format that can be drawn to, or else one whose bits an sRGB format of ours shares.
 fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format) -> bool) -> Option<SurfaceFormat> {
     use vk::Format as F;
     const PAIRS: [(F, F); 2] = [(F::B8G8R8A8_SRGB, F::B8G8R8A8_UNORM), (F::R8G8B8A8_SRGB, F::R8G8B8A8_UNORM)];
@@ -345,10 +343,8 @@ fn surface_format(offered: &[vk::SurfaceFormatKHR], encodes: impl Fn(vk::Format)
         offered.iter().copied().find(|o| o.format == format && o.color_space == vk::ColorSpaceKHR::SRGB_NONLINEAR)
     };
     let pairs = || PAIRS.into_iter().filter(|(srgb, _)| encodes(*srgb));
-    let direct = pairs().find_map(|(srgb, _)| Some(SurfaceFormat { shown: offered(srgb)?, encoded: None }));
-    direct.or_else(|| {
-        pairs().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: offered(unorm)?, encoded: Some(srgb) }))
-    })
+    let direct = pairs().find_map(|(srgb, _)| Some(SurfaceFormat { shown: offered(srgb)?, encoded: srgb }));
+    direct.or_else(|| pairs().find_map(|(srgb, unorm)| Some(SurfaceFormat { shown: offered(unorm)?, encoded: srgb })))
 }
 
 #[cfg(test)]
@@ -364,16 +360,16 @@ mod tests {
     fn an_srgb_format_is_taken_wherever_it_stands() {
         let offers = [offer(F::B8G8R8A8_UNORM), offer(F::A2B10G10R10_UNORM_PACK32), offer(F::R8G8B8A8_SRGB)];
         let taken = surface_format(&offers, |_| true).unwrap();
-        assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_SRGB, None));
+        assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_SRGB, F::R8G8B8A8_SRGB));
     }
 
     #[test]
     fn without_one_its_bits_are_copied_in_the_same_order_of_channels() {
         let taken = surface_format(&[offer(F::B8G8R8A8_UNORM)], |_| true).unwrap();
-        assert_eq!((taken.shown.format, taken.encoded), (F::B8G8R8A8_UNORM, Some(F::B8G8R8A8_SRGB)));
+        assert_eq!((taken.shown.format, taken.encoded), (F::B8G8R8A8_UNORM, F::B8G8R8A8_SRGB));
         let both = [offer(F::B8G8R8A8_UNORM), offer(F::R8G8B8A8_UNORM)];
         let taken = surface_format(&both, |f| f == F::R8G8B8A8_SRGB).unwrap();
-        assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_UNORM, Some(F::R8G8B8A8_SRGB)));
+        assert_eq!((taken.shown.format, taken.encoded), (F::R8G8B8A8_UNORM, F::R8G8B8A8_SRGB));
     }
 
     #[test]

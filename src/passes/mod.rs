@@ -17,6 +17,8 @@ pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
 pub mod linear_trace;
+#[cfg(feature = "window")]
+pub mod look;
 pub mod mask_chain;
 pub mod pccm;
 pub mod planar;
@@ -208,6 +210,8 @@ pub enum Content {
     Material,
     /// Texture coordinates, depth and path code.
     Hits,
+    /// Cells or texels that each pixel's ray looked at, in the first channel.
+    Steps,
 }
 
 /// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`,

@@ -107,6 +107,28 @@ pub struct Hit {
     pub steps: i32,
 }
 
+/// A cell that a ray looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Visit {
+    /// Level of the pyramid.
+    pub level: u32,
+    /// The cell: pixel >> level.
+    pub cell: IVec2,
+    /// What it holds.
+    pub block: Block,
+    /// Whether the ray's depth meets it: then the walk goes down, or ends; else it goes on.
+    pub meets: bool,
+    /// s at which the ray enters and leaves.
+    pub span: [f32; 2],
+}
+
+impl Ray {
+    /// Continuous pixel coordinates and reversed depth at s.
+    pub fn at(&self, s: f32) -> Vec3 {
+        (self.pixel.as_vec2() + 0.5).extend(self.depth) + s * self.rate
+    }
+}
+
 /// What the shader takes for infinite.
 const NEVER: f32 = 1e30;
 
@@ -197,6 +219,11 @@ impl<'a> Traversal<'a> {
 
     /// `Traverse`.
     pub fn traverse(&self, ray: &Ray) -> Hit {
+        self.walk(ray, |_| {})
+    }
+
+    /// The same, telling every cell that is looked at.
+    pub fn walk(&self, ray: &Ray, mut visit: impl FnMut(Visit)) -> Hit {
         let mut hit = Hit { code: Code::Nothing, pixel: ray.pixel, position: Vec2::ZERO, depth: 0.0, steps: 0 };
         let ahead = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0));
         let (slope, ahead2) = (ray.rate.truncate(), 2 * ahead - 1);
@@ -226,6 +253,7 @@ impl<'a> Traversal<'a> {
             let exit_depth = ray.depth + last * ray.rate.z;
             let (far, near) = (entry_depth.min(exit_depth), entry_depth.max(exit_depth));
             let meets = far <= block.front && near >= block.back;
+            visit(Visit { level: level as u32, cell, block, meets, span: [entry, last] });
             if if meets { level == 0 } else { exit >= ray.end } {
                 if !meets {
                     return hit;

@@ -161,6 +161,7 @@ pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> R
             Content::Share => &["share"],
             Content::Material => &["reflectivity", "roughness"],
             Content::Hits => &["u", "v", "depth", "path"],
+            Content::Steps => &["steps"],
         };
         write_exr(&folder.join(format!("{stem}.exr")), pixels, names)?;
         if *kind == Content::Hits {
@@ -184,6 +185,10 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
+        Content::Steps => {
+            let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
+            Rgb::from_pixels(pixels, |c| [unit(c[0] / most); 3])
+        }
         Content::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
         Content::Hits => Rgb::from_pixels(pixels, |c| {
             if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) {

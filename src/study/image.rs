@@ -3,7 +3,8 @@
 use super::gbuffer;
 use super::stage::{Shot, Stage};
 use crate::error::Result;
-use crate::gpu::{FrameReport, Image, Pixels};
+use crate::gpu::{FrameReport, Pixels};
+use crate::methods::{Intermediate, Output};
 use crate::passes::Content;
 use crate::passes::gbuffer::Drawn;
 
@@ -24,6 +25,22 @@ pub struct RenderedImage {
 /// Every intermediate with its file stem.
 pub type Intermediates = Vec<(String, Content, Pixels)>;
 
+/// What led to a frame's reflection: the G-buffer, the method's intermediates and its hits.
+pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> {
+    let gbuffer = shot.gbuffer.gbuffer();
+    let image = |name, content, image| Intermediate { name, content, image };
+    let mut all = vec![
+        image("albedo", Content::Color, shot.gbuffer.albedo()),
+        image("normal", Content::Normal, gbuffer.normal),
+        image("depth", Content::ReversedDepth, gbuffer.depth),
+        image("material", Content::Material, gbuffer.material),
+        image("color", Content::Color, gbuffer.color),
+    ];
+    all.extend(output.traced.intermediates.iter().copied());
+    all.extend(output.traced.hits.map(|h| image("hits", Content::Hits, h.0)));
+    all
+}
+
 /// Renders a shot and reads it back. With `dump`, intermediates too; a method that gives its hits
 /// only when split should be made so.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
@@ -32,25 +49,15 @@ pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImag
     let reflection = gbuffer::reflection(&mut stage.context, &output)?;
     let mut intermediates = None;
     if dump {
-        let gbuffer = shot.gbuffer.gbuffer();
-        let mut all: Vec<(String, Content, &Image)> = vec![
-            ("albedo".into(), Content::Color, shot.gbuffer.albedo()),
-            ("normal".into(), Content::Normal, gbuffer.normal),
-            ("depth".into(), Content::ReversedDepth, gbuffer.depth),
-            ("material".into(), Content::Material, gbuffer.material),
-            ("color".into(), Content::Color, gbuffer.color),
-        ];
-        all.extend(output.traced.intermediates.iter().map(|i| (i.name.into(), i.content, i.image)));
-        all.extend(output.traced.hits.map(|h| ("hits".into(), Content::Hits, h.0)));
         let mut read = vec![
             ("reflection".into(), Content::Color, reflection.clone()),
             ("composite".into(), Content::Color, composite.clone()),
         ];
-        for (name, kind, image) in all {
+        for Intermediate { name, content, image } in inside(shot, &output) {
             let parts = image.parts();
             for (n, part) in parts.iter().enumerate() {
-                let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.clone() };
-                read.push((stem, kind, stage.context.read(*part)?));
+                let stem = if parts.len() > 1 { format!("{name}-{n}") } else { name.to_owned() };
+                read.push((stem, content, stage.context.read(*part)?));
             }
         }
         intermediates = Some(read);

@@ -33,10 +33,32 @@ pub struct Motion {
     pub fast: bool,
 }
 
+impl Motion {
+    /// Whether it asks for anything.
+    pub fn is_moving(&self) -> bool {
+        self.direction != Vec3::ZERO
+    }
+}
+
 impl FlyCamera {
     /// At a view.
     pub fn new(view: &View, speed_m_per_s: f32) -> Self {
         Self { eye: view.eye, look_at: view.look_at, speed_m_per_s }
+    }
+
+    /// Eye and the point that it looks at.
+    pub fn place(&self) -> (Vec3, Vec3) {
+        (self.eye, self.look_at)
+    }
+
+    /// Puts it somewhere; keeps the speed.
+    pub fn put(&mut self, (eye, look_at): (Vec3, Vec3)) {
+        *self = Self { eye, look_at, ..*self };
+    }
+
+    /// Metres a second without the "fast" key.
+    pub fn speed_m_per_s(&self) -> f32 {
+        self.speed_m_per_s
     }
 
     /// Jumps to a view; keeps the speed.

@@ -1,0 +1,16 @@
+#version 460
+// Keeps a mip level of an image, as 32-bit floats and at the size of the target, for `look.frag`:
+// what methods make is theirs until the next frame only.
+
+layout(binding = 0) uniform sampler2D source; // a view of one level
+
+layout(push_constant) uniform KeepBlock {
+    vec2 scale; // texels of the source a pixel of the target
+} keep;
+
+layout(location = 0) out vec4 out_texel;
+
+void main() {
+    ivec2 texel = ivec2(gl_FragCoord.xy * keep.scale);
+    out_texel = texelFetch(source, min(texel, textureSize(source, 0) - 1), 0);
+}

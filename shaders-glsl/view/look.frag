@@ -1,0 +1,84 @@
+#version 460
+// What the window shows beside its panel: one picture, two side by side, or their difference; a
+// colour, or an intermediate's numbers as shades. The target encodes sRGB.
+
+layout(binding = 0) uniform sampler2D first;
+layout(binding = 1) uniform sampler2D second;
+
+#define COMPARE_NONE       0
+#define COMPARE_SPLIT      1 // the first left of the line, the second right of it
+#define COMPARE_DIFFERENCE 2
+
+// What the numbers are: `passes::Content`.
+#define CONTENT_COLOR          0
+#define CONTENT_NORMAL         1
+#define CONTENT_REVERSED_DEPTH 2
+#define CONTENT_STANDARD_DEPTH 3
+#define CONTENT_PLAIN          4 // numbers as they are
+#define CONTENT_HEAT           5 // one number, as a heat map
+
+layout(push_constant) uniform LookBlock {
+    ivec4 area;       // left, top, width and height of the pictures on the screen, pixels
+    int compare;      // COMPARE_*
+    int split;        // pixels from the left of the area
+    int content;      // CONTENT_*
+    int channel;      // one channel as grey; -1: all
+    float exposure;   // factor
+    float range_low;  // shown black
+    float range_high; // shown white
+    float gain;       // factor of the difference
+    float near_plane; // metres, for depths
+    float far_plane;
+} look;
+
+layout(location = 0) out vec4 out_color;
+
+// Near is bright; the logarithm spreads what depth compresses. A hundred times the near distance is
+// mid-grey, and sky black.
+float DepthShade(float reversed) {
+    if (reversed <= 0.0)
+        return 0.0;
+    float z = look.near_plane * look.far_plane
+        / (look.near_plane + reversed * (look.far_plane - look.near_plane));
+    return clamp(1.0 - log(z / look.near_plane) / log(1e4), 0.0, 1.0);
+}
+
+// Black, blue, green, yellow, red, white.
+vec3 Heat(float share) {
+    const vec3 stops[6] = vec3[](
+        vec3(0.0), vec3(0.05, 0.1, 0.6), vec3(0.0, 0.5, 0.2), vec3(0.9, 0.75, 0.0), vec3(0.8, 0.05, 0.0), vec3(1.0));
+    float at = clamp(share, 0.0, 1.0) * 5.0;
+    int below = min(int(at), 4);
+    return mix(stops[below], stops[below + 1], at - float(below));
+}
+
+vec3 Ranged(vec3 value) {
+    return (value * look.exposure - look.range_low) / max(look.range_high - look.range_low, 1e-6);
+}
+
+vec3 Shade(vec4 texel) {
+    if (look.channel >= 0)
+        return Ranged(vec3(texel[look.channel]));
+    switch (look.content) {
+        case CONTENT_NORMAL: return texel.xyz == vec3(0.0) ? vec3(0.0) : Ranged(texel.xyz * 0.5 + 0.5);
+        case CONTENT_REVERSED_DEPTH: return Ranged(vec3(DepthShade(texel.r)));
+        case CONTENT_STANDARD_DEPTH: return Ranged(vec3(DepthShade(1.0 - texel.r), DepthShade(1.0 - texel.g), 0.0));
+        case CONTENT_HEAT: return Heat(Ranged(texel.rrr).r);
+        default: return Ranged(texel.rgb);
+    }
+}
+
+void main() {
+    ivec2 at = ivec2(gl_FragCoord.xy) - look.area.xy;
+    out_color = vec4(0.01, 0.01, 0.01, 1.0);
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, look.area.zw)))
+        return;
+    vec4 a = texelFetch(first, at, 0);
+    if (look.compare == COMPARE_DIFFERENCE) {
+        out_color.rgb = abs(Shade(a) - Shade(texelFetch(second, at, 0))) * look.gain;
+    } else if (look.compare == COMPARE_SPLIT && at.x >= look.split) {
+        out_color.rgb = at.x == look.split ? vec3(1.0) : Shade(texelFetch(second, at, 0));
+    } else {
+        out_color.rgb = Shade(a);
+    }
+}

@@ -1,0 +1,109 @@
+//! Frames of the window as an animated GIF: pictures for a page. Pixels that stay as they were are left
+//! out of the later frames, which keeps the file small.
+
+use crate::error::{Error, Result};
+use crate::gpu::Pixels;
+use crate::report::files;
+use crate::report::images::display;
+use std::path::Path;
+
+/// How far two bytes may differ to be the same to the eye.
+const SAME: u8 = 3;
+/// Of the quantisation, from 1 (best) to 30.
+const SPEED: i32 = 10;
+
+/// An animation that grows frame by frame.
+pub struct Animation {
+    delay_ms: u16,
+    size: [u16; 2],
+    /// RGBA bytes; what stays as it was is transparent.
+    frames: Vec<Vec<u8>>,
+    /// What the frames so far leave on the screen, in RGBA bytes.
+    seen: Vec<u8>,
+}
+
+impl Animation {
+    /// An empty one, of so many milliseconds a frame.
+    pub fn new(delay_ms: u16) -> Self {
+        Self { delay_ms, size: [0; 2], frames: Vec::new(), seen: Vec::new() }
+    }
+
+    /// Adds a screen. All must be of one size, else it is an error.
+    pub fn add(&mut self, screen: &Pixels) -> Result<()> {
+        let rgb = display(screen);
+        let is_first = self.frames.is_empty();
+        let size = [rgb.width, rgb.height].map(u16::try_from);
+        let [Ok(width), Ok(height)] = size else {
+            return Err(Error::Usage("an animation has at most 65535 pixels a side".into()));
+        };
+        if is_first {
+            self.size = [width, height];
+            self.seen = vec![0; 4 * rgb.bytes.len() / 3];
+        }
+        if self.size != [width, height] {
+            return Err(Error::Usage("the window changed its size during the animation".into()));
+        }
+        let mut rgba = vec![0; self.seen.len()];
+        let texels = rgb.bytes.chunks_exact(3).zip(self.seen.chunks_exact_mut(4)).zip(rgba.chunks_exact_mut(4));
+        for ((now, seen), out) in texels {
+            if is_first || now.iter().zip(&*seen).any(|(a, b)| a.abs_diff(*b) > SAME) {
+                out.copy_from_slice(&[now[0], now[1], now[2], 255]);
+                seen.copy_from_slice(out);
+            }
+        }
+        self.frames.push(rgba);
+        Ok(())
+    }
+
+    /// Writes the file, which repeats without an end.
+    pub fn write(self, path: &Path) -> Result<()> {
+        let failed = |e: gif::EncodingError| Error::io("encode", path, std::io::Error::other(e));
+        let mut bytes = Vec::new();
+        let mut encoder = gif::Encoder::new(&mut bytes, self.size[0], self.size[1], &[]).map_err(failed)?;
+        encoder.set_repeat(gif::Repeat::Infinite).map_err(failed)?;
+        for mut rgba in self.frames {
+            let mut frame = gif::Frame::from_rgba_speed(self.size[0], self.size[1], &mut rgba, SPEED);
+            // What a frame leaves out stays as it was.
+            frame.dispose = gif::DisposalMethod::Keep;
+            frame.delay = self.delay_ms.div_ceil(10);
+            encoder.write_frame(&frame).map_err(failed)?;
+        }
+        // The end of the file is written with the encoder's.
+        drop(encoder);
+        files::write(path, &bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::AnimationDecoder;
+
+    #[test]
+    fn frames_are_what_was_added() {
+        let screen = |bright: usize| Pixels {
+            width: 4,
+            height: 2,
+            channels: 4,
+            values: (0..8).flat_map(|i| if i == bright { [1.0; 4] } else { [0.0, 0.0, 0.2, 1.0] }).collect(),
+        };
+        let mut animation = Animation::new(50);
+        for i in 0..3 {
+            animation.add(&screen(i)).unwrap();
+        }
+        assert!(animation.add(&Pixels { width: 1, height: 1, channels: 4, values: vec![0.0; 4] }).is_err());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gif");
+        animation.write(&path).unwrap();
+        let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+        let frames = image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
+        assert_eq!(frames.len(), 3);
+        for (n, frame) in frames.iter().enumerate() {
+            // What did not change is still there: blue, and not the ground.
+            for (i, pixel) in frame.buffer().pixels().enumerate() {
+                let [red, _, blue, alpha] = pixel.0;
+                assert!((red > 200) == (i == n) && blue > 100 && alpha == 255, "frame {n}, pixel {i}: {pixel:?}");
+            }
+        }
+    }
+}

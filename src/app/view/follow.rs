@@ -1,0 +1,145 @@
+//! After the panel had its say: renders if what is seen changed, asks the frame at rest if it did not, and
+//! brings ray, range and screen to the state.
+
+use super::against::Question;
+use super::panel::Done;
+use super::pictures::{Answers, Pictures, Wanted};
+use super::state::{STEPS, Tab};
+use super::viewer::{Viewer, scene_name, screen, views};
+use crate::app::cli::SceneOptions;
+use crate::app::resolve;
+use crate::error::Result;
+use crate::methods::Fallback;
+use crate::passes::Content;
+use crate::passes::look::Look;
+use crate::reference::world::Escape;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl Viewer {
+    /// Brings pictures and screen to what the panel left of the state; whether there was anything to do.
+    pub(super) fn follow(&mut self, done: &Done, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
+        if self.state.scene != scene_name(&self.place) {
+            self.load_scene()?;
+        }
+        if self.screen.extent() != extent {
+            self.screen = screen(&self.gpu, self.screen.format(), extent)?;
+        }
+        let area = done.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
+        let wanted = self.wanted([area[2], area[3]]);
+        let mut active = true;
+        if self.pictures.is_other(&wanted) {
+            self.pictures.render(&wanted)?;
+            self.frames += 1;
+            (self.answers, self.ray) = (None, None);
+            self.against.forget();
+        } else if self.asks() {
+            let answers = self.pictures.ask()?;
+            if self.state.tab == Tab::Live {
+                self.ask_against(&wanted, &answers);
+            }
+            self.answers = Some(answers);
+        } else {
+            active = false;
+        }
+        active |= self.pick();
+        if done.fit_range {
+            self.fit_range()?;
+            active = true;
+        }
+        let content = self.pictures.shown(0).map(|s| s.content);
+        let look = Look {
+            area,
+            compare: self.state.compare,
+            split: self.state.split,
+            gain: self.state.gain,
+            tone: self.state.shown_tone(content.unwrap_or(Content::Color)),
+            lens: wanted.camera.lens,
+        };
+        self.shown = Some(look);
+        Ok(active)
+    }
+
+    /// Whether the frame at rest is to be asked: the open part of the panel shows its answers.
+    pub(super) fn asks(&self) -> bool {
+        let steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
+        let wants = steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
+        let looks_for_reference =
+            self.state.tab == Tab::Live && !self.against.is_waiting() && self.against.answer.is_none();
+        wants && (self.answers.is_none() || looks_for_reference)
+    }
+
+    /// Brings the drawn ray to the picked pixel; whether it was another.
+    fn pick(&mut self) -> bool {
+        let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
+        let inspection = self.answers.as_ref().and_then(|a| a.inspection.as_ref());
+        let (Some(pixel), Some(inspection)) = (wanted, inspection) else { return false };
+        if self.ray.as_ref().is_some_and(|r| r.pixel == pixel) {
+            return false;
+        }
+        self.ray = inspection.pick(pixel);
+        self.ray.is_some()
+    }
+
+    fn ask_against(&mut self, wanted: &Wanted, answers: &Answers) {
+        let question = Question {
+            scene: Arc::clone(&self.scene),
+            materials: wanted.materials.clone(),
+            camera: wanted.camera,
+            extent: wanted.extent,
+            escape: match wanted.sides.first().map(|s| s.setup.fallback) {
+                None | Some(Fallback::None) => Escape::Black,
+                Some(_) => Escape::Environment,
+            },
+            reflections: answers.reflections.clone(),
+        };
+        let wake = Arc::clone(&self.wake);
+        self.against.ask(question, move || wake());
+    }
+
+    /// The range from the least to the greatest number that the picture shows.
+    fn fit_range(&mut self) -> Result<()> {
+        let Some(pixels) = self.read_picture()? else { return Ok(()) };
+        let tone = self.state.tone;
+        let channels = match tone.channel {
+            Some(c) => c as usize..c as usize + 1,
+            None => 0..3,
+        };
+        let factor = tone.exposure_stops.exp2();
+        let numbers = pixels.texels().flat_map(|t| t[channels.clone()].iter()).copied().filter(|v| v.is_finite());
+        let (low, high) = numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low <= high {
+            self.state.tone.range = [low * factor, (high * factor).max(low * factor + 1e-6)];
+        }
+        Ok(())
+    }
+
+    fn load_scene(&mut self) -> Result<()> {
+        let place = if self.state.scene == scene_name(&self.given) {
+            self.given.clone()
+        } else {
+            SceneOptions { scene: vec![PathBuf::from(&self.state.scene)], ..self.given.clone() }
+        };
+        let scene = resolve::scene(&place, "rooms")?;
+        self.views = views(&scene, &place)?;
+        let Some(first) = self.views.first().cloned() else { return Ok(()) };
+        // The old scene's memory goes before the new one's comes.
+        self.pictures.discard_pipelines();
+        self.pictures = Pictures::new(&self.gpu, &scene)?;
+        self.state.camera = Self::camera(&scene, &first);
+        self.state.show_view(&first);
+        self.state.picked = None;
+        (self.answers, self.ray) = (None, None);
+        self.scene = Arc::new(scene);
+        self.place = place;
+        Ok(())
+    }
+}
+
+/// Left, top, width and height in pixels of a rectangle in points, at least a pixel of the window.
+fn pixels(area: egui::Rect, [width, height]: [u32; 2], pixels_per_point: f32) -> [u32; 4] {
+    let x = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
+    let (left, top) = (x(area.left()).min(width - 1), x(area.top()).min(height - 1));
+    let (right, bottom) = (x(area.right()).min(width), x(area.bottom()).min(height));
+    [left, top, right.saturating_sub(left).max(1), bottom.saturating_sub(top).max(1)]
+}

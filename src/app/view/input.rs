@@ -1,0 +1,113 @@
+//! What keys do, by their place on a US keyboard.
+
+use super::fly_camera::Motion;
+use super::state::{State, Tab};
+use super::viewer::Viewer;
+use glam::Vec3;
+use std::collections::HashSet;
+use winit::keyboard::KeyCode;
+
+/// What a key does once.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Action {
+    /// Closes the window.
+    Quit,
+    /// Goes on to the next method.
+    NextMethod,
+    /// One method, both side by side, their difference.
+    NextCompare,
+    /// Makes everything rougher by tenths.
+    Roughness(f32),
+    /// Jumps to a view, counted from 0.
+    View(usize),
+    /// Shows or hides the panel.
+    Panel,
+    /// Opens the next part of the panel.
+    NextTab,
+    /// Records a key frame.
+    RecordKey,
+    /// Plays the key frames, or stops.
+    Play,
+}
+
+/// What a key does when it goes down.
+pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
+    use KeyCode as K;
+    const DIGITS: [KeyCode; 9] =
+        [K::Digit1, K::Digit2, K::Digit3, K::Digit4, K::Digit5, K::Digit6, K::Digit7, K::Digit8, K::Digit9];
+    match code {
+        K::Escape => Some(Action::Quit),
+        K::KeyM => Some(Action::NextMethod),
+        K::KeyC => Some(Action::NextCompare),
+        K::KeyR => Some(Action::Roughness(if shift { -1.0 } else { 1.0 })),
+        K::F1 => Some(Action::Panel),
+        K::F2 => Some(Action::NextTab),
+        K::KeyK => Some(Action::RecordKey),
+        K::KeyP => Some(Action::Play),
+        _ => DIGITS.iter().position(|d| *d == code).map(Action::View),
+    }
+}
+
+impl Viewer {
+    /// Does what a key asks for, but for quitting.
+    pub fn act(&mut self, action: Action) {
+        match action {
+            Action::Quit => {}
+            Action::NextMethod => self.state.next_method(),
+            Action::NextCompare => self.state.next_compare(),
+            Action::Roughness(tenths) => self.state.change_roughness(tenths),
+            Action::View(index) => {
+                if let Some(view) = self.views().get(index).cloned() {
+                    self.state.show_view(&view);
+                }
+            }
+            Action::Panel => toggle_panel(&mut self.state),
+            Action::NextTab => self.state.tab = self.state.tab.next(),
+            Action::RecordKey => self.path.record(&self.state.camera),
+            Action::Play => self.path.play_or_stop(),
+        }
+    }
+}
+
+fn toggle_panel(state: &mut State) {
+    state.tab = if state.tab == Tab::None { Tab::Tune } else { Tab::None };
+}
+
+/// Whether a shift key is held.
+pub fn shift(keys: &HashSet<KeyCode>) -> bool {
+    keys.contains(&KeyCode::ShiftLeft) || keys.contains(&KeyCode::ShiftRight)
+}
+
+/// Where the keys held ask to fly.
+pub fn motion(keys: &HashSet<KeyCode>) -> Motion {
+    let axis = |plus, minus| f32::from(keys.contains(&plus)) - f32::from(keys.contains(&minus));
+    let direction = Vec3::new(
+        axis(KeyCode::KeyD, KeyCode::KeyA),
+        axis(KeyCode::KeyE, KeyCode::KeyQ),
+        axis(KeyCode::KeyW, KeyCode::KeyS),
+    );
+    Motion { direction, fast: shift(keys) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_do_what_the_help_says() {
+        assert_eq!(action(KeyCode::KeyR, false), Some(Action::Roughness(1.0)));
+        assert_eq!(action(KeyCode::KeyR, true), Some(Action::Roughness(-1.0)));
+        assert_eq!(action(KeyCode::Digit1, false), Some(Action::View(0)));
+        assert_eq!(action(KeyCode::Digit9, false), Some(Action::View(8)));
+        assert_eq!(action(KeyCode::F1, false), Some(Action::Panel));
+        assert_eq!(action(KeyCode::KeyW, false), None);
+    }
+
+    #[test]
+    fn opposite_keys_cancel_and_shift_is_fast() {
+        let held = |keys: &[KeyCode]| motion(&keys.iter().copied().collect());
+        assert!(!held(&[KeyCode::KeyW, KeyCode::KeyS]).is_moving());
+        let m = held(&[KeyCode::KeyA, KeyCode::KeyE, KeyCode::ShiftLeft]);
+        assert_eq!((m.direction, m.fast), (Vec3::new(-1.0, 1.0, 0.0), true));
+    }
+}

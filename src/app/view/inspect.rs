@@ -1,0 +1,369 @@
+//! What a frame at rest is asked: where its rays ended, what a picked ray did, and what the oracle says
+//! of the same ray. All of it on the CPU, from one reading of the G-buffer.
+
+use super::state::Side;
+use crate::gpu::Pixels;
+use crate::methods::thesis::{self, Variant};
+use crate::passes::PathCode;
+use crate::passes::WIDE_ABOVE;
+use crate::reference::hi_z::{MinMax, chain};
+use crate::reference::hi_z_ray_trace::{self, Constants, HiZTrace, reflection_ray};
+use crate::reference::ray::{RaySetup, Segment};
+use crate::reference::unified::{Code, Traversal};
+use crate::reference::{Level, Oracle, Trace};
+use crate::scene::GBufferData;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use rayon::prelude::*;
+
+/// Pixels along a side of a tile of `unified` (`TILE` of `tiles.glsl`).
+const TILE: u32 = 8;
+
+/// A frame's G-buffer and hits on the host.
+pub struct Inspection {
+    /// The G-buffer.
+    pub gbuffer: GBufferData,
+    /// Where the method's rays ended, if it says so.
+    pub hits: Option<Pixels>,
+    twin: Option<Twin>,
+}
+
+/// How the method's ray trace is done again on the CPU.
+enum Twin {
+    /// The thesis's Hi-Z ray tracing, with its chain.
+    HiZ { constants: Constants, reflection_offset: f32, direction_epsilon: f32, chain: Vec<Level<MinMax>> },
+    /// The traversal of `unified`.
+    Unified,
+}
+
+/// A ray, seen by the method, by the twin of its traversal, and by the oracle.
+#[derive(Debug, Clone)]
+pub struct PickedRay {
+    /// The pixel that it starts from.
+    pub pixel: [u32; 2],
+    /// Its way in the image; `None` where there is no ray.
+    pub segment: Option<Segment>,
+    /// How the method says it ended, and where in pixels.
+    pub method: Option<(PathCode, [f32; 2])>,
+    /// Its cells and levels, if the method traverses the Hi-Z and there is a twin of its traversal.
+    pub walk: Option<Walk>,
+    /// What it truly meets in the G-buffer.
+    pub oracle: Trace,
+}
+
+/// A ray's way through the cells of the Hi-Z, whichever method's.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Walk {
+    /// Every cell that was looked at, in order.
+    pub cells: Vec<Cell>,
+    /// Where the ray stood, in pixels: at its pixel, then after every step.
+    pub way: Vec<Vec2>,
+    /// How it ended.
+    pub end: WalkEnd,
+    /// What the depths of the cells are.
+    pub depth: &'static str,
+}
+
+/// A cell on a walk.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Level of the Hi-Z, 0 for pixels.
+    pub level: u32,
+    /// Its place among the level's cells.
+    pub place: Vec2,
+    /// Its corners in pixels, top left and bottom right.
+    pub corners: [Vec2; 2],
+    /// The nearest depth in it.
+    pub nearest: f32,
+    /// The ray's depth after the step.
+    pub ray: f32,
+    /// Whether the ray went on to the next cell; else it met what is in this one, and the level went down.
+    pub crossed: bool,
+}
+
+/// How a walk ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WalkEnd {
+    /// In a cell of level 0.
+    Hit,
+    /// Where the ray leaves what is seen.
+    Left,
+    /// Out of iterations.
+    Exhausted,
+}
+
+impl Walk {
+    /// Where it ended, in pixels.
+    pub fn last(&self) -> Vec2 {
+        self.way.last().copied().unwrap_or_default()
+    }
+
+    /// Of the thesis's traversal, in an image of a size in pixels.
+    fn of_thesis(trace: &HiZTrace, size: Vec2) -> Self {
+        let cells = trace.steps.iter().map(|s| Cell {
+            level: s.level,
+            place: s.cell,
+            corners: [s.cell, s.cell + 1.0].map(|corner| corner / s.cell_count * size),
+            nearest: s.minimum_plane,
+            ray: s.ray.z,
+            crossed: s.crossed,
+        });
+        let way = [trace.from, trace.entered].into_iter().chain(trace.steps.iter().map(|s| s.ray));
+        Self {
+            cells: cells.collect(),
+            way: way.map(|at| at.xy() * size).collect(),
+            end: match trace.end {
+                hi_z_ray_trace::End::Hit => WalkEnd::Hit,
+                hi_z_ray_trace::End::LeftScreen => WalkEnd::Left,
+                hi_z_ray_trace::End::Exhausted => WalkEnd::Exhausted,
+            },
+            depth: "standard depth, near is 0",
+        }
+    }
+
+    /// Of the traversal of `unified`; `None` where the pixel has no ray.
+    fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
+        let (ray, _) = traversal.mirror_ray(x, y)?;
+        let (mut cells, mut way) = (Vec::new(), vec![ray.at(0.0).xy()]);
+        let hit = traversal.walk(&ray, |visit| {
+            let side = (1 << visit.level) as f32;
+            let place = visit.cell.as_vec2();
+            // Where it meets a cell, the next one that is looked at is within it.
+            let stands = ray.at(visit.span[usize::from(!visit.meets)]);
+            way.push(stands.xy());
+            cells.push(Cell {
+                level: visit.level,
+                place,
+                corners: [place * side, (place + 1.0) * side],
+                nearest: visit.block.front,
+                ray: stands.z,
+                crossed: !visit.meets,
+            });
+        });
+        let end = match hit.code {
+            Code::Surface => WalkEnd::Hit,
+            Code::Nothing => WalkEnd::Left,
+            Code::Unfinished => WalkEnd::Exhausted,
+        };
+        if end == WalkEnd::Hit {
+            way.push(hit.position);
+        }
+        Some(Self { cells, way, end, depth: "reversed depth, near is 1" })
+    }
+}
+
+/// Reflecting pixels by what `unified` does for them, and the rays that it traces for them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct PixelClasses {
+    /// Of roughness 0: a ray each.
+    pub mirrors: usize,
+    /// Of narrow lobes: a ray each.
+    pub narrow: usize,
+    /// Of wide lobes.
+    pub wide: usize,
+    /// Cells of 2 × 2 pixels with wide lobes among them: a ray each.
+    pub wide_cells: usize,
+}
+
+impl PixelClasses {
+    /// Every ray.
+    pub fn rays(&self) -> usize {
+        self.mirrors + self.narrow + self.wide_cells
+    }
+}
+
+/// Tiles of 8 × 8 pixels by what is in them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TileClasses {
+    /// Nothing that reflects.
+    pub empty: usize,
+    /// Mirrors alone.
+    pub mirrors: usize,
+    /// Gloss alone.
+    pub glossy: usize,
+    /// Both.
+    pub both: usize,
+}
+
+impl Inspection {
+    /// Of a side's frame.
+    pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side) -> Self {
+        let extent = [gbuffer.width, gbuffer.height];
+        let hi_z = |fallback| {
+            let variant =
+                Variant { preset: side.setup.preset, tuning: side.setup.tuning, fallback, fade: side.setup.fade };
+            let levels = crate::gpu::image::full_chain(extent);
+            let block = thesis::parameters(&variant, &gbuffer.camera, extent, levels);
+            let depth = Level {
+                width: gbuffer.width,
+                height: gbuffer.height,
+                texels: gbuffer.depth.iter().map(|reversed| 1.0 - reversed).collect(),
+            };
+            Twin::HiZ {
+                constants: Constants {
+                    start_level: block.start_level.max(0) as u32,
+                    iterations: block.iterations.max(0) as u32,
+                    cross_offset: block.cross_offset,
+                },
+                reflection_offset: block.reflection_offset,
+                direction_epsilon: block.view_direction_epsilon,
+                chain: chain(&depth),
+            }
+        };
+        // At a lower resolution the rays are those of other pixels.
+        let twin = match side.method.name {
+            _ if side.setup.divisor != 1 => None,
+            "ssct" => Some(hi_z(true)),
+            "hzct" => Some(hi_z(false)),
+            "unified" => Some(Twin::Unified),
+            _ => None,
+        };
+        Self { gbuffer, hits, twin }
+    }
+
+    /// Rays by how they ended, with their number.
+    pub fn ends(&self) -> Vec<(PathCode, usize)> {
+        let mut counts: Vec<(PathCode, usize)> = Vec::new();
+        for code in self.hits.iter().flat_map(Pixels::texels).filter_map(|t| PathCode::from_channel(t[3])) {
+            match counts.iter_mut().find(|(c, _)| *c == code) {
+                Some((_, n)) => *n += 1,
+                None => counts.push((code, 1)),
+            }
+        }
+        counts.retain(|(code, _)| *code != PathCode::None);
+        counts.sort_by_key(|(code, _)| *code as u8);
+        counts
+    }
+
+    /// Reflecting pixels.
+    pub fn reflecting(&self) -> usize {
+        (0..self.gbuffer.depth.len()).filter(|i| self.gbuffer.reflects(*i)).count()
+    }
+
+    /// Tiles by class: what a method that classifies them has to do.
+    pub fn tiles(&self) -> TileClasses {
+        let g = &self.gbuffer;
+        let mut classes = TileClasses::default();
+        for top in (0..g.height).step_by(TILE as usize) {
+            for left in (0..g.width).step_by(TILE as usize) {
+                let rows = top..(top + TILE).min(g.height);
+                let pixels = rows.flat_map(|y| (left..(left + TILE).min(g.width)).map(move |x| (x, y)));
+                let reflecting = pixels.map(|(x, y)| g.index(x, y)).filter(|i| g.reflects(*i));
+                let (mut mirrors, mut glossy) = (false, false);
+                for i in reflecting {
+                    if g.roughness[i] > 0.0 { glossy = true } else { mirrors = true }
+                }
+                match (mirrors, glossy) {
+                    (false, false) => classes.empty += 1,
+                    (true, false) => classes.mirrors += 1,
+                    (false, true) => classes.glossy += 1,
+                    (true, true) => classes.both += 1,
+                }
+            }
+        }
+        classes
+    }
+
+    /// The reflecting pixels by class.
+    pub fn pixels(&self) -> PixelClasses {
+        let g = &self.gbuffer;
+        let mut classes = PixelClasses::default();
+        for top in (0..g.height).step_by(2) {
+            for left in (0..g.width).step_by(2) {
+                let pixels = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| (left + dx, top + dy));
+                let there = pixels.into_iter().filter(|(x, y)| *x < g.width && *y < g.height);
+                let reflecting = there.map(|(x, y)| g.index(x, y)).filter(|i| g.reflects(*i));
+                let mut wide = 0;
+                for i in reflecting {
+                    match g.roughness[i] {
+                        r if r > WIDE_ABOVE => wide += 1,
+                        r if r > 0.0 => classes.narrow += 1,
+                        _ => classes.mirrors += 1,
+                    }
+                }
+                classes.wide += wide;
+                classes.wide_cells += usize::from(wide > 0);
+            }
+        }
+        classes
+    }
+
+    /// Whether the rays are those of `unified`.
+    pub fn is_unified(&self) -> bool {
+        matches!(self.twin, Some(Twin::Unified))
+    }
+
+    /// Steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.
+    pub fn steps(&self) -> Option<Vec<u32>> {
+        let (width, pixels) = (self.gbuffer.width, self.gbuffer.width * self.gbuffer.height);
+        let at = |i: u32| (i % width, i / width);
+        match self.twin.as_ref()? {
+            Twin::HiZ { .. } => {
+                let steps = |(x, y)| self.hi_z(x, y).map_or(0, |t| t.steps.len() as u32);
+                Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
+            }
+            Twin::Unified => {
+                let traversal = Traversal::new(&self.gbuffer);
+                let steps = |(x, y)| {
+                    let ray = traversal.mirror_ray(x, y).filter(|_| self.gbuffer.reflects(self.gbuffer.index(x, y)));
+                    ray.map_or(0, |(ray, _)| traversal.traverse(&ray).steps.max(0) as u32)
+                };
+                Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
+            }
+        }
+    }
+
+    /// The thesis's Hi-Z ray tracing of a pixel (Alg. 6); `None` where the pixel does not reflect, or its
+    /// ray runs towards the camera.
+    fn hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
+        let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else {
+            return None;
+        };
+        let g = &self.gbuffer;
+        let (index, finest) = (g.index(x, y), &chain[0]);
+        let normal = g.normal[index];
+        if g.reflectivity[index] <= GBufferData::REFLECTS_ABOVE || normal.length_squared() <= 1e-4 {
+            return None;
+        }
+        let pixel = Vec3::new(
+            (x as f32 + 0.5) / g.width as f32,
+            (y as f32 + 0.5) / g.height as f32,
+            finest.at_clamped(x, y).min,
+        );
+        let ray = reflection_ray(&g.camera, pixel, normal.normalize(), *reflection_offset);
+        (ray.z > *direction_epsilon).then(|| hi_z_ray_trace::trace(chain, pixel, ray, constants))
+    }
+
+    /// The walk of a pixel's mirror ray.
+    fn walk(&self, x: u32, y: u32) -> Option<Walk> {
+        let g = &self.gbuffer;
+        match self.twin.as_ref()? {
+            Twin::HiZ { .. } => {
+                let size = Vec2::new(g.width as f32, g.height as f32);
+                self.hi_z(x, y).map(|trace| Walk::of_thesis(&trace, size))
+            }
+            Twin::Unified if g.reflects(g.index(x, y)) => Walk::of_unified(&Traversal::new(g), x, y),
+            Twin::Unified => None,
+        }
+    }
+
+    /// The ray of a pixel; `None` off the image.
+    pub fn pick(&self, pixel: [u32; 2]) -> Option<PickedRay> {
+        let [x, y] = pixel;
+        if x >= self.gbuffer.width || y >= self.gbuffer.height {
+            return None;
+        }
+        let setup = RaySetup::new(&self.gbuffer);
+        let side = [self.gbuffer.width as f32, self.gbuffer.height as f32];
+        let method = self.hits.as_ref().and_then(|hits| {
+            let texel = hits.at(x, y);
+            Some((PathCode::from_channel(texel[3])?, [texel[0] * side[0], texel[1] * side[1]]))
+        });
+        Some(PickedRay {
+            pixel,
+            segment: setup.mirror(x, y).and_then(|direction| setup.segment(x, y, direction)),
+            method,
+            walk: self.walk(x, y),
+            oracle: Oracle::new(&self.gbuffer).trace(x, y),
+        })
+    }
+}

@@ -1,0 +1,287 @@
+//! Renders what the state asks for, keeps the pictures to be shown, and answers what is asked of a frame
+//! at rest.
+
+use super::history::History;
+use super::inspect::Inspection;
+use super::state::{Inside, STEPS, Side, State};
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::timing::PassWork;
+use crate::gpu::{FrameReport, Gpu, Image, Pixels};
+use crate::methods::{Intermediate, Setup};
+use crate::passes::Content;
+use crate::passes::look::KeepPass;
+use crate::scene::{Camera, Material, Scene};
+use crate::study::{Shot, Stage, gbuffer, image};
+use std::time::Instant;
+
+/// Everything that a rendered frame depends on.
+#[derive(Clone, PartialEq)]
+pub struct Wanted {
+    /// Where it is seen from.
+    pub camera: Camera,
+    /// The view's materials with the global factors.
+    pub materials: Vec<Material>,
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// The methods.
+    pub sides: Vec<Side>,
+    /// An intermediate instead of the finished image.
+    pub inside: Option<Inside>,
+}
+
+/// An image that can be looked at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// Mip levels, or slices of a volume.
+    pub levels: u32,
+    /// Width and height of level 0.
+    pub extent: [u32; 2],
+}
+
+/// A method that is shown.
+pub struct Shown {
+    side: Side,
+    shot: Shot,
+    kept: KeepPass,
+    /// What the kept picture's numbers are.
+    pub content: Content,
+    /// Its times.
+    pub history: History,
+    /// What it made.
+    pub images: Vec<ImageInfo>,
+}
+
+/// What a frame at rest was asked.
+#[derive(Default)]
+pub struct Answers {
+    /// Work of each pass of the first method; empty where the device does not count.
+    pub work: Vec<(String, PassWork)>,
+    /// Reflection colours of each method, before fade and reflectivity.
+    pub reflections: Vec<Vec<[f32; 3]>>,
+    /// The first method's frame on the host.
+    pub inspection: Option<Inspection>,
+    /// Steps of each pixel's ray, for methods that traverse the Hi-Z.
+    pub steps: Option<Vec<u32>>,
+}
+
+/// The methods that are shown, on one scene.
+pub struct Pictures {
+    /// The scene on the device.
+    pub stage: Stage,
+    shown: [Option<Shown>; 2],
+    /// The first method with its ray trace as a pass of its own, which gives the hits.
+    split: Option<(Side, Shot)>,
+    /// The frame that the pictures are of, if nothing made them stale.
+    rendered: Option<Wanted>,
+    /// The last frame that was rendered at all.
+    last: Option<Wanted>,
+    materials: Vec<Material>,
+}
+
+impl Pictures {
+    /// Uploads a scene.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+        Ok(Self {
+            stage: Stage::new(gpu, scene)?,
+            shown: [None, None],
+            split: None,
+            rendered: None,
+            last: None,
+            materials: Vec::new(),
+        })
+    }
+
+    /// Whether a frame is another than the one rendered last.
+    pub fn is_other(&self, wanted: &Wanted) -> bool {
+        self.rendered.as_ref() != Some(wanted)
+    }
+
+    /// Makes the next frame be rendered, whatever it is.
+    pub fn invalidate(&mut self) {
+        self.rendered = None;
+    }
+
+    /// Makes every pipeline anew with the next frame; times begin anew.
+    pub fn discard_pipelines(&mut self) {
+        self.shown = [None, None];
+        self.split = None;
+        self.rendered = None;
+    }
+
+    /// Tries whether pipelines can be made as the last frame had them.
+    pub fn try_pipelines(&mut self) -> Result<()> {
+        let Some(wanted) = self.last.clone() else { return Ok(()) };
+        wanted.sides.iter().try_for_each(|side| self.shot(side, &wanted).map(|_| ()))
+    }
+
+    /// A method that is shown: the first, or the second of two.
+    pub fn shown(&self, index: usize) -> Option<&Shown> {
+        self.shown[index].as_ref()
+    }
+
+    /// Stage and pictures; where one is shown it comes twice. `None` before the first frame.
+    pub fn parts(&mut self) -> Option<(&mut Stage, [&Image; 2], Content)> {
+        let Self { stage, shown: [first, second], rendered, .. } = self;
+        let first = first.as_ref()?;
+        let two = rendered.as_ref().is_some_and(|w| w.sides.len() > 1);
+        let second = second.as_ref().filter(|_| two).unwrap_or(first);
+        Some((stage, [first.kept.image(), second.kept.image()], first.content))
+    }
+
+    /// Renders a frame of each method.
+    pub fn render(&mut self, wanted: &Wanted) -> Result<()> {
+        let new_materials = self.materials != wanted.materials;
+        self.rendered = None;
+        if wanted.sides.len() < 2 {
+            self.shown[1] = None;
+        }
+        for (i, side) in wanted.sides.iter().enumerate() {
+            let fits = |s: &Shown| s.side == *side && s.kept.image().extent() == wanted.extent;
+            if !self.shown[i].as_ref().is_some_and(fits) {
+                // The old images go before the new ones come.
+                let history = self.shown[i].take().map(|s| s.history).unwrap_or_default();
+                self.shown[i] = Some(Shown {
+                    shot: self.shot(side, wanted)?,
+                    side: side.clone(),
+                    kept: KeepPass::new(self.stage.context.gpu(), wanted.extent)?,
+                    content: Content::Color,
+                    history,
+                    images: Vec::new(),
+                });
+                if let Some(shown) = &mut self.shown[i] {
+                    shown.history.clear();
+                }
+            } else if let (true, Some(shown)) = (new_materials, &mut self.shown[i]) {
+                shown.shot.set_materials(&mut self.stage, wanted.materials.clone())?;
+            }
+            if let Some(shown) = &mut self.shown[i] {
+                shown.render(&mut self.stage, wanted)?;
+            }
+        }
+        if new_materials {
+            self.split = None;
+            self.materials.clone_from(&wanted.materials);
+        }
+        self.rendered = Some(wanted.clone());
+        self.last = Some(wanted.clone());
+        Ok(())
+    }
+
+    /// Asks the frame that was rendered last. Costs frames of its own.
+    pub fn ask(&mut self) -> Result<Answers> {
+        let Some(wanted) = self.rendered.clone() else { return Ok(Answers::default()) };
+        let mut answers = Answers::default();
+        let mut hits = None;
+        for (i, shown) in self.shown.iter().flatten().enumerate() {
+            let (report, _, output) = self.stage.output_in(Mode::Counted, &shown.shot)?;
+            let reflection = gbuffer::reflection(&mut self.stage.context, &output)?;
+            answers.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
+            if i == 0 {
+                answers.work = works(&report);
+                hits = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
+            }
+        }
+        let Some(first) = &self.shown[0] else { return Ok(answers) };
+        if hits.is_none() && first.side.setup.divisor == 1 {
+            hits = self.split_hits(&wanted)?;
+        }
+        let Some(first) = &self.shown[0] else { return Ok(answers) };
+        let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
+        let inspection = Inspection::new(gbuffer, hits, &first.side);
+        answers.steps = inspection.steps();
+        answers.inspection = Some(inspection);
+        if let (Some(steps), true) = (&answers.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
+            self.show_steps(wanted.extent, steps)?;
+        }
+        Ok(answers)
+    }
+
+    /// Hits of the first method with ray trace and cone trace as two passes; the rays are the same.
+    fn split_hits(&mut self, wanted: &Wanted) -> Result<Option<Pixels>> {
+        let side = &wanted.sides[0];
+        let mut split = side.clone();
+        split.setup.split = true;
+        if !self
+            .split
+            .as_ref()
+            .is_some_and(|(made, shot)| *made == split && shot.gbuffer.gbuffer().depth.extent() == wanted.extent)
+        {
+            self.split = None;
+            let shot = self.shot(&split, wanted)?;
+            self.split = Some((split, shot));
+        }
+        let Some((_, shot)) = &mut self.split else { return Ok(None) };
+        shot.camera = wanted.camera;
+        let (_, _, output) = self.stage.output(shot)?;
+        output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()
+    }
+
+    /// Shows the steps of each pixel's ray instead of the first picture.
+    fn show_steps(&mut self, extent: [u32; 2], steps: &[u32]) -> Result<()> {
+        let texels: Vec<[f32; 4]> = steps.iter().map(|n| [*n as f32, 0.0, 0.0, 1.0]).collect();
+        let image = Image::from_texels(&mut self.stage.context, "steps", extent, &texels)?;
+        let Some(shown) = &mut self.shown[0] else { return Ok(()) };
+        shown.content = Content::Steps;
+        self.stage.context.once(|frame| shown.kept.record(frame, image.all()))
+    }
+
+    fn shot(&mut self, side: &Side, wanted: &Wanted) -> Result<Shot> {
+        let setup = Setup { extent: wanted.extent, ..side.setup };
+        Shot::new(&mut self.stage, side.method, &setup, wanted.camera, wanted.materials.clone())
+    }
+}
+
+impl Shown {
+    fn render(&mut self, stage: &mut Stage, wanted: &Wanted) -> Result<()> {
+        self.shot.camera = wanted.camera;
+        let (report, _, output) = stage.output_in(Mode::Timed, &self.shot)?;
+        self.history.add(&report, Instant::now());
+        // A cube map has no plane to show.
+        let mut images = image::inside(&self.shot, &output);
+        images.extend(output.traced.reflection.map(|r| Intermediate {
+            name: "reflection",
+            content: Content::Color,
+            image: r.0,
+        }));
+        images.retain(|i| i.image.layers() == 1);
+        let asked = wanted.inside.as_ref().and_then(|inside| {
+            let image = images.iter().find(|i| i.name == inside.name)?;
+            let parts = image.image.parts();
+            parts.get(inside.level as usize).or(parts.last()).map(|part| (image.content, *part))
+        });
+        let (content, slice) = match asked {
+            Some(asked) => asked,
+            None => (Content::Color, output.composite.level(0)),
+        };
+        self.content = content;
+        stage.context.once(|frame| self.kept.record(frame, slice))?;
+        let info = |i: &Intermediate| ImageInfo {
+            name: i.name,
+            levels: i.image.parts().len() as u32,
+            extent: i.image.extent(),
+        };
+        self.images = images.iter().map(info).collect();
+        Ok(())
+    }
+}
+
+fn works(report: &FrameReport) -> Vec<(String, PassWork)> {
+    report.recorded.iter().cloned().zip(report.work.iter().copied()).collect()
+}
+
+impl State {
+    /// The frame that the state asks for, at a size and in a scene.
+    pub fn wanted(&self, scene: &Scene, extent: [u32; 2]) -> Wanted {
+        let lens = self.view.lens.unwrap_or(scene.lens);
+        Wanted {
+            camera: self.camera.camera(lens, extent[0] as f32 / extent[1] as f32),
+            materials: self.globals.materials(scene, &self.view),
+            extent,
+            sides: self.rendered().to_vec(),
+            inside: self.inside.clone(),
+        }
+    }
+}

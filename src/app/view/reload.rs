@@ -1,0 +1,199 @@
+//! Shaders that change while the window is open: compiled when their file or one that they include
+//! changes, and refused where they would not fit the program any more. Whoever asked keeps the last
+//! good pipeline.
+
+use crate::error::{Error, Result};
+use crate::gpu::glsl;
+use crate::gpu::shader::{ALL, Shader};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, SystemTime};
+
+/// Time between two looks at the files. Looking takes no time of the GPU.
+const PERIOD: Duration = Duration::from_millis(300);
+
+/// A shader that changed: its code, or why it can't be used.
+pub type Change = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
+
+/// A shader's name, and that it is in use or why not.
+pub type Said = (&'static str, std::result::Result<(), String>);
+
+/// The shaders' folder, as it was seen last.
+pub struct Watch {
+    root: PathBuf,
+    seen: HashMap<PathBuf, Stamp>,
+    /// The files that each shader was made from; absent before its first compilation.
+    sources: HashMap<&'static str, Vec<PathBuf>>,
+    /// What each shader is now, or what was said of it.
+    last: HashMap<&'static str, std::result::Result<Arc<[u8]>, String>>,
+    compiler: shaderc::Compiler,
+}
+
+/// Changes whenever a file is written.
+type Stamp = (Option<SystemTime>, u64);
+
+impl Watch {
+    /// Takes a folder as it stands; what changes from now on is told.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it holds no shaders.
+    pub fn new(root: &Path) -> Result<Self> {
+        let seen = stamps(root);
+        if seen.is_empty() {
+            return Err(Error::Usage(format!("--shaders {}: there are no shaders", root.display())));
+        }
+        let compiler = shaderc::Compiler::new()
+            .map_err(|e| Error::Usage(format!("--shaders: the compiler cannot be started: {e}")))?;
+        Ok(Self { root: root.to_path_buf(), seen, sources: HashMap::new(), last: HashMap::new(), compiler })
+    }
+
+    /// Compiles what changed since the last look.
+    pub fn look(&mut self) -> Vec<Change> {
+        let now = stamps(&self.root);
+        let changed: Vec<&PathBuf> = now.iter().filter(|(p, s)| self.seen.get(*p) != Some(s)).map(|(p, _)| p).collect();
+        if changed.is_empty() {
+            return Vec::new();
+        }
+        let mut told = Vec::new();
+        for &shader in ALL {
+            let touches = |sources: &Vec<PathBuf>| sources.iter().any(|s| changed.contains(&s));
+            if self.sources.get(shader.name).is_some_and(|s| !touches(s)) {
+                continue;
+            }
+            let made = self.compile(shader);
+            let same = match (&made, self.last.get(shader.name)) {
+                (Ok(code), None) => code[..] == *shader.spirv,
+                (made, Some(last)) => made == last,
+                (Err(_), None) => false,
+            };
+            if !same {
+                self.last.insert(shader.name, made.clone());
+                told.push((shader, made));
+            }
+        }
+        self.seen = now;
+        told
+    }
+
+    fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
+        let path = self.root.join(shader.name);
+        match glsl::compile(&self.compiler, &self.root, &path) {
+            Ok(compiled) => {
+                self.sources.insert(shader.name, compiled.files);
+                fits(shader, &compiled.words)?;
+                Ok(compiled.words.iter().flat_map(|w| w.to_le_bytes()).collect())
+            }
+            Err(message) => {
+                // Any change may be the one that mends it.
+                self.sources.remove(shader.name);
+                Err(message)
+            }
+        }
+    }
+
+    /// Looks again and again on a thread of its own; `wake` is called when something changed.
+    pub fn start(mut self, wake: impl Fn() + Send + 'static) -> Receiver<Vec<Change>> {
+        let (sender, receiver) = channel();
+        std::thread::spawn(move || {
+            loop {
+                std::thread::sleep(PERIOD);
+                let changes = self.look();
+                if !changes.is_empty() {
+                    if sender.send(changes).is_err() {
+                        return;
+                    }
+                    wake();
+                }
+            }
+        });
+        receiver
+    }
+}
+
+/// Bindings and blocks must be those that the program was built with.
+fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
+    let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
+    let (built, now) = (glsl::interface(&built, shader.name)?, glsl::interface(words, shader.name)?);
+    if built == now {
+        return Ok(());
+    }
+    let what = if built.bindings != now.bindings {
+        "its bindings"
+    } else if built.blocks != now.blocks || built.push_size != now.push_size {
+        "a uniform or push-constant block"
+    } else {
+        "its workgroup size"
+    };
+    Err(format!("{}: {what} changed, and the program has the old ones; build it again", shader.name))
+}
+
+/// Every file below a folder.
+fn stamps(folder: &Path) -> HashMap<PathBuf, Stamp> {
+    let mut found = HashMap::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            found.extend(stamps(&path));
+        } else if let Ok(meta) = entry.metadata() {
+            found.insert(path, (meta.modified().ok(), meta.len()));
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn copy(from: &Path, to: &Path) {
+        std::fs::create_dir_all(to).unwrap();
+        for entry in std::fs::read_dir(from).unwrap() {
+            let path = entry.unwrap().path();
+            let target = to.join(path.file_name().unwrap());
+            if path.is_dir() {
+                copy(&path, &target);
+            } else {
+                std::fs::copy(&path, &target).unwrap();
+            }
+        }
+    }
+
+    #[test]
+    fn a_change_is_told_once_with_its_dependants_and_what_does_not_fit_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path().join("shaders");
+        copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders-glsl")), &root);
+        let mut watch = Watch::new(&root).unwrap();
+        assert!(watch.look().is_empty());
+        let edit = |name: &str, from: &str, to: &str| {
+            let path = root.join(name);
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.contains(from), "{name}: {from}");
+            std::fs::write(path, text.replacen(from, to, 1)).unwrap();
+        };
+        let names = |changes: &[Change]| changes.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
+
+        edit("thesis/hi_z_ray_trace.glsl", "i++ >= thesis.iterations", "i++ > thesis.iterations");
+        let changes = watch.look();
+        assert!(names(&changes).contains(&"thesis/ssct.frag") && !names(&changes).contains(&"thesis/hi_z.frag"));
+        assert!(changes.iter().all(|(_, made)| made.is_ok()), "{changes:?}");
+        assert!(watch.look().is_empty(), "told once");
+
+        edit("common/composite.frag", "color += reflectivity", "color += reflectivity * nonsense");
+        let changes = watch.look();
+        let [(shader, Err(message))] = &changes[..] else { panic!("{changes:?}") };
+        let text = std::fs::read_to_string(root.join("common/composite.frag")).unwrap();
+        let line = 1 + text.lines().position(|line| line.contains("nonsense")).unwrap();
+        let place = format!("composite.frag:{line}");
+        assert!(shader.name == "common/composite.frag" && message.contains(&place), "{place}: {message}");
+        edit("common/composite.frag", " * nonsense", " * 2.0");
+        assert!(matches!(&watch.look()[..], [(_, Ok(_))]));
+
+        edit("common/composite.frag", "layout(binding = 2)", "layout(binding = 3)");
+        let changes = watch.look();
+        let [(_, Err(message))] = &changes[..] else { panic!("{changes:?}") };
+        assert!(message.contains("bindings changed"), "{message}");
+    }
+}

@@ -1,0 +1,325 @@
+//! From GLSL to SPIR-V (shaderc, which is glslang), and what the SPIR-V says of its bindings and blocks.
+//! `build.rs` includes this file, and so does the window, which compiles shaders anew when they change:
+//! both see the same.
+
+use rspirv::dr::{Module, Operand};
+use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass, Word};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+
+/// Where the sources are, in the repository.
+pub const FOLDER: &str = "shaders-glsl";
+
+/// All files of a shader stage, sorted; `.glsl` files are only included by others.
+pub fn stages(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut found = Vec::new();
+    let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    for entry in entries {
+        let path = entry.map_err(|e| e.to_string())?.path();
+        if path.is_dir() {
+            found.extend(stages(&path)?);
+        } else if kind(&path).is_some() {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
+    match path.extension()?.to_str()? {
+        "vert" => Some(shaderc::ShaderKind::Vertex),
+        "frag" => Some(shaderc::ShaderKind::Fragment),
+        "comp" => Some(shaderc::ShaderKind::Compute),
+        _ => None,
+    }
+}
+
+/// Compiles a stage for Vulkan 1.3; `root` is what includes are relative to where they are not beside
+/// the file that includes them.
+///
+/// # Errors
+/// The compiler's message, which names file and line.
+pub fn compile(compiler: &shaderc::Compiler, root: &Path, path: &Path) -> Result<Compiled, String> {
+    let included = RefCell::new(vec![path.to_path_buf()]);
+    let source = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
+    let mut options = shaderc::CompileOptions::new().map_err(|e| format!("shaderc: {e}"))?;
+    options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
+    options.set_warnings_as_errors();
+    // Unoptimised: the driver optimises, and the module stays close to the listing.
+    options.set_optimization_level(shaderc::OptimizationLevel::Zero);
+    options.set_include_callback(|name, _, includer, _| {
+        let beside = Path::new(includer).parent().unwrap_or(root).join(name);
+        let path = if beside.exists() { beside } else { root.join(name) };
+        let content = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        included.borrow_mut().push(path.clone());
+        Ok(shaderc::ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content })
+    });
+    let stage = kind(path).ok_or("not a stage")?;
+    let words = compiler
+        .compile_into_spirv(&source, stage, &path.to_string_lossy(), "main", Some(&options))
+        .map(|artifact| artifact.as_binary().to_vec())
+        .map_err(|e| e.to_string())?;
+    drop(options);
+    Ok(Compiled { words, files: included.into_inner() })
+}
+
+/// A stage's code, and the files that it was made from: itself, then what it includes.
+pub struct Compiled {
+    /// SPIR-V.
+    pub words: Vec<u32>,
+    /// Paths, possibly several times the same.
+    pub files: Vec<PathBuf>,
+}
+
+/// What a stage asks of its pipeline, and how its blocks lie in memory.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Interface {
+    /// Binding, name, kind and number of descriptors of each, in order.
+    pub bindings: Vec<(u32, String, &'static str, u32)>,
+    /// Bytes of the push-constant block.
+    pub push_size: u32,
+    /// Threads of a workgroup.
+    pub local_size: [u32; 3],
+    /// Uniform and push-constant blocks and the structs in them, by name.
+    pub blocks: BTreeMap<String, Block>,
+}
+
+/// Finds a module's interface; `name` is what errors call it.
+///
+/// # Errors
+/// A sentence on what of it has no twin in Rust.
+pub fn interface(words: &[u32], name: &str) -> Result<Interface, String> {
+    let (words, local_size) = without_local_size_ids(words);
+    let module = rspirv::dr::load_words(&words).map_err(|e| format!("{name}: {e}"))?;
+    Reflection::new(&module, name, local_size).interface()
+}
+
+/// Takes OpExecutionModeId out of a module: the loader does not know it. Its one use in SPIR-V 1.6 is
+/// LocalSizeId; returned are the ids of the three constants.
+fn without_local_size_ids(words: &[u32]) -> (Vec<u32>, Option<[Word; 3]>) {
+    const HEADER: usize = 5;
+    let (mut kept, mut found) = (words[..HEADER].to_vec(), None);
+    let mut at = HEADER;
+    while at < words.len() {
+        let instruction = &words[at..at + (words[at] >> 16).max(1) as usize];
+        at += instruction.len();
+        match *instruction {
+            [head, _, mode, x, y, z]
+                if head & 0xffff == Op::ExecutionModeId as u32 && mode == ExecutionMode::LocalSizeId as u32 =>
+            {
+                found = Some([x, y, z]);
+            }
+            _ => kept.extend_from_slice(instruction),
+        }
+    }
+    (kept, found)
+}
+
+/// A block's Rust twin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Block {
+    /// Name, offset, Rust type and size of each field.
+    pub fields: Vec<(String, u32, String, u32)>,
+    /// Bytes.
+    pub size: u32,
+    /// The stage that declares it.
+    pub used_in: String,
+}
+
+/// A module with its names and decorations at hand.
+struct Reflection<'a> {
+    module: &'a Module,
+    name: &'a str,
+    /// Ids of the workgroup's three sides.
+    local_size: Option<[Word; 3]>,
+    names: HashMap<Word, String>,
+    member_names: HashMap<(Word, u32), String>,
+}
+
+impl<'a> Reflection<'a> {
+    fn new(module: &'a Module, name: &'a str, local_size: Option<[Word; 3]>) -> Self {
+        let (mut names, mut member_names) = (HashMap::new(), HashMap::new());
+        for i in &module.debug_names {
+            match (i.class.opcode, i.operands.as_slice()) {
+                (Op::Name, [Operand::IdRef(id), Operand::LiteralString(s)]) => {
+                    names.insert(*id, s.clone());
+                }
+                (Op::MemberName, [Operand::IdRef(id), Operand::LiteralBit32(m), Operand::LiteralString(s)]) => {
+                    member_names.insert((*id, *m), s.clone());
+                }
+                _ => {}
+            }
+        }
+        Self { module, name, local_size, names, member_names }
+    }
+
+    fn decoration(&self, id: Word, wanted: Decoration) -> Option<u32> {
+        self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (Op::Decorate, [Operand::IdRef(target), Operand::Decoration(d), rest @ ..])
+                if *target == id && *d == wanted =>
+            {
+                Some(match rest {
+                    [Operand::LiteralBit32(v), ..] => *v,
+                    _ => 0,
+                })
+            }
+            _ => None,
+        })
+    }
+
+    fn member_decoration(&self, id: Word, member: u32, wanted: Decoration) -> Option<u32> {
+        self.module.annotations.iter().find_map(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (
+                Op::MemberDecorate,
+                [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), Operand::LiteralBit32(v)],
+            ) if *target == id && *m == member && *d == wanted => Some(*v),
+            _ => None,
+        })
+    }
+
+    fn definition(&self, id: Word) -> Option<&rspirv::dr::Instruction> {
+        self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
+    }
+
+    fn operand_id(&self, id: Word, at: usize) -> Result<Word, String> {
+        match self.definition(id).and_then(|d| d.operands.get(at)) {
+            Some(Operand::IdRef(x)) => Ok(*x),
+            _ => Err(format!("{}: unexpected SPIR-V at id {id}", self.name)),
+        }
+    }
+
+    fn constant_u32(&self, id: Word) -> Result<u32, String> {
+        match self.definition(id).map(|d| d.operands.as_slice()) {
+            Some([Operand::LiteralBit32(v)]) => Ok(*v),
+            _ => Err(format!("{}: an array length that is no plain constant", self.name)),
+        }
+    }
+
+    /// Every module-level variable with its storage class and pointee.
+    fn variables(&self) -> Result<Vec<(Word, StorageClass, Word)>, String> {
+        let mut found = Vec::new();
+        for i in self.module.types_global_values.iter().filter(|i| i.class.opcode == Op::Variable) {
+            if let (Some(id), Some(pointer), Some(Operand::StorageClass(class))) =
+                (i.result_id, i.result_type, i.operands.first())
+            {
+                found.push((id, *class, self.operand_id(pointer, 1)?));
+            }
+        }
+        Ok(found)
+    }
+
+    fn interface(&self) -> Result<Interface, String> {
+        let mut found = Interface {
+            bindings: Vec::new(),
+            push_size: 0,
+            local_size: match self.local_size {
+                Some([x, y, z]) => [self.constant_u32(x)?, self.constant_u32(y)?, self.constant_u32(z)?],
+                None => [1; 3],
+            },
+            blocks: BTreeMap::new(),
+        };
+        for (id, class, pointee) in self.variables()? {
+            let is_block = matches!(class, StorageClass::Uniform | StorageClass::PushConstant);
+            if is_block && self.definition(pointee).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
+                self.collect(pointee, &mut found.blocks)?;
+            }
+            if class == StorageClass::PushConstant {
+                found.push_size = self.struct_of(pointee)?.size;
+                continue;
+            }
+            let Some(binding) = self.decoration(id, Decoration::Binding) else { continue };
+            let mut definition = self.definition(pointee).ok_or("no type")?;
+            let mut count = 1;
+            if class == StorageClass::UniformConstant && definition.class.opcode == Op::TypeArray {
+                count = self.constant_u32(self.operand_id(pointee, 1)?)?;
+                definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
+            }
+            let kind = match (class, definition.class.opcode) {
+                (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
+                (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
+                (StorageClass::Uniform, _) => "UniformBuffer",
+                (StorageClass::StorageBuffer, _) => "StorageBuffer",
+                other => return Err(format!("{}: binding {binding} has an unknown kind {other:?}", self.name)),
+            };
+            let own = self.names.get(&id).filter(|n| !n.is_empty());
+            let name = own.or_else(|| self.names.get(&pointee)).cloned().unwrap_or_default();
+            found.bindings.push((binding, name, kind, count));
+        }
+        found.bindings.sort();
+        Ok(found)
+    }
+
+    fn collect(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
+        for member in self.members(id) {
+            let mut ty = member;
+            while self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeArray) {
+                ty = self.operand_id(ty, 0)?;
+            }
+            if self.definition(ty).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
+                self.collect(ty, structs)?;
+            }
+        }
+        structs.insert(self.names.get(&id).cloned().unwrap_or_default(), self.struct_of(id)?);
+        Ok(())
+    }
+
+    fn members(&self, id: Word) -> Vec<Word> {
+        let operands = self.definition(id).map(|d| d.operands.as_slice()).unwrap_or_default();
+        operands.iter().filter_map(|o| if let Operand::IdRef(x) = o { Some(*x) } else { None }).collect()
+    }
+
+    fn struct_of(&self, id: Word) -> Result<Block, String> {
+        let mut fields = Vec::new();
+        let (mut end, mut align) = (0, 4);
+        for (m, ty) in self.members(id).into_iter().enumerate() {
+            let m = m as u32;
+            let offset = self.member_decoration(id, m, Decoration::Offset).unwrap_or(0);
+            let (rust, size, a) = self.rust_type(ty)?;
+            fields.push((self.member_names.get(&(id, m)).cloned().unwrap_or_default(), offset, rust, size));
+            end = end.max(offset + size);
+            align = align.max(a);
+        }
+        let size = end.div_ceil(align) * align;
+        Ok(Block { fields, size, used_in: self.name.to_owned() })
+    }
+
+    /// A type's Rust spelling, its size, and the alignment that its GLSL block has.
+    fn rust_type(&self, id: Word) -> Result<(String, u32, u32), String> {
+        let d = self.definition(id).ok_or("no type")?;
+        let wrong = || format!("{}: a block member of type {:?} has no Rust twin", self.name, d.class.opcode);
+        Ok(match d.class.opcode {
+            Op::TypeFloat => ("f32".into(), 4, 4),
+            Op::TypeInt => {
+                (if d.operands.get(1) == Some(&Operand::LiteralBit32(1)) { "i32" } else { "u32" }.into(), 4, 4)
+            }
+            Op::TypeVector | Op::TypeMatrix => {
+                let (inner, size, align) = self.rust_type(self.operand_id(id, 0)?)?;
+                let Some(Operand::LiteralBit32(n)) = d.operands.get(1) else { return Err(wrong()) };
+                if d.class.opcode == Op::TypeMatrix && size != 16 {
+                    return Err(wrong());
+                }
+                let align = if d.class.opcode == Op::TypeMatrix { align } else { n.next_power_of_two() * 4 };
+                (format!("[{inner}; {n}]"), n * size, align)
+            }
+            Op::TypeArray => {
+                let (inner, size, align) = self.rust_type(self.operand_id(id, 0)?)?;
+                let n = self.constant_u32(self.operand_id(id, 1)?)?;
+                if self.decoration(id, Decoration::ArrayStride) != Some(size) {
+                    return Err(format!("{}: an array whose stride is not its element's size", self.name));
+                }
+                (format!("[{inner}; {n}]"), n * size, align.max(16))
+            }
+            Op::TypeStruct => {
+                let block = self.struct_of(id)?;
+                let size = block.size.div_ceil(16) * 16;
+                if size != block.size {
+                    return Err(format!("{}: pad the nested struct to 16 bytes", self.name));
+                }
+                (self.names.get(&id).cloned().unwrap_or_default(), size, 16)
+            }
+            _ => return Err(wrong()),
+        })
+    }
+}

@@ -1,0 +1,145 @@
+//! What a window shows of the methods' images: copies of them that last ([`KeepPass`]), and the one
+//! picture that is made of the copies ([`LookPass`]).
+
+use super::Content;
+use crate::error::Result;
+use crate::gpu::shader::{KeepBlock, LookBlock, VIEW_KEEP_FRAG, VIEW_LOOK_FRAG};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target};
+use crate::scene::Lens;
+use ash::vk;
+
+/// Format of what is kept: wide enough for every image that a method makes.
+const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// A copy of an image's level, at a size of its own.
+pub struct KeepPass {
+    pipeline: GraphicsPipeline,
+    image: Image,
+}
+
+impl KeepPass {
+    /// An image of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
+        let desc = ImageDesc { name: "kept", format: KEPT, extent, levels: 1, layers: 1, usage };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, &VIEW_KEEP_FRAG, &[KEPT])?,
+            image: Image::new(gpu, &desc)?,
+        })
+    }
+
+    /// Pass "keep": each pixel takes the texel of the level that it lies in.
+    pub fn record(&self, frame: &mut Frame, level: ImageSlice) -> Result<()> {
+        let (from, to) = (level.extent(), self.image.extent());
+        let push = KeepBlock { scale: [0, 1].map(|i| from[i] as f32 / to[i] as f32) };
+        frame.fullscreen(
+            "keep",
+            &self.pipeline,
+            &[Target::overwrite(self.image.all())],
+            &[("source", Resource::nearest(level))],
+            bytemuck::bytes_of(&push),
+        )
+    }
+
+    /// The copy.
+    pub fn image(&self) -> &Image {
+        &self.image
+    }
+}
+
+/// How two pictures are shown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Compare {
+    /// The first alone.
+    #[default]
+    One,
+    /// The first left of a line, the second right of it.
+    Split,
+    /// The magnitude of their difference.
+    Difference,
+}
+
+/// How numbers are shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tone {
+    /// What they are.
+    pub content: Content,
+    /// One channel as grey; `None` shows all.
+    pub channel: Option<u32>,
+    /// Factor, in powers of two.
+    pub exposure_stops: f32,
+    /// What is shown black, and what white.
+    pub range: [f32; 2],
+}
+
+impl Tone {
+    /// As the display image shows colour.
+    pub const DISPLAY: Self = Self { content: Content::Color, channel: None, exposure_stops: 0.0, range: [0.0, 1.0] };
+}
+
+/// What the screen shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Left, top, width and height of the pictures on the screen, in pixels.
+    pub area: [u32; 4],
+    /// One or two.
+    pub compare: Compare,
+    /// Where the line is, as a share of the width.
+    pub split: f32,
+    /// Factor of the difference.
+    pub gain: f32,
+    /// How their numbers are shown.
+    pub tone: Tone,
+    /// The lens, for depths.
+    pub lens: Lens,
+}
+
+/// The pipeline that draws to a screen's format.
+pub struct LookPass {
+    pipeline: GraphicsPipeline,
+}
+
+impl LookPass {
+    /// For screens of an sRGB format, which does the encoding.
+    pub fn new(gpu: &Gpu, screen: vk::Format) -> Result<Self> {
+        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &VIEW_LOOK_FRAG, &[screen])? })
+    }
+
+    /// Pass "look". Both pictures have the area's size; where one is shown, it is given twice.
+    pub fn record(&self, frame: &mut Frame, screen: &Image, look: &Look, pictures: [&Image; 2]) -> Result<()> {
+        let push = LookBlock {
+            area: look.area.map(|v| v as i32),
+            compare: look.compare as i32,
+            split: (look.split * look.area[2] as f32).round() as i32,
+            content: shade(look.tone.content),
+            channel: look.tone.channel.map_or(-1, |c| c as i32),
+            exposure: look.tone.exposure_stops.exp2(),
+            range_low: look.tone.range[0],
+            range_high: look.tone.range[1],
+            gain: look.gain,
+            near_plane: look.lens.near_m,
+            far_plane: look.lens.far_m,
+            ..LookBlock::default()
+        };
+        frame.fullscreen(
+            "look",
+            &self.pipeline,
+            &[Target::overwrite(screen.all())],
+            &[("first", Resource::nearest(pictures[0].all())), ("second", Resource::nearest(pictures[1].all()))],
+            bytemuck::bytes_of(&push),
+        )
+    }
+}
+
+/// `CONTENT_*` of `look.frag`.
+fn shade(content: Content) -> i32 {
+    match content {
+        Content::Color => 0,
+        Content::Normal => 1,
+        Content::ReversedDepth => 2,
+        Content::StandardDepth => 3,
+        Content::Share | Content::Material | Content::Hits | Content::LinearDepth => 4,
+        Content::Steps => 5,
+    }
+}
