@@ -43,14 +43,14 @@ vec4 Narrow(ivec2 pixel, Lobe lobe) {
 #endif
 
 #ifdef WIDE_LOBES
-// A wide lobe, from the 2 x 2 cells around the pixel, whose rays begin at their first pixels, as far as each
+// A wide lobe, between the cells around the pixel, whose rays begin at their first pixels, as far as each
 // lies in the pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
 vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
     ivec2 last = (unified.size - 1) >> 1;
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < 4; ++i) {
-        ivec2 at = clamp((pixel - 1 + 2 * ivec2(i & 1, i >> 1)) >> 1, ivec2(0), last);
+        ivec2 at = min((pixel + ivec2(i & 1, i >> 1)) >> 1, last);
         vec4 surface = imageLoad(cell_surface, at);
         vec3 there = ViewPoint(vec2(2 * at) + 0.5, surface.w - unified.depth_offset);
         float off = dot(normal, there - point) / (PLANE_TOLERANCE * point.z);
