@@ -4,7 +4,7 @@ CARGO ?= cargo
 OUT ?= out
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
 
-.PHONY: all setup build study test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc clean
+.PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc clean
 
 all: build
 
@@ -17,6 +17,11 @@ build: setup
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build
 	target/release/ssct study -o $(OUT)
+
+# unified beside ssct and hzct: times and errors of many views, half an hour on two cores. SCENES may name a
+# folder with the thesis's own rooms and Sponza.
+bars: build
+	scripts/bars.sh $(OUT)/bars $(SCENES)
 
 test: setup
 	$(CARGO) test

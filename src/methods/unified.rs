@@ -30,11 +30,14 @@
 //! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
 //! the image. If all are mirrors, [`classify`](crate::passes::classify) lists the tiles that hold them, and
 //! the list is drawn indirectly; where every lit material is a mirror there is nothing to find out, and the
-//! image is drawn at once. Trace and composite are one pass.
+//! image is drawn at once. Trace and composite are one pass, and the reflection is stored as an image of its
+//! own only for those who ask for it.
 //!
 //! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) is a ray a pixel for narrow lobes, and one
 //! for 2 × 2 pixels for wide ones, in directions that neighbours have dealt out among them: each pixel
-//! gathers the rays around it as samples of its own lobe. There is no randomness and no history.
+//! gathers the rays around it as samples of its own lobe. Where a map turns the normals, neighbours have
+//! little of their wide lobes in common, and each ray stands for more of its own. There is no randomness and
+//! no history. Mirrors in the same frame are drawn first, and the gathered pixels over them.
 //!
 //! # What was measured (lavapipe, CPU time of the effect, against the same walk)
 //!
@@ -45,6 +48,11 @@
 //! as workgroups, the effect is 17 to 30 % slower than drawn over the whole image where nearly all
 //! reflects, and a quarter faster where a sixth does; quads are slower than points by a fifth, since
 //! blocks on their diagonals are shaded twice.
+//!
+//! A cell in one word of 32 bits instead of two floats (20 bits of front, 12 of span, rounded outwards, and
+//! the block itself asked for at every candidate) takes a tenth longer: what is saved in fetches goes into
+//! unpacking. Not storing the reflection saves a tenth of a frame of mirrors. Narrow lobes with a ray for two
+//! pixels take 0.7 of the time, at 1.5 times the error and with a third more change under a moving camera.
 
 use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;

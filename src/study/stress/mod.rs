@@ -76,7 +76,7 @@ pub struct StressRecord {
     pub compared: Option<usize>,
     /// Share of them that agree.
     pub hit_agreement: Option<f64>,
-    /// Those that don't, but would for a ray that differs by rounding alone.
+    /// Those that don't, but would for a ray that differs by rounding alone; null but for [`JUDGED`].
     pub ties: Option<usize>,
     /// The method's time.
     pub time_ms: f64,
@@ -163,12 +163,13 @@ impl<'a> Truth<'a> {
         Self { required: AGREEMENT, hierarchy, pixels, hits }
     }
 
-    /// Pixels that agree, and those that disagree by rounding alone.
-    fn compare(&self, hits: &[Option<[f64; 2]>]) -> (usize, usize) {
+    /// Pixels that agree, and those that disagree by rounding alone, if that is asked for: each takes hundreds
+    /// of rays to find out.
+    fn compare(&self, hits: &[Option<[f64; 2]>], ties: bool) -> (usize, Option<usize>) {
         let verdict = |n: usize| Verdict::of(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != Verdict::Agrees).collect();
-        let ties = wrong.par_iter().filter(|n| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize])).count();
-        (self.pixels.len() - wrong.len(), ties)
+        let tie = |n: &&usize| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize]);
+        (self.pixels.len() - wrong.len(), ties.then(|| wrong.par_iter().filter(tie).count()))
     }
 
     /// Whether a ray that differs from the pixel's by a few units in the last place of an f32, in its
@@ -221,13 +222,13 @@ impl Made {
             h.texels().filter(out).count()
         });
         let compared = self.hits.as_ref().zip(truth).map(|(hits, truth)| {
-            let (agree, ties) = truth.compare(&hit_positions(hits));
+            let (agree, ties) = truth.compare(&hit_positions(hits), method.name == JUDGED);
             (truth.pixels.len(), agree, ties)
         });
         let pixels = data.depth.len();
         let time_ms = self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
         let required = truth.map_or(AGREEMENT, |t| t.required);
-        let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties) as f64 >= required * n as f64);
+        let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties.unwrap_or(0)) as f64 >= required * n as f64);
         StressRecord {
             kind: "stress".to_owned(),
             definitions: DEFINITIONS,
@@ -245,7 +246,7 @@ impl Made {
             exhausted,
             compared: compared.map(|(n, ..)| n),
             hit_agreement: compared.and_then(|(n, agree, _)| (n > 0).then(|| agree as f64 / n as f64)),
-            ties: compared.map(|(.., ties)| ties),
+            ties: compared.and_then(|(.., ties)| ties),
             time_ms,
             pass: wrong == Wrong::default()
                 && exhausted.is_none_or(|n| n == 0)
@@ -333,15 +334,22 @@ pub fn run_place(
     for roughness in [0.0, 0.3] {
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, &view);
         let name = format!("{}, roughness {roughness}", place.name);
+        let mut made = Vec::new();
+        let mut data = None;
         for method in methods {
             let setup = Setup { split: true, ..Setup::new(extent) };
             let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone())?;
             let (report, _, output) = stage.output_in(Mode::Timed, &shot)?;
-            let made = Made::read(&mut stage.context, report, &output)?;
-            let data = super::gbuffer::read(&mut stage.context, &shot)?;
-            let truth = (roughness == 0.0).then(|| Truth::new(&data));
-            records.push(made.judge(gpu, &name, method, &data, truth.as_ref()));
+            made.push(Made::read(&mut stage.context, report, &output)?);
+            // The G-buffer is the same for all.
+            if data.is_none() {
+                data = Some(super::gbuffer::read(&mut stage.context, &shot)?);
+            }
         }
+        let Some(data) = data else { continue };
+        let truth = (roughness == 0.0).then(|| Truth::new(&data));
+        let judged = methods.iter().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, truth.as_ref()));
+        records.extend(judged);
     }
     Ok(records)
 }

@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# unified beside ssct and hzct on the same frames: times and errors of the views that the README's ratios are of.
+#
+#   scripts/bars.sh OUT [SCENES]     SCENES holds ssct-rooms/ and sponza/; without it, the built-in scenes alone
+#
+# SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES and RAYS may be set in the environment; WHAT=time or WHAT=error does one half.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/release/ssct}
+out=${1:?usage: scripts/bars.sh OUT [SCENES]}
+scenes=${2:-}
+mkdir -p "$out"
+
+views() { # scene, name, views...
+    local scene=$1 name=$2 view
+    shift 2
+    local common=(--scene "$scene" --method ssct,hzct,unified --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}" --json)
+    for view in "$@"; do
+        if [ "${WHAT:-time}" = time ]; then # both, unless WHAT says which
+            "$ssct" time "${common[@]}" --view "$view" --size "${SIZES:-960x540,641x479}" \
+                --samples "${SAMPLES:-5}" >"$out/time-$name-$view.json"
+        fi
+        if [ "${WHAT:-error}" = error ]; then
+            "$ssct" error "${common[@]}" --view "$view" --size "${ERROR_SIZES:-641x479}" --no-sweep \
+                --samples 1 --rays "${RAYS:-64}" >"$out/error-$name-$view.json"
+        fi
+    done
+}
+
+views rooms rooms cylinder window-floor corridor two-cylinders window ceiling
+views atrium atrium hall atrium
+if [ -n "$scenes" ]; then
+    views "$scenes/ssct-rooms/rooms.scene.toml" ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
+    views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
+else
+    echo 'bars: no folder of shared scenes is given; the built-in ones alone' >&2
+fi
+"$root/scripts/bars.py" "$out"
