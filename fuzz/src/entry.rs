@@ -9,8 +9,11 @@ use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
 
+/// What an entry does with its input; whether that was loaded.
+pub type Entry = fn(&[u8]) -> bool;
+
 /// Every entry by its name, which is that of its target and of its folder of inputs.
-pub const ENTRIES: [(&str, fn(&[u8]) -> bool); 5] =
+pub const ENTRIES: [(&str, Entry); 5] =
     [("obj", obj), ("texture", texture), ("gbuffer", gbuffer), ("scene", scene), ("camera_path", camera_path)];
 
 /// An OBJ file and, behind a byte 0, the MTL file `a.mtl`; beside them lie the images `x.png`, a normal
