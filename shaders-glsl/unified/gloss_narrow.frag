@@ -1,6 +1,6 @@
 #version 460
 // A ray a pixel for narrow lobes: five directions. (One for two pixels, over a chequerboard, takes 0.7 of
-// the time; the error is 1.5 times as large, and the image half as steady under a moving camera.)
+// the time; the error is 1.5 times as large, and a third more changes under a moving camera.)
 
 #include "unified/parameters.glsl"
 #include "unified/gloss_trace.glsl"

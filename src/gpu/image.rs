@@ -178,6 +178,13 @@ impl Image {
         Ok(image)
     }
 
+    /// An image of one level that is drawn into, read by shaders, and copied.
+    pub fn target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        Self::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+    }
+
     /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
     #[cfg(feature = "window")]
     pub(super) fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {

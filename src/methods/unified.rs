@@ -57,7 +57,7 @@
 use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image, ImageDesc};
+use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::pyramid::{self, PyramidPass};
@@ -65,7 +65,6 @@ use crate::passes::unified_gloss::UnifiedGlossPass;
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
 use crate::passes::{Canvas, LIT_COLOR, Reflection};
 use crate::scene::Camera;
-use ash::vk;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -92,13 +91,10 @@ pub struct UnifiedMethod {
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
         let extent = setup.extent;
-        let image = |name| {
-            let (format, usage) = (LIT_COLOR, U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST);
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
-        let reflection = setup.reflection || setup.split || !setup.composite;
+        let image = |name| Image::target(gpu, name, LIT_COLOR, extent);
+        // The shader that writes hits writes the reflection, too.
+        let reflection = setup.reflection || setup.split;
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::new(gpu, extent, LIT_COLOR, ChainFilter::Hardware)?,

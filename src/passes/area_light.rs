@@ -2,12 +2,11 @@
 //! light fills, in closed form. `area_light/share.glsl` says how, `tests/area_light.rs` how well.
 
 use super::scene_data::SceneData;
-use super::{GBuffer, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{AREA_LIGHT_AREA_LIGHT_FRAG, AreaLightBlock, AreaLightData};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::{AreaLight, AreaShape, Camera};
-use ash::vk;
 
 /// The most area lights that a scene can have for this pass; the size of the list in
 /// `area_light/area_light.frag`.
@@ -22,12 +21,9 @@ pub struct AreaLightPass {
 impl AreaLightPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let (format, usage) = (vk::Format::R16G16B16A16_SFLOAT, U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC);
-        let desc = ImageDesc { name: "area lights", format, extent, levels: 1, layers: 1, usage };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &AREA_LIGHT_AREA_LIGHT_FRAG, &[format])?,
-            reflection: Image::new(gpu, &desc)?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, &AREA_LIGHT_AREA_LIGHT_FRAG, &[LIT_COLOR])?,
+            reflection: Image::target(gpu, "area lights", LIT_COLOR, extent)?,
         })
     }
 

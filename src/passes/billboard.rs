@@ -2,12 +2,11 @@
 //! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack.
 
 use super::scene_data::SceneData;
-use super::{GBuffer, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Sampler, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Sampler, Target};
 use crate::scene::{Camera, Impostor};
-use ash::vk;
 use glam::Mat4;
 
 /// The most impostors that a scene can have for this pass; `MAX_IMPOSTORS` in
@@ -59,12 +58,9 @@ pub struct BillboardPass {
 impl BillboardPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let (format, usage) = (vk::Format::R16G16B16A16_SFLOAT, U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC);
-        let desc = ImageDesc { name: "billboard reflection", format, extent, levels: 1, layers: 1, usage };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_BILLBOARD_FRAG, &[format])?,
-            reflection: Image::new(gpu, &desc)?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_BILLBOARD_FRAG, &[LIT_COLOR])?,
+            reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
         })
     }
 

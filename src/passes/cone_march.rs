@@ -6,7 +6,7 @@ use crate::gpu::shader::{
     POSTER_CONE_MARCH_MIP_FRAG, POSTER_CONE_MARCH_MIP_HITS_FRAG, POSTER_CONE_MARCH_VOLUME_FRAG,
     POSTER_CONE_MARCH_VOLUME_HITS_FRAG, PosterBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -23,11 +23,7 @@ pub struct ConeMarchPass {
 impl ConeMarchPass {
     /// With the hits or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, with_hits: bool) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let image = |name, format| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
+        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (filter, with_hits) {
             (PosterFilter::Mip, false) => &POSTER_CONE_MARCH_MIP_FRAG,
             (PosterFilter::Mip, true) => &POSTER_CONE_MARCH_MIP_HITS_FRAG,

@@ -4,8 +4,7 @@
 use super::{LIT_COLOR, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::COMMON_FALLBACK_FRAG;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
-use ash::vk;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 
 /// Pipeline and image of one size.
 pub struct FallbackPass {
@@ -16,12 +15,9 @@ pub struct FallbackPass {
 impl FallbackPass {
     /// For a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-        let desc = ImageDesc { name: "with fallback", format: LIT_COLOR, extent, levels: 1, layers: 1, usage };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_FALLBACK_FRAG, &[LIT_COLOR])?,
-            reflection: Image::new(gpu, &desc)?,
+            reflection: Image::target(gpu, "with fallback", LIT_COLOR, extent)?,
         })
     }
 

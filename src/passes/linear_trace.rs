@@ -6,7 +6,7 @@ use crate::gpu::shader::{
     THESIS_LINEAR_FIXED_FRAG, THESIS_LINEAR_FIXED_HITS_FRAG, THESIS_LINEAR_GROWING_FRAG,
     THESIS_LINEAR_GROWING_HITS_FRAG, ThesisBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -33,11 +33,7 @@ pub struct LinearTracePass {
 impl LinearTracePass {
     /// With the hits or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, with_hits: bool) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let image = |name, format| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
+        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (march, with_hits) {
             (March::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
             (March::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,

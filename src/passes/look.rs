@@ -4,7 +4,7 @@
 use super::Content;
 use crate::error::Result;
 use crate::gpu::shader::{KeepBlock, LookBlock, VIEW_KEEP_FRAG, VIEW_LOOK_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Target};
 use crate::scene::Lens;
 use ash::vk;
 
@@ -20,12 +20,9 @@ pub struct KeepPass {
 impl KeepPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-        let desc = ImageDesc { name: "kept", format: KEPT, extent, levels: 1, layers: 1, usage };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &VIEW_KEEP_FRAG, &[KEPT])?,
-            image: Image::new(gpu, &desc)?,
+            image: Image::target(gpu, "kept", KEPT, extent)?,
         })
     }
 

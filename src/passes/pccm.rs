@@ -4,9 +4,8 @@
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{LocalCubeMap, PccmBlock, SCHMIDT_PCCM_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::{Camera, Probe};
-use ash::vk;
 
 /// Pipeline and image of one size.
 pub struct PccmPass {
@@ -17,12 +16,9 @@ pub struct PccmPass {
 impl PccmPass {
     /// For a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-        let desc = ImageDesc { name: "pccm", format: LIT_COLOR, extent, levels: 1, layers: 1, usage };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_PCCM_FRAG, &[LIT_COLOR])?,
-            reflection: Image::new(gpu, &desc)?,
+            reflection: Image::target(gpu, "pccm", LIT_COLOR, extent)?,
         })
     }
 

@@ -1,10 +1,10 @@
 //! Planar reflections: what stands around the mirrored scene (thesis §3.1.2). The scene itself is drawn and
 //! lit by the passes that draw and light it anyway, with a mirrored camera.
 
-use super::{GBuffer, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{PLANAR_COPY_FRAG, PLANAR_LOOKUP_FRAG, PLANAR_MARK_FRAG, PlaneBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec4;
@@ -53,15 +53,11 @@ pub struct PlanarPass {
 impl PlanarPass {
     /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
     pub fn new(gpu: &Gpu, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let format = vk::Format::R16G16B16A16_SFLOAT;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
-        let desc = ImageDesc { name: "planar reflection", format, extent, levels: 1, layers: 1, usage };
         Ok(Self {
             mark: GraphicsPipeline::marking(gpu, &PLANAR_MARK_FRAG, stencil)?,
-            lookup: GraphicsPipeline::fullscreen(gpu, &PLANAR_LOOKUP_FRAG, &[format])?,
-            copy: GraphicsPipeline::fullscreen(gpu, &PLANAR_COPY_FRAG, &[format])?,
-            reflection: Image::new(gpu, &desc)?,
+            lookup: GraphicsPipeline::fullscreen(gpu, &PLANAR_LOOKUP_FRAG, &[LIT_COLOR])?,
+            copy: GraphicsPipeline::fullscreen(gpu, &PLANAR_COPY_FRAG, &[LIT_COLOR])?,
+            reflection: Image::target(gpu, "planar reflection", LIT_COLOR, extent)?,
         })
     }
 

@@ -84,15 +84,10 @@ pub struct UpsamplePass {
 impl UpsamplePass {
     /// For reflections of a full size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_UPSAMPLE_FRAG, &[REFLECTION])?,
             divisor,
-            reflection: Image::new(
-                gpu,
-                &ImageDesc { name: "upsampled reflection", format: REFLECTION, extent, levels: 1, layers: 1, usage },
-            )?,
+            reflection: Image::target(gpu, "upsampled reflection", REFLECTION, extent)?,
         })
     }
 

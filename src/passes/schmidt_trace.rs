@@ -6,7 +6,7 @@ use crate::gpu::image::ImageSlice;
 use crate::gpu::shader::{
     SCHMIDT_SSR_FAST_FRAG, SCHMIDT_SSR_FAST_HITS_FRAG, SCHMIDT_SSR_FRAG, SCHMIDT_SSR_HITS_FRAG, SchmidtBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -31,11 +31,7 @@ pub struct SchmidtTracePass {
 impl SchmidtTracePass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, hits: bool) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let image = |name, format| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
+        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (march, hits) {
             (March::PerPixel, false) => &SCHMIDT_SSR_FRAG,
             (March::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,

@@ -3,7 +3,7 @@
 use super::{GBuffer, RayTraceColor, Reflection};
 use crate::error::Result;
 use crate::gpu::shader::{SslrReflectionBlock, THESIS_SSLR_REFLECTION_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -17,14 +17,9 @@ pub struct SslrReflectionPass {
 impl SslrReflectionPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_SSLR_REFLECTION_FRAG, &[FORMAT])?,
-            image: Image::new(
-                gpu,
-                &ImageDesc { name: "reflection", format: FORMAT, extent, levels: 1, layers: 1, usage },
-            )?,
+            image: Image::target(gpu, "reflection", FORMAT, extent)?,
         })
     }
 

@@ -7,7 +7,7 @@ use crate::gpu::shader::{
     THESIS_CONE_TRACE_FRAG, THESIS_HZCT_FRAG, THESIS_HZCT_RAY_TRACE_FRAG, THESIS_SSCT_FRAG, THESIS_SSCT_RAY_TRACE_FRAG,
     ThesisBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -40,11 +40,7 @@ pub struct TraceInput<'a> {
 impl ThesisTracePass {
     /// With or without the linear fallback; combined or split.
     pub fn new(gpu: &Gpu, extent: [u32; 2], fallback: bool, split: bool) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
-        let image = |name, format| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-            Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
-        };
+        let image = |name, format| Image::target(gpu, name, format, extent);
         let stages = if split {
             let trace = if fallback { &THESIS_SSCT_RAY_TRACE_FRAG } else { &THESIS_HZCT_RAY_TRACE_FRAG };
             Stages::Split {

@@ -8,7 +8,7 @@ use crate::gpu::shader::{
     TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UNIFIED_TILE_VERT,
     UnifiedBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -54,9 +54,6 @@ impl UnifiedTracePass {
                 "`unified` draws points of {TILE} pixels; {name} has none above {largest}"
             )));
         }
-        use vk::ImageUsageFlags as U;
-        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC;
-        let image = |format| Image::new(gpu, &ImageDesc { name: "hits", format, extent, levels: 1, layers: 1, usage });
         let (shader, formats) = if hits {
             (&UNIFIED_MIRROR_HITS_FRAG, &[COLOR, COLOR, HITS][..])
         } else {
@@ -68,7 +65,7 @@ impl UnifiedTracePass {
             whole: (!hits)
                 .then(|| GraphicsPipeline::fullscreen(gpu, &UNIFIED_MIRROR_WHOLE_FRAG, formats))
                 .transpose()?,
-            hits: hits.then(|| image(HITS)).transpose()?,
+            hits: hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
         })
     }
 
