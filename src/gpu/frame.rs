@@ -4,6 +4,7 @@
 //! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
 //! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
 
+mod bind;
 mod draw;
 mod target;
 mod transfer;
@@ -11,12 +12,10 @@ mod transfer;
 use super::device::{Gpu, vulkan};
 use super::image::{ImageSlice, Sampler};
 use super::memory::{Buffer, Place};
-use super::pipeline::{ComputePipeline, GraphicsPipeline};
 use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
-use draw::Raster;
 use std::cell::Cell;
 use std::rc::Rc;
 pub use target::Target;
@@ -229,131 +228,6 @@ impl Frame<'_> {
     /// From here on passes count towards the method's total time.
     pub fn begin_effect(&mut self) {
         self.counted = true;
-    }
-
-    /// A fragment shader over whole targets, all of one size.
-    pub fn fullscreen(
-        &mut self,
-        name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
-        resources: &[(&str, Resource)],
-        push: &[u8],
-    ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
-            frame.flush();
-            frame.rendering(targets, None, false, |frame| {
-                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
-                // SAFETY: a pipeline and everything it reads are bound.
-                unsafe { frame.device().cmd_draw(frame.context.commands, 3, 1, 0, 0) };
-                Ok(())
-            })
-        })
-    }
-
-    /// Clears the stencil of a depth target and marks every pixel that a fragment shader doesn't
-    /// discard; its depth is lost.
-    pub fn mark(
-        &mut self,
-        name: &str,
-        pipeline: &GraphicsPipeline,
-        stencil: ImageSlice,
-        resources: &[(&str, Resource)],
-        push: &[u8],
-    ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
-            frame.rendering(&[], Some(Target::unmarked(stencil)), false, |frame| {
-                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
-                // SAFETY: a pipeline and everything it reads are bound.
-                unsafe { frame.device().cmd_draw(frame.context.commands, 3, 1, 0, 0) };
-                Ok(())
-            })
-        })
-    }
-
-    /// Meshes into targets with a depth buffer; `draw` records them.
-    pub fn raster(
-        &mut self,
-        name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
-        depth: Target,
-        draw: impl FnOnce(&mut Raster) -> Result<()>,
-    ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.rendering(targets, Some(depth), true, |frame| {
-                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                draw(&mut Raster { frame, pipeline })
-            })
-        })
-    }
-
-    /// A compute shader over `threads` threads (rounded up to whole workgroups).
-    pub fn compute(
-        &mut self,
-        name: &str,
-        pipeline: &ComputePipeline,
-        resources: &[(&str, Resource)],
-        push: &[u8],
-        threads: [u32; 3],
-    ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
-            frame.flush();
-            frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
-            let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
-            // SAFETY: a pipeline and everything it reads are bound.
-            unsafe { frame.device().cmd_dispatch(frame.context.commands, x, y, z) };
-            Ok(())
-        })
-    }
-
-    /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
-    /// they read must be ready.
-    #[cfg(feature = "window")]
-    pub(super) fn overlay(
-        &mut self,
-        name: &str,
-        slice: ImageSlice,
-        draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
-    ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.rendering(&[Target::kept(slice)], None, false, |frame| draw(frame.context.commands))
-        })
-    }
-
-    /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
-    /// indirect draw), from byte `offset`.
-    pub fn draw_indirect(
-        &mut self,
-        name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
-        resources: &[(&str, Resource)],
-        push: &[u8],
-        (arguments, offset): (&Buffer, u64),
-    ) -> Result<()> {
-        const BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
-        assert!(offset + u64::from(BYTES) <= arguments.size() && offset.is_multiple_of(4), "{name}: at {offset}");
-        self.pass(name, |frame| {
-            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
-            frame.use_buffer(arguments, Access::Indirect);
-            frame.rendering(targets, None, false, |frame| {
-                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
-                // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
-                unsafe {
-                    let commands = frame.context.commands;
-                    frame.device().cmd_draw_indirect(commands, arguments.handle(), offset, 1, BYTES);
-                }
-                Ok(())
-            })
-        })
     }
 
     /// Notes a pass that this frame does not need, and why.

@@ -1,117 +1,154 @@
-//! Binding pipelines and pushing what they read, and the draws of meshes.
+//! The passes that draw or dispatch: shaders over whole targets, over as much as a buffer says, over
+//! meshes, and compute.
 
-use super::{Frame, Resource, UNIFORM_BYTES};
+use super::{Frame, Resource, Target};
 use crate::error::Result;
+use crate::gpu::image::ImageSlice;
 use crate::gpu::memory::Buffer;
-use crate::gpu::pipeline::{GraphicsPipeline, Layout};
-use crate::gpu::shader::BindingKind;
+use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline};
+use crate::gpu::sync::Access;
 use ash::vk;
 
 impl Frame<'_> {
-    pub(super) fn bind(&self, pipeline: vk::Pipeline, point: vk::PipelineBindPoint) {
-        // SAFETY: the pipeline is alive and fits the point.
-        unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
-    }
-
-    /// Pushes descriptors and constants.
-    pub(super) fn push(
+    /// A fragment shader over whole targets, all of one size.
+    pub fn fullscreen(
         &mut self,
-        layout: &Layout,
-        point: vk::PipelineBindPoint,
         name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
         resources: &[(&str, Resource)],
         push: &[u8],
     ) -> Result<()> {
-        assert_eq!(push.len(), layout.push_size as usize, "push constants of {name}");
-        assert_eq!(resources.len(), layout.bindings.len(), "bindings of {name}: {:?}", layout.bindings);
-        let mut images = Vec::with_capacity(resources.len());
-        let mut buffers = Vec::with_capacity(resources.len());
-        let mut kinds = Vec::with_capacity(resources.len());
-        for (binding_name, resource) in resources {
-            let Some(binding) = layout.binding(binding_name) else {
-                panic!("{name} has no binding {binding_name:?}: {:?}", layout.bindings)
-            };
-            let (image, buffer, kind) = self.descriptor(*resource);
-            assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
-            let many = match resource {
-                Resource::SampledArray(slices, sampler) => {
-                    slices.iter().map(|s| self.descriptor(Resource::Sampled(*s, *sampler)).0).collect()
+        self.shade(name, pipeline, (targets, None), resources, push, Vertices::Triangle)
+    }
+
+    /// Clears the stencil of a depth target and marks every pixel that a fragment shader doesn't
+    /// discard; its depth is lost.
+    pub fn mark(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        stencil: ImageSlice,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+    ) -> Result<()> {
+        self.shade(name, pipeline, (&[], Some(Target::unmarked(stencil))), resources, push, Vertices::Triangle)
+    }
+
+    /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
+    /// indirect draw), from byte `offset`.
+    pub fn draw_indirect(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
+        resources: &[(&str, Resource)],
+        push: &[u8],
+        (arguments, offset): (&Buffer, u64),
+    ) -> Result<()> {
+        assert!(
+            offset + u64::from(INDIRECT_BYTES) <= arguments.size() && offset.is_multiple_of(4),
+            "{name}: at {offset}"
+        );
+        self.shade(name, pipeline, (targets, None), resources, push, Vertices::Said(arguments, offset))
+    }
+
+    /// A pass of one draw whose vertices the vertex shader makes.
+    fn shade(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        (targets, depth): (&[Target], Option<Target>),
+        resources: &[(&str, Resource)],
+        push: &[u8],
+        vertices: Vertices,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
+            if let Vertices::Said(arguments, _) = vertices {
+                frame.use_buffer(arguments, Access::Indirect);
+            }
+            frame.rendering(targets, depth, false, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                let (device, commands) = (frame.device(), frame.context.commands);
+                // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
+                unsafe {
+                    match vertices {
+                        Vertices::Triangle => device.cmd_draw(commands, 3, 1, 0, 0),
+                        Vertices::Said(arguments, offset) => {
+                            device.cmd_draw_indirect(commands, arguments.handle(), offset, 1, INDIRECT_BYTES);
+                        }
+                    }
                 }
-                _ => vec![image],
-            };
-            assert_eq!(many.len(), binding.count as usize, "binding {binding_name} of {name}");
-            images.push(many);
-            buffers.push([buffer]);
-            kinds.push(binding);
-        }
-        let writes: Vec<_> = kinds
-            .iter()
-            .enumerate()
-            .map(|(i, b)| {
-                let write =
-                    vk::WriteDescriptorSet::default().dst_binding(b.binding).descriptor_type(b.kind.descriptor_type());
-                match b.kind {
-                    BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
-                    BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
-                }
+                Ok(())
             })
-            .collect();
-        let commands = self.context.commands;
-        // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
-        // submission, which the host waits for.
-        unsafe {
-            if !writes.is_empty() {
-                let push = &self.context.gpu.shared().push_descriptor;
-                push.cmd_push_descriptor_set(commands, point, layout.pipeline, 0, &writes);
-            }
-            if !push.is_empty() {
-                self.device().cmd_push_constants(commands, layout.pipeline, layout.stages, 0, push);
-            }
-        }
-        Ok(())
+        })
     }
 
-    fn descriptor(&mut self, resource: Resource) -> (vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind) {
-        let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
-        let kind = match resource {
-            Resource::Sampled(slice, sampler) => {
-                image = image
-                    .sampler(self.context.gpu.sampler(sampler))
-                    .image_view(slice.view())
-                    .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-                BindingKind::SampledImage
-            }
-            // Each of its images is written by itself.
-            Resource::SampledArray(..) => BindingKind::SampledImage,
-            Resource::Storage(slice) | Resource::Loaded(slice) => {
-                image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
-                BindingKind::StorageImage
-            }
-            Resource::Buffer(b) | Resource::ReadBuffer(b) => {
-                buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
-                BindingKind::StorageBuffer
-            }
-            Resource::Uniform(bytes) => {
-                let offset = self.uniform(bytes);
-                buffer = buffer.buffer(self.context.uniforms.handle()).offset(offset).range(bytes.len() as u64);
-                BindingKind::UniformBuffer
-            }
-        };
-        (image, buffer, kind)
+    /// Meshes into targets with a depth buffer; `draw` records them.
+    pub fn raster(
+        &mut self,
+        name: &str,
+        pipeline: &GraphicsPipeline,
+        targets: &[Target],
+        depth: Target,
+        draw: impl FnOnce(&mut Raster) -> Result<()>,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.rendering(targets, Some(depth), true, |frame| {
+                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                draw(&mut Raster { frame, pipeline })
+            })
+        })
     }
 
-    /// Puts a uniform block into this frame's memory; returns its offset.
-    fn uniform(&mut self, bytes: &[u8]) -> u64 {
-        let alignment = self.context.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
-        let offset = self.uniform_bytes.next_multiple_of(alignment);
-        self.uniform_bytes = offset + bytes.len() as u64;
-        assert!(self.uniform_bytes <= UNIFORM_BYTES, "a frame has more than {UNIFORM_BYTES} bytes of uniforms");
-        if let Ok(memory) = self.context.uniforms.bytes_mut() {
-            memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
-        }
-        offset
+    /// A compute shader over `threads` threads (rounded up to whole workgroups).
+    pub fn compute(
+        &mut self,
+        name: &str,
+        pipeline: &ComputePipeline,
+        resources: &[(&str, Resource)],
+        push: &[u8],
+        threads: [u32; 3],
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
+            frame.flush();
+            frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
+            let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
+            // SAFETY: a pipeline and everything it reads are bound.
+            unsafe { frame.device().cmd_dispatch(frame.context.commands, x, y, z) };
+            Ok(())
+        })
+    }
+
+    /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
+    /// they read must be ready.
+    #[cfg(feature = "window")]
+    pub(in crate::gpu) fn overlay(
+        &mut self,
+        name: &str,
+        slice: ImageSlice,
+        draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
+    ) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.rendering(&[Target::kept(slice)], None, false, |frame| draw(frame.context.commands))
+        })
     }
 }
+
+/// How many vertices [`Frame::shade`] draws.
+#[derive(Clone, Copy)]
+enum Vertices<'a> {
+    /// The three of a triangle that covers the targets.
+    Triangle,
+    /// As a buffer says from a byte on.
+    Said(&'a Buffer, u64),
+}
+
+const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 
 /// Records the draws of [`Frame::raster`].
 pub struct Raster<'f, 'c> {

@@ -1,0 +1,309 @@
+//! Opening a device: the instance, the choice among what the loader lists, and the logical device.
+
+use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
+use crate::error::{Error, Result};
+use crate::gpu::image::Samplers;
+use crate::gpu::watch;
+use ash::vk;
+use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
+use std::ffi::CStr;
+use std::mem::ManuallyDrop;
+use std::sync::Mutex;
+use std::sync::atomic::AtomicU64;
+
+const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// The loader and an instance, and whether the instance takes names and labels.
+pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bool)> {
+    // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
+    let entry = unsafe { ash::Entry::load() }.map_err(|e| {
+        Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}); scripts/setup.sh installs it"))
+    })?;
+    // SAFETY: enumeration has no preconditions.
+    let (layers, extensions) = unsafe {
+        (
+            entry.enumerate_instance_layer_properties().map_err(vulkan("vkEnumerateInstanceLayerProperties"))?,
+            entry
+                .enumerate_instance_extension_properties(None)
+                .map_err(vulkan("vkEnumerateInstanceExtensionProperties"))?,
+        )
+    };
+    let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
+    if query.validation && !has_layer {
+        return Err(Error::Usage(
+            "--validation: the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
+        ));
+    }
+    let has_debug =
+        query.validation || extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::ext::debug_utils::NAME));
+
+    let mut names: Vec<_> = query.instance_extensions.iter().map(|n| n.as_ptr()).collect();
+    if has_debug {
+        names.push(ash::ext::debug_utils::NAME.as_ptr());
+    }
+    let layer_names: Vec<_> = if query.validation { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
+    let application = vk::ApplicationInfo::default().application_name(c"ssct").api_version(vk::API_VERSION_1_3);
+    use vk::ValidationFeatureEnableEXT as E;
+    let mut enables = vec![E::BEST_PRACTICES, E::SYNCHRONIZATION_VALIDATION];
+    if query.gpu_assisted {
+        enables.extend([E::GPU_ASSISTED, E::GPU_ASSISTED_RESERVE_BINDING_SLOT]);
+    }
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
+    let mut info = vk::InstanceCreateInfo::default()
+        .application_info(&application)
+        .enabled_extension_names(&names)
+        .enabled_layer_names(&layer_names);
+    if query.validation {
+        info = info.push_next(&mut features);
+    }
+    // SAFETY: the names and structures live through the call.
+    let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => {
+            Error::NoDevice("the loader finds no driver; Mesa's lavapipe is one that runs on the CPU".into())
+        }
+        vk::Result::ERROR_EXTENSION_NOT_PRESENT if !query.instance_extensions.is_empty() => {
+            Error::NoWindow("no Vulkan driver here can present to this window system".into())
+        }
+        _ => Error::Vulkan { what: "vkCreateInstance".into(), result },
+    })?;
+    Ok((entry, instance, has_debug))
+}
+
+/// Every device of an instance.
+pub(super) fn list(instance: &ash::Instance) -> Result<Vec<(vk::PhysicalDevice, DeviceListing)>> {
+    // SAFETY: the instance is alive.
+    let physical = unsafe { instance.enumerate_physical_devices() }.map_err(vulkan("vkEnumeratePhysicalDevices"))?;
+    Ok(physical
+        .into_iter()
+        .enumerate()
+        .map(|(index, p)| {
+            (p, DeviceListing { index, info: describe(instance, p), unsuitable: unsuitable(instance, p) })
+        })
+        .collect())
+}
+
+fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInfo {
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+    // SAFETY: the physical device belongs to the instance.
+    unsafe { instance.get_physical_device_properties2(physical, &mut properties) };
+    let p = properties.properties;
+    let text =
+        |c: std::result::Result<&CStr, _>| c.map(|c: &CStr| c.to_string_lossy().into_owned()).unwrap_or_default();
+    let v = p.api_version;
+    DeviceInfo {
+        name: text(p.device_name_as_c_str()),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str()))
+            .trim()
+            .to_owned(),
+        api: format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v)),
+        kind: match p.device_type {
+            vk::PhysicalDeviceType::DISCRETE_GPU => "discrete GPU",
+            vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated GPU",
+            vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual GPU",
+            vk::PhysicalDeviceType::CPU => "CPU",
+            _ => "other",
+        }
+        .to_owned(),
+    }
+}
+
+/// Why a device can't be used, if it can't.
+fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
+    // SAFETY: the physical device belongs to the instance.
+    let (properties, families, extensions) = unsafe {
+        (
+            instance.get_physical_device_properties(physical),
+            instance.get_physical_device_queue_family_properties(physical),
+            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
+        )
+    };
+    if properties.api_version < vk::API_VERSION_1_3 {
+        return Some("it has no Vulkan 1.3".into());
+    }
+    let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12).push_next(&mut v13);
+    // SAFETY: as above.
+    unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    let wanted = [
+        (v13.dynamic_rendering, "dynamicRendering"),
+        (v13.synchronization2, "synchronization2"),
+        (v13.maintenance4, "maintenance4"),
+        (v12.host_query_reset, "hostQueryReset"),
+    ];
+    if let Some((_, name)) = wanted.iter().find(|(has, _)| *has == vk::FALSE) {
+        return Some(format!("it lacks the feature {name}"));
+    }
+    if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::khr::push_descriptor::NAME)) {
+        return Some("it lacks VK_KHR_push_descriptor".into());
+    }
+    match families.iter().find(|f| is_universal(f)) {
+        None => Some("it has no queue for graphics and compute".into()),
+        Some(f) if f.timestamp_valid_bits == 0 => Some("its queue has no timestamps".into()),
+        Some(_) => None,
+    }
+}
+
+fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
+    family.queue_flags.contains(vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE)
+}
+
+/// The device that the query asks for: by index, by a part of its name, or the best by type.
+fn choose(
+    listing: Vec<(vk::PhysicalDevice, DeviceListing)>,
+    query: &DeviceQuery,
+) -> Result<(vk::PhysicalDevice, DeviceListing)> {
+    let wanted = query.device.clone().or_else(|| std::env::var("SSCT_DEVICE").ok()).filter(|w| !w.is_empty());
+    let Some(wanted) = wanted else {
+        let rank = |l: &DeviceListing| match l.info.kind.as_str() {
+            "discrete GPU" => 0,
+            "integrated GPU" => 1,
+            "virtual GPU" => 2,
+            "CPU" => 3,
+            _ => 4,
+        };
+        let reasons: Vec<_> =
+            listing.iter().filter_map(|(_, l)| Some(format!("{}: {}", l.info.name, l.unsuitable.as_ref()?))).collect();
+        return listing.into_iter().filter(|(_, l)| l.unsuitable.is_none()).min_by_key(|(_, l)| rank(l)).ok_or_else(
+            || {
+                Error::NoDevice(if reasons.is_empty() {
+                    "the loader lists none; Mesa's lavapipe is one that runs on the CPU".into()
+                } else {
+                    reasons.join("; ")
+                })
+            },
+        );
+    };
+    let names: Vec<_> = listing.iter().map(|(_, l)| format!("{} {}", l.index, l.info.name)).collect();
+    let by_index = wanted.parse::<usize>().ok();
+    let found = listing.into_iter().find(|(_, l)| match by_index {
+        Some(index) => l.index == index,
+        None => l.info.name.to_lowercase().contains(&wanted.to_lowercase()),
+    });
+    let (physical, found) = found.ok_or_else(|| {
+        Error::Usage(format!(
+            "no device {wanted:?}; there is: {}",
+            if names.is_empty() { "none".into() } else { names.join(", ") }
+        ))
+    })?;
+    match &found.unsuitable {
+        Some(why) => Err(Error::NoDevice(format!("{} cannot be used: {why}", found.info.name))),
+        None => Ok((physical, found)),
+    }
+}
+
+/// The device that the query asks for, with all that its handles share. On an error the instance is left,
+/// for the caller to destroy.
+pub(super) fn open_device(
+    entry: ash::Entry,
+    instance: ash::Instance,
+    debug: Option<Debug>,
+    query: &DeviceQuery,
+) -> Result<Shared> {
+    // On an early return the messenger must go before the instance.
+    let mut debug = DebugGuard(debug);
+    let (physical, listing) = choose(list(&instance)?, query)?;
+    // SAFETY: the physical device belongs to the instance.
+    let (properties, families, supported, extensions) = unsafe {
+        (
+            instance.get_physical_device_properties(physical),
+            instance.get_physical_device_queue_family_properties(physical),
+            instance.get_physical_device_features(physical),
+            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
+        )
+    };
+    let (queue_family, family) = families
+        .iter()
+        .enumerate()
+        .find(|(_, f)| is_universal(f))
+        .ok_or_else(|| Error::NoDevice("no universal queue".into()))?;
+
+    let mut names = vec![ash::khr::push_descriptor::NAME.as_ptr()];
+    let offers = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+    if !query.instance_extensions.is_empty() {
+        if !offers(ash::khr::swapchain::NAME) {
+            return Err(Error::NoDevice(format!("{} cannot present to a window", listing.info.name)));
+        }
+        names.push(ash::khr::swapchain::NAME.as_ptr());
+    }
+    let queues =
+        [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
+    let features = vk::PhysicalDeviceFeatures::default()
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+        .large_points(supported.large_points == vk::TRUE)
+        .shader_storage_image_extended_formats(supported.shader_storage_image_extended_formats == vk::TRUE);
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default().host_query_reset(true);
+    let mut v13 =
+        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+    let info = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .enabled_extension_names(&names)
+        .enabled_features(&features)
+        .push_next(&mut v12)
+        .push_next(&mut v13);
+    // SAFETY: the structures live through the call; features and extensions were found supported.
+    let mut device = unsafe { instance.create_device(physical, &info, None) }.map_err(vulkan("vkCreateDevice"))?;
+    // SAFETY: the queue was asked for above.
+    let queue = unsafe { device.get_device_queue(queue_family as u32, 0) };
+    if let Some(watch) = &query.watch {
+        device = watch::watched(&device, queue, watch);
+    }
+
+    let parts = Allocator::new(&AllocatorCreateDesc {
+        instance: instance.clone(),
+        device: device.clone(),
+        physical_device: physical,
+        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+        buffer_device_address: false,
+        allocation_sizes: gpu_allocator::AllocationSizes::default(),
+    })
+    .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })
+    .and_then(|allocator| {
+        Ok((allocator, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
+    });
+    let (allocator, samplers) = match parts {
+        Ok(parts) => parts,
+        Err(e) => {
+            // SAFETY: nothing else was created from the device.
+            unsafe { device.destroy_device(None) };
+            return Err(e);
+        }
+    };
+    let bits = family.timestamp_valid_bits;
+    let debug = debug.0.take();
+    Ok(Shared {
+        push_descriptor: ash::khr::push_descriptor::Device::new(&instance, &device),
+        debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
+        queue: Mutex::new(queue),
+        entry,
+        instance,
+        debug,
+        physical,
+        device,
+        queue_family: queue_family as u32,
+        samplers,
+        allocator: ManuallyDrop::new(Mutex::new(allocator)),
+        submissions: AtomicU64::new(0),
+        #[cfg(feature = "window")]
+        replaced_shaders: crate::gpu::shader::Replaced::default(),
+        info: listing.info,
+        limits: properties.limits,
+        timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
+        has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
+        largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
+    })
+}
+
+/// Destroys the messenger if it is dropped with one inside.
+struct DebugGuard(Option<Debug>);
+
+impl Drop for DebugGuard {
+    fn drop(&mut self) {
+        if let Some(debug) = self.0.take() {
+            // SAFETY: dropped only on the way out of a failed `open_device`, before the instance.
+            unsafe { debug.destroy() };
+        }
+    }
+}
