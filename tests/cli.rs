@@ -267,7 +267,9 @@ fn time_reports_every_pass_of_every_method_and_size() {
         assert_eq!(passes.last().unwrap()["counted"], true);
         let names: Vec<_> = passes.iter().map(|p| &p["name"]).collect();
         assert!(
-            names.iter().any(|n| n.as_str().is_some_and(|n| n.contains("composite") || n == "resolve")),
+            names.iter().any(|n| n
+                .as_str()
+                .is_some_and(|n| n.contains("composite") || n.contains("resolve") || n == "trace/mirrors")),
             "{names:?}"
         );
         assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());

@@ -15,10 +15,6 @@
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
 
-// As passes::WIDE_ABOVE. Of a roughness up to this, a ray a pixel is traced; above, one for 2 x 2, of which
-// more are gathered: a wider lobe needs more rays, and those of farther neighbours fit it.
-#define WIDE_ABOVE 0.2
-
 // alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
 // which does not cancel; roughness is at most 1, where it is good to 1e-4.
 float LobePower(float roughness) {

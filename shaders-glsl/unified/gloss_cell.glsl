@@ -8,7 +8,7 @@ ivec2 WidePixel(ivec2 cell, out float roughness) {
     for (int i = 0; i < 4 && !(roughness > 0.0); ++i) {
         ivec2 p = min(2 * cell + ivec2(i & 1, i >> 1), unified.size - 1);
         vec2 material = texelFetch(material_buffer, p, 0).rg;
-        if (Reflects(material) && material.g > WIDE_ABOVE && texelFetch(depth_buffer, p, 0).r > 0.0) {
+        if (Reflects(material) && ListOf(material) == WIDE_LIST && texelFetch(depth_buffer, p, 0).r > 0.0) {
             pixel = p;
             roughness = material.g;
         }

@@ -16,7 +16,7 @@ void main() {
     out_place = vec4(0.0);
     out_color = vec4(0.0);
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
-    bool narrow = Reflects(material) && ListOf(material) == GLOSSY_LIST && material.g <= WIDE_ABOVE;
+    bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;
     if (!narrow || !(imageLoad(pyramid, pixel).r > 0.0))
         return;
     vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5, vec2(0.5));

@@ -1,6 +1,6 @@
-// Each pixel's reflection, from the rays around it or from the cells around it, and the composite. A
-// frame whose materials have one kind of lobe does not pay for the other: NARROW_LOBES, WIDE_LOBES, or
-// both are defined. (A device without branches runs both sides of every one.) Needs parameters.glsl.
+// Each pixel's reflection, from the rays around it (LIST is NARROW_LIST) or from the cells around it
+// (WIDE_LIST), and the composite. Each kind of lobe has a pass of its own: a device without branches would
+// run both for every pixel. Needs parameters.glsl.
 
 #include "unified/tiles.glsl"
 #include "unified/ray.glsl"
@@ -11,13 +11,12 @@ layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
-#ifdef NARROW_LOBES
+#if LIST == NARROW_LIST
 layout(binding = 5, rgba32f) uniform readonly image2D place_image; // gloss_narrow.frag
 layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
-#endif
-#ifdef WIDE_LOBES
-layout(binding = 7, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
-layout(binding = 8, rgba16f) uniform readonly image2D cell_surface;
+#else
+layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
+layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 #endif
 
 layout(location = 0) out vec4 out_color;
@@ -29,7 +28,7 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted
 // in DEFINITIONS, "World agreement".
 #define PLANE_TOLERANCE 0.02
 
-#ifdef NARROW_LOBES
+#if LIST == NARROW_LIST
 // A narrow lobe, from the cross of five rays around the pixel.
 vec4 Narrow(ivec2 pixel, Lobe lobe) {
     Sum sum = Sum(vec4(0.0), 0.0, 0.0);
@@ -40,9 +39,7 @@ vec4 Narrow(ivec2 pixel, Lobe lobe) {
     }
     return Reflection(sum);
 }
-#endif
-
-#ifdef WIDE_LOBES
+#else
 // A wide lobe, between the cells around the pixel, whose rays begin at their first pixels, as far as each
 // lies in the pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
 vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
@@ -63,24 +60,25 @@ vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
 }
 #endif
 
+// Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they
+// hold nothing, all that reflects is of the list, and the other pixels show their lit colour.
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 reflection = vec4(0.0);
-    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     float depth = texelFetch(depth_buffer, pixel, 0).r;
-    if (Reflects(material) && depth > 0.0) {
-        // A mirror has been traced and is there.
-        if (ListOf(material) == MIRROR_LIST)
-            discard;
-        vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
-#ifdef NARROW_LOBES
-        if (material.g <= WIDE_ABOVE)
-            reflection = Narrow(pixel, LobeOf(pixel, depth, normal, material.g));
+    bool reflects = Reflects(material) && depth > 0.0;
+#ifndef WHOLE
+    if (!reflects || ListOf(material) != LIST)
+        discard;
 #endif
-#ifdef WIDE_LOBES
-        if (material.g > WIDE_ABOVE)
-            reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal, LobePower(material.g));
+    vec4 reflection = vec4(0.0);
+    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    if (reflects) {
+        vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+#if LIST == NARROW_LIST
+        reflection = Narrow(pixel, LobeOf(pixel, depth, normal, material.g));
+#else
+        reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal, LobePower(material.g));
 #endif
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);

@@ -1,6 +1,6 @@
 #version 460
-// The resolve of a frame with narrow lobes and mirrors only.
+// The resolve of narrow lobes, over the tiles of their list.
 
-#define NARROW_LOBES
+#define LIST NARROW_LIST
 #include "unified/parameters.glsl"
 #include "unified/gloss_resolve.glsl"

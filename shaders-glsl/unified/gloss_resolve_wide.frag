@@ -1,6 +1,6 @@
 #version 460
-// The resolve of a frame with wide lobes only.
+// The resolve of wide lobes, over the tiles of their list.
 
-#define WIDE_LOBES
+#define LIST WIDE_LIST
 #include "unified/parameters.glsl"
 #include "unified/gloss_resolve.glsl"

@@ -7,9 +7,6 @@ layout(binding = 3) uniform sampler2D material_buffer;        // reflectivity, r
 layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
 
 #include "unified/tiles.glsl"
-#ifndef WHOLE
-#include "unified/tile_list.glsl"
-#endif
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
 #include "unified/traverse.glsl"
@@ -23,8 +20,8 @@ struct Mirror {
     Hit hit;
 };
 
-// Pixels that the list is not for are discarded: the images already hold what they show. With WHOLE the
-// images hold nothing, all that reflects is for the list, and the other pixels show their lit colour.
+// Over tiles, what is no mirror is discarded: the images already hold what it shows. With WHOLE the images
+// hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
 Mirror TraceMirror(ivec2 pixel) {
     vec2 material = texelFetch(material_buffer, pixel, 0).xy;
     float depth = imageLoad(pyramid, pixel).r;
@@ -37,7 +34,7 @@ Mirror TraceMirror(ivec2 pixel) {
     if (!traced)
         return mirror;
 #else
-    if (!traced || ListOf(material) != tile_list.list)
+    if (!traced || ListOf(material) != MIRROR_LIST)
         discard;
 #endif
     bool faces;

@@ -6,17 +6,19 @@
 #include "unified/tiles.glsl"
 #include "unified/tile_list.glsl"
 
-layout(std430, binding = 5) readonly buffer Tiles {
+layout(std430, binding = 9) readonly buffer Tiles {
     uint tiles[];
 };
 
 void main() {
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[tile_list.list * count.x * count.y + gl_VertexIndex]);
+    ivec2 size = (unified.size + tile_list.halve) >> tile_list.halve;
+    int side = TILE >> tile_list.halve;
     // A point whose centre is off screen is dropped: the last tiles move in, over pixels that their
     // neighbours may shade as well, to the same result; a screen below a tile is covered from its middle.
-    ivec2 first = min(tile * TILE, unified.size - TILE);
-    vec2 centre = max(vec2(first) + 0.5 * TILE, 0.5 * vec2(min(unified.size, ivec2(TILE))));
-    gl_Position = vec4(centre / vec2(unified.size) * 2.0 - 1.0, 0.0, 1.0);
-    gl_PointSize = TILE;
+    ivec2 first = min(tile * side, size - side);
+    vec2 centre = max(vec2(first) + 0.5 * float(side), 0.5 * vec2(min(size, ivec2(side))));
+    gl_Position = vec4(centre / vec2(size) * 2.0 - 1.0, 0.0, 1.0);
+    gl_PointSize = float(side);
 }

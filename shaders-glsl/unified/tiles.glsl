@@ -1,17 +1,23 @@
-// Tiles of 8 x 8 pixels: what the classification writes and the traces are drawn over. A tile stands
-// on the list of mirrors if it has a pixel that reflects with roughness 0, and on the glossy list if it
-// has one that reflects with more; on both if it has both.
+// Tiles of pixels: what the classification writes and the passes are drawn over. A tile stands on the list
+// of each kind of reflector that it has a pixel of, on several if it has several.
 
-#define TILE 8
+#define TILE 16 // pixels along a side
 #define MIRROR_LIST 0
-#define GLOSSY_LIST 1
+#define NARROW_LIST 1
+#define WIDE_LIST 2
+#define LISTS 3
+
+// As passes::WIDE_ABOVE. Of a roughness up to this, a ray a pixel is traced; above, one for 2 x 2, of which
+// more are gathered: a wider lobe needs more rays, and those of farther neighbours fit it.
+#define WIDE_ABOVE 0.2
 
 bool Reflects(vec2 material) {
     return material.x > REFLECTS_ABOVE;
 }
 
+// The list of a pixel that reflects.
 int ListOf(vec2 material) {
-    return material.y > 0.0 ? GLOSSY_LIST : MIRROR_LIST;
+    return material.y > WIDE_ABOVE ? WIDE_LIST : material.y > 0.0 ? NARROW_LIST : MIRROR_LIST;
 }
 
 ivec2 TileCount() {

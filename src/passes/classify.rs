@@ -1,18 +1,13 @@
-//! Classification (NUMERICS, "What a robust method does", item 7): which tiles of an image hold mirrors
-//! and which hold gloss, so that each is traced where it is and by what it needs.
+//! Classification (NUMERICS, "What a robust method does", item 7): which tiles of an image hold mirrors,
+//! narrow lobes and wide ones, so that each is traced where it is and by what it needs.
 
-use super::{GBuffer, Tiles};
+use super::GBuffer;
+use super::tiles::{self, LISTS, Tiles};
 use crate::error::Result;
 use crate::gpu::memory::Place;
 use crate::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Resource};
 use ash::vk;
-
-/// Pixels along a side of a tile: `TILE` of `tiles.glsl`.
-const TILE: u32 = 8;
-
-/// Lists that the shader writes.
-const LISTS: u64 = 2;
 
 /// Pipeline and lists of one size.
 pub struct ClassifyPass {
@@ -25,7 +20,7 @@ impl ClassifyPass {
     /// For images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::BufferUsageFlags as U;
-        let [x, y] = tiles(extent).map(u64::from);
+        let [x, y] = tiles::count(extent).map(u64::from);
         Ok(Self {
             pipeline: ComputePipeline::new(gpu, &UNIFIED_CLASSIFY_COMP)?,
             lists: Buffer::new(gpu, "tiles", LISTS * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
@@ -41,7 +36,7 @@ impl ClassifyPass {
 
     /// Passes "classify/clear" and "classify/tiles".
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, parameters: &UnifiedBlock) -> Result<Tiles<'a>> {
-        let [x, y] = tiles(gbuffer.material.extent());
+        let [x, y] = tiles::count(gbuffer.material.extent());
         frame.fill("classify/clear", &self.arguments, 0)?;
         frame.compute(
             "classify/tiles",
@@ -57,9 +52,4 @@ impl ClassifyPass {
         )?;
         Ok(Tiles { lists: &self.lists, arguments: &self.arguments })
     }
-}
-
-/// Tiles along each side.
-fn tiles(extent: [u32; 2]) -> [u32; 2] {
-    extent.map(|side| side.div_ceil(TILE))
 }

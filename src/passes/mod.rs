@@ -29,12 +29,14 @@ pub mod schmidt_trace;
 pub mod sslr_reflection;
 pub mod sslr_trace;
 pub mod thesis_trace;
+pub mod tiles;
 pub mod unified_gloss;
 pub mod unified_trace;
 pub mod visibility;
 
+use crate::error::Result;
 use crate::gpu::shader::CameraBlock;
-use crate::gpu::{Buffer, Image};
+use crate::gpu::{Frame, Image};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -69,7 +71,7 @@ pub struct Reflectors {
     pub everywhere: bool,
 }
 
-/// Roughness above which `unified` takes a lobe for wide (`shaders-glsl/unified/gloss.glsl`).
+/// Roughness above which `unified` takes a lobe for wide (`shaders-glsl/unified/tiles.glsl`).
 pub const WIDE_ABOVE: f32 = 0.2;
 
 impl Reflectors {
@@ -85,6 +87,11 @@ impl Reflectors {
     pub fn glossy(self) -> bool {
         self.narrow || self.wide
     }
+
+    /// How many of the three kinds there may be.
+    pub fn kinds(self) -> usize {
+        [self.mirrors, self.narrow, self.wide].into_iter().filter(|kind| *kind).count()
+    }
 }
 
 /// Standard depth, minimum in R and maximum in G, full chain. RG32F.
@@ -95,32 +102,6 @@ pub struct HiZ<'a>(pub &'a Image);
 /// image (`shaders-glsl/unified/pyramid.glsl`). RG32F.
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
-
-/// Tiles of pixels that hold mirrors and that hold gloss, as lists with the arguments of an indirect
-/// draw over each (`shaders-glsl/unified/tiles.glsl`).
-#[derive(Clone, Copy)]
-pub struct Tiles<'a> {
-    /// The lists: room for every tile's word, twice.
-    pub lists: &'a Buffer,
-    /// For each list those of a `VkDrawIndirectCommand`.
-    pub arguments: &'a Buffer,
-}
-
-/// A list of [`Tiles`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TileList {
-    /// Tiles with mirrors.
-    Mirrors = 0,
-    /// Tiles with glossy surfaces.
-    Glossy = 1,
-}
-
-impl TileList {
-    /// Byte of [`Tiles::arguments`] at which the list's begin.
-    pub fn arguments_offset(self) -> u64 {
-        16 * self as u64
-    }
-}
 
 /// What a method draws into that composites along the way.
 #[derive(Clone, Copy)]
@@ -135,6 +116,21 @@ impl<'a> Canvas<'a> {
     /// Its images, in the order of the shaders' outputs.
     pub fn images(self) -> impl Iterator<Item = &'a Image> {
         std::iter::once(self.composite).chain(self.reflection)
+    }
+
+    /// Passes "composite", which takes the lit colour over, and "reflection": nothing is reflected yet.
+    pub fn begin(self, frame: &mut Frame, color: &Image) -> Result<()> {
+        let (color, composite) = (color.level(0), self.composite.all());
+        if color.image().format() == composite.image().format() {
+            frame.copy("composite", color, composite)?;
+        } else {
+            // A blit converts: the precision study hands over 32-bit floats.
+            frame.blit("composite", color, composite)?;
+        }
+        match self.reflection {
+            Some(reflection) => frame.clear("reflection", reflection.all(), [0.0; 4]),
+            None => Ok(()),
+        }
     }
 }
 

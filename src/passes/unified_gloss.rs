@@ -2,13 +2,15 @@
 //! gathered from its neighbours' hits (NUMERICS, "Gloss"). A ray a pixel for narrow lobes, one for four
 //! pixels for wide ones; which of the two a pixel is says its roughness alone.
 
+use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
 use super::{Canvas, GBuffer, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_BOTH_FRAG,
-    UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
+    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG,
+    UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_WHOLE_FRAG,
+    UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
 
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -16,11 +18,11 @@ const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
-    narrow: GraphicsPipeline,
-    wide: GraphicsPipeline,
-    cells: GraphicsPipeline,
-    /// For narrow lobes, for wide ones, and for both.
-    resolve: [GraphicsPipeline; 3],
+    narrow: TiledPipeline,
+    resolve_narrow: TiledPipeline,
+    wide: TiledPipeline,
+    cells: TiledPipeline,
+    resolve_wide: TiledPipeline,
     /// Where each pixel's ray ended, and what it saw.
     seen: [Image; 2],
     /// The same of each cell of 2 × 2 pixels.
@@ -31,32 +33,37 @@ pub struct UnifiedGlossPass {
 
 impl UnifiedGlossPass {
     /// For images of a size in pixels; `reflection` says whether the canvases will have one.
+    ///
+    /// # Errors
+    /// As [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
             let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let pipeline = |shader, formats: &[vk::Format]| GraphicsPipeline::fullscreen(gpu, shader, formats);
+        let pipeline =
+            |list, tiles, whole, formats: &[vk::Format]| TiledPipeline::new(gpu, list, tiles, Some(whole), formats);
+        let both = |list, shader, formats: &[vk::Format]| pipeline(list, shader, shader, formats);
+        let (narrow, wide) = (TileList::Narrow, TileList::Wide);
         let cells = extent.map(|n| n.div_ceil(2));
         let drawn = &[COLOR; 2][..1 + usize::from(reflection)];
+        let [of_narrow, of_wide] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_WIDE_FRAG];
         Ok(Self {
-            narrow: pipeline(&UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, COLOR])?,
-            wide: pipeline(&UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, COLOR])?,
-            cells: pipeline(&UNIFIED_GLOSS_CELLS_FRAG, &[COLOR; 2])?,
-            resolve: [
-                pipeline(&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, drawn)?,
-                pipeline(&UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, drawn)?,
-                pipeline(&UNIFIED_GLOSS_RESOLVE_BOTH_FRAG, drawn)?,
-            ],
+            narrow: both(narrow, &UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, COLOR])?,
+            resolve_narrow: pipeline(narrow, of_narrow, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, drawn)?,
+            wide: both(wide, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, COLOR])?,
+            cells: both(wide, &UNIFIED_GLOSS_CELLS_FRAG, &[COLOR; 2])?,
+            resolve_wide: pipeline(wide, of_wide, &UNIFIED_GLOSS_RESOLVE_WIDE_WHOLE_FRAG, drawn)?,
             seen: [image("seen place", PLACE, extent)?, image("seen color", COLOR, extent)?],
             cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", COLOR, cells)?],
             resolved: [image("cell reflection", COLOR, cells)?, image("cell surface", COLOR, cells)?],
         })
     }
 
-    /// Passes "trace/narrow", "trace/wide", "cells" and "resolve", of them those that the frame's materials
-    /// need. The colour's chain is there. `over` says that the canvas holds what is not gathered already.
+    /// Passes "trace/narrow" and "resolve/narrow", and "trace/wide", "cells" and "resolve/wide", those that the
+    /// frame's materials need. The colour's chain is there. Over `tiles` the canvas has begun; without them
+    /// it holds nothing, and all that reflects has lobes of one kind.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -64,7 +71,7 @@ impl UnifiedGlossPass {
         pyramid: Pyramid,
         parameters: &UnifiedBlock,
         canvas: Canvas<'a>,
-        over: bool,
+        tiles: Option<Tiles>,
     ) -> Result<()> {
         let color = gbuffer.color;
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
@@ -73,39 +80,38 @@ impl UnifiedGlossPass {
         let material = ("material_buffer", Resource::nearest(gbuffer.material.all()));
         let pyramid = ("pyramid", Resource::Loaded(pyramid.0.all()));
         let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];
+        let shown = [block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
         let loaded = |name, image: &'a Image| (name, Resource::Loaded(image.all()));
-        let into = |images: &'a [Image; 2]| [0, 1].map(|i| Target::overwrite(images[i].all()));
-        let reflectors = gbuffer.reflectors;
+        // Where no tile is drawn there is no ray, which neighbours on a listed tile must see.
+        let into =
+            |images: &'a [Image; 2]| [0, 1].map(|i| TiledTarget { image: &images[i], elsewhere: Some([0.0; 4]) });
+        let canvas: Vec<_> = canvas.images().map(|image| TiledTarget { image, elsewhere: None }).collect();
 
-        let mut resolved = vec![block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
-        if reflectors.narrow {
-            frame.fullscreen("trace/narrow", &self.narrow, &into(&self.seen), &traced, &[])?;
-            resolved.extend([loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])]);
+        if gbuffer.reflectors.narrow {
+            self.narrow.draw(frame, "trace/narrow", &into(&self.seen), &traced, tiles, false)?;
+            let seen = [loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])];
+            let resources: Vec<_> = shown.into_iter().chain(seen).collect();
+            self.resolve_narrow.draw(frame, "resolve/narrow", &canvas, &resources, tiles, false)?;
         } else {
-            frame.skip("trace/narrow", "no material that is drawn has a narrow lobe");
+            for pass in ["trace/narrow", "resolve/narrow"] {
+                frame.skip(pass, "no material that is drawn has a narrow lobe");
+            }
         }
-        if reflectors.wide {
-            let places = loaded("place_image", &self.cells_seen[0]);
-            let colors = loaded("seen_image", &self.cells_seen[1]);
+        if gbuffer.reflectors.wide {
             let resources: Vec<_> = traced.into_iter().chain([depth]).collect();
-            frame.fullscreen("trace/wide", &self.wide, &into(&self.cells_seen), &resources, &[])?;
-            let resources = [block, depth, normal, material, places, colors];
-            frame.fullscreen("cells", &self.cells, &into(&self.resolved), &resources, &[])?;
-            resolved.push(loaded("cell_reflection", &self.resolved[0]));
-            resolved.push(loaded("cell_surface", &self.resolved[1]));
+            self.wide.draw(frame, "trace/wide", &into(&self.cells_seen), &resources, tiles, true)?;
+            let seen = [loaded("place_image", &self.cells_seen[0]), loaded("seen_image", &self.cells_seen[1])];
+            let resources: Vec<_> = [block, depth, normal, material].into_iter().chain(seen).collect();
+            self.cells.draw(frame, "cells", &into(&self.resolved), &resources, tiles, true)?;
+            let [reflection, surface] = &self.resolved;
+            let cells = [loaded("cell_reflection", reflection), loaded("cell_surface", surface)];
+            let resources: Vec<_> = shown.into_iter().chain(cells).collect();
+            self.resolve_wide.draw(frame, "resolve/wide", &canvas, &resources, tiles, false)?;
         } else {
-            for pass in ["trace/wide", "cells"] {
+            for pass in ["trace/wide", "cells", "resolve/wide"] {
                 frame.skip(pass, "no material that is drawn has a wide lobe");
             }
         }
-        let [only_narrow, only_wide, both] = &self.resolve;
-        let resolve = match (reflectors.narrow, reflectors.wide) {
-            (true, true) => both,
-            (_, false) => only_narrow,
-            (false, true) => only_wide,
-        };
-        let target = |i: &'a Image| if over { Target::kept(i.all()) } else { Target::overwrite(i.all()) };
-        let targets: Vec<_> = canvas.images().map(target).collect();
-        frame.fullscreen("resolve", resolve, &targets, &resolved, &[])
+        Ok(())
     }
 }

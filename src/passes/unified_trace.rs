@@ -1,30 +1,19 @@
 //! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the
-//! composite in the same pass, over the tiles of a list or over the whole image. What does not reflect
-//! is copied.
+//! composite in the same pass, over the tiles of a list or over the whole image.
 
-use super::{Canvas, GBuffer, Hits, Pyramid, TileList, Tiles};
-use crate::error::{Error, Result};
-use crate::gpu::shader::{
-    TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UNIFIED_TILE_VERT,
-    UnifiedBlock,
-};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
+use super::{Canvas, GBuffer, Hits, Pyramid};
+use crate::error::Result;
+use crate::gpu::shader::{UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UnifiedBlock};
+use crate::gpu::{Frame, Gpu, Image, Resource};
 use ash::vk;
 
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Pixels along a side of a tile: `TILE` of `tiles.glsl`.
-const TILE: f32 = 8.0;
-
 /// Pipeline and images of one size.
 pub struct UnifiedTracePass {
-    /// Over the tiles of a list.
-    mirror: GraphicsPipeline,
-    /// Over the whole image, for one of several lists.
-    everywhere: GraphicsPipeline,
-    /// Over the whole image, for all that reflects, without hits.
-    whole: Option<GraphicsPipeline>,
+    mirrors: TiledPipeline,
     hits: Option<Image>,
 }
 
@@ -35,7 +24,8 @@ pub struct UnifiedTraceInput<'a> {
     pub gbuffer: GBuffer<'a>,
     /// Blocks to trace.
     pub pyramid: Pyramid<'a>,
-    /// Where to trace; everywhere if `None`.
+    /// Where to trace, over a canvas that has begun; `None`, which asks for no hits: all that reflects is a
+    /// mirror, and the canvas holds nothing.
     pub tiles: Option<Tiles<'a>>,
     /// Where to draw.
     pub canvas: Canvas<'a>,
@@ -46,40 +36,29 @@ impl UnifiedTracePass {
     /// need it, asks for them beside the image.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
+    /// As [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool) -> Result<Self> {
-        if gpu.largest_point() < TILE {
-            let (name, largest) = (&gpu.info().name, gpu.largest_point());
-            return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE} pixels; {name} has none above {largest}"
-            )));
-        }
-        let (shader, formats) = if hits {
-            (&UNIFIED_MIRROR_HITS_FRAG, &[COLOR, COLOR, HITS][..])
+        let (shader, whole, formats) = if hits {
+            (&UNIFIED_MIRROR_HITS_FRAG, None, &[COLOR, COLOR, HITS][..])
         } else {
-            (&UNIFIED_MIRROR_FRAG, &[COLOR; 2][..1 + usize::from(reflection)])
+            let drawn = &[COLOR; 2][..1 + usize::from(reflection)];
+            (&UNIFIED_MIRROR_FRAG, Some(&UNIFIED_MIRROR_WHOLE_FRAG), drawn)
         };
         Ok(Self {
-            mirror: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, shader, formats)?,
-            everywhere: GraphicsPipeline::fullscreen(gpu, shader, formats)?,
-            whole: (!hits)
-                .then(|| GraphicsPipeline::fullscreen(gpu, &UNIFIED_MIRROR_WHOLE_FRAG, formats))
-                .transpose()?,
+            mirrors: TiledPipeline::new(gpu, TileList::Mirrors, shader, whole, formats)?,
             hits: hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
         })
     }
 
-    /// Passes "composite", which takes the lit colour over, and "trace/mirrors"; where all that reflects
-    /// is to be traced, the single pass "trace+composite". Gives where each ray ended, if that was asked
-    /// for.
+    /// Pass "trace/mirrors". Gives where each ray ended, if that was asked for.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         input: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
-        let (gbuffer, canvas) = (&input.gbuffer, input.canvas);
-        let mut resources = vec![
+        let gbuffer = &input.gbuffer;
+        let resources = [
             ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
             ("pyramid", Resource::Loaded(input.pyramid.0.all())),
             ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
@@ -87,32 +66,10 @@ impl UnifiedTracePass {
             ("color_buffer", Resource::trilinear(gbuffer.color.level(0))),
         ];
         let hits = self.hits.as_ref();
-        if let (None, Some(whole)) = (input.tiles, &self.whole) {
-            let targets: Vec<_> = canvas.images().map(|i| Target::overwrite(i.all())).collect();
-            frame.fullscreen("trace+composite", whole, &targets, &resources, &[])?;
-            return Ok(None);
-        }
-        let (color, composite) = (gbuffer.color, canvas.composite);
-        if color.format() == composite.format() {
-            frame.copy("composite", color.level(0), composite.all())?;
-        } else {
-            // A blit converts: the precision study hands over 32-bit floats.
-            frame.blit("composite", color.level(0), composite.all())?;
-        }
-        let mut targets = vec![Target::kept(canvas.composite.all())];
-        targets.extend(canvas.reflection.map(|i| Target::cleared(i.all(), [0.0; 4])));
-        targets.extend(hits.map(|h| Target::cleared(h.all(), [-1.0, -1.0, -1.0, 0.0])));
-        let (name, list) = ("trace/mirrors", TileList::Mirrors);
-        let push = TileListBlock { list: list as i32 };
-        let push = bytemuck::bytes_of(&push);
-        match input.tiles {
-            Some(tiles) => {
-                resources.push(("Tiles", Resource::ReadBuffer(tiles.lists)));
-                let arguments = (tiles.arguments, list.arguments_offset());
-                frame.draw_indirect(name, &self.mirror, &targets, &resources, push, arguments)?;
-            }
-            None => frame.fullscreen(name, &self.everywhere, &targets, &resources, push)?,
-        }
+        let no_hit = hits.map(|image| TiledTarget { image, elsewhere: Some([-1.0, -1.0, -1.0, 0.0]) });
+        let targets: Vec<_> =
+            input.canvas.images().map(|image| TiledTarget { image, elsewhere: None }).chain(no_hit).collect();
+        self.mirrors.draw(frame, "trace/mirrors", &targets, &resources, input.tiles, false)?;
         Ok(hits.map(Hits))
     }
 }

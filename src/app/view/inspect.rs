@@ -6,6 +6,7 @@ use crate::gpu::Pixels;
 use crate::methods::thesis::{self, Variant};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
+use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
 use crate::reference::hi_z_ray_trace::{self, Constants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
@@ -14,9 +15,6 @@ use crate::reference::{Level, Oracle, Trace};
 use crate::scene::GBufferData;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
-
-/// Pixels along a side of a tile of `unified` (`TILE` of `tiles.glsl`).
-const TILE: u32 = 8;
 
 /// A frame's G-buffer and hits on the host.
 pub struct Inspection {
@@ -171,7 +169,7 @@ impl PixelClasses {
     }
 }
 
-/// Tiles of 8 × 8 pixels by what is in them.
+/// Tiles of `unified` by what is in them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TileClasses {
     /// Nothing that reflects.

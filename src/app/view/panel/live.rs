@@ -6,6 +6,7 @@ use crate::app::view::against::Answer;
 use crate::app::view::history::{History, StageTime};
 use crate::app::view::inspect::Inspection;
 use crate::app::view::state::State;
+use crate::passes::tiles::TILE;
 use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
 /// Height of the bars in points.
@@ -160,7 +161,7 @@ fn classes(ui: &mut Ui, inspection: &Inspection) {
             ui.end_row();
         }
     });
-    ui.label("tiles of 8 × 8:");
+    ui.label(format!("tiles of {TILE} × {TILE}:"));
     Grid::new("tiles").num_columns(4).striped(true).show(ui, |ui| {
         for title in ["mirrors", "glossy", "both", "neither"] {
             ui.label(RichText::new(title).weak());
