@@ -2,7 +2,7 @@
 //! composite in the same pass, over the tiles of a list or over the whole image. What does not reflect
 //! is copied.
 
-use super::{Canvas, GBuffer, Hits, Pyramid, TileList, Tiles};
+use super::{Canvas, GBuffer, HITS, Hits, Pyramid, TileList, Tiles};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{
     TileListBlock, UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UNIFIED_TILE_VERT,
@@ -12,7 +12,6 @@ use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pixels along a side of a tile: `TILE` of `tiles.glsl`.
 const TILE: f32 = 8.0;
