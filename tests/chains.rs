@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Shown, bilinear, clutter, clutter_camera, gpu, shared_scenes, show};
+use common::{Shown, blur, clutter, clutter_camera, gpu, shared_scenes, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::passes::color_chain::ChainFilter;
@@ -180,22 +180,6 @@ fn blits_of_even_levels_are_box_averages() {
         let spread = levels[0].values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
         assert!(extent[0] < 64 || spread.1 - spread.0 > 0.3, "the content varies: {spread:?}");
     }
-}
-
-/// Thesis §4.3.2's seven weights, one direction; `step` is the distance of the taps.
-fn blur(image: &Pixels, width: u32, height: u32, step: [f32; 2]) -> Pixels {
-    const WEIGHTS: [f32; 7] = [0.002, 0.028, 0.233, 0.474, 0.233, 0.028, 0.002];
-    let mut values = Vec::new();
-    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
-        let (u, v) = ((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
-        let mut sum = [0.0; 3];
-        for (weight, tap) in WEIGHTS.into_iter().zip(-3..=3) {
-            let sample = bilinear(image, u + tap as f32 * step[0], v + tap as f32 * step[1]);
-            sum = [0, 1, 2].map(|c| sum[c] + weight * sample[c]);
-        }
-        values.extend(sum);
-    }
-    Pixels { width, height, channels: 3, values }
 }
 
 #[test]

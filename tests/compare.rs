@@ -2,79 +2,57 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod common;
+
+use common::folder::Folder;
 use serde_json::Value;
-use std::path::PathBuf;
-use std::process::{Command, Output};
-use tempfile::TempDir;
 
 const HEADER: &str = "scene,view,method,preset,width,height,roughness,sample,pass,counted,ms\n";
 
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// A run of six frames: a scene pass and two counted ones, the trace's times times a factor that
-    /// alternates between two values.
-    fn times(&self, name: &str, method: &str, factors: [f64; 2], device: &str) {
-        let mut rows = HEADER.to_owned();
-        for n in 0..6 {
-            for (pass, counted, ms) in
-                [("lighting", false, 3.0), ("trace", true, 8.0 * factors[n % 2]), ("composite", true, 2.0)]
-            {
-                rows += &format!("rooms,hall,{method},published,64,36,0.1,{n},{pass},{counted},{ms:.6}\n");
-            }
+/// A run of six frames: a scene pass and two counted ones, the trace's times times a factor that alternates
+/// between two values.
+fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
+    let mut rows = HEADER.to_owned();
+    for n in 0..6 {
+        for (pass, counted, ms) in
+            [("lighting", false, 3.0), ("trace", true, 8.0 * factors[n % 2]), ("composite", true, 2.0)]
+        {
+            rows += &format!("rooms,hall,{method},published,64,36,0.1,{n},{pass},{counted},{ms:.6}\n");
         }
-        let device = serde_json::json!({ "name": device, "driver": "1", "api": "1.3", "type": "CPU" });
-        std::fs::create_dir_all(self.path(name)).unwrap();
-        std::fs::write(self.path(name).join("time-samples.csv"), rows).unwrap();
-        std::fs::write(self.path(name).join("time.json"), serde_json::json!([{ "device": device }]).to_string())
-            .unwrap();
     }
+    let device = serde_json::json!({ "name": device, "driver": "1", "api": "1.3", "type": "CPU" });
+    std::fs::create_dir_all(folder.path(name)).unwrap();
+    folder.write(&format!("{name}/time-samples.csv"), rows);
+    folder.write(&format!("{name}/time.json"), serde_json::json!([{ "device": device }]).to_string());
+}
 
-    /// A flat PNG.
-    fn png(&self, name: &str, extent: [u32; 2], color: [u8; 3]) {
-        image::RgbImage::from_pixel(extent[0], extent[1], image::Rgb(color)).save(self.path(name)).unwrap();
-    }
+/// A flat PNG.
+fn png(folder: &Folder, name: &str, extent: [u32; 2], color: [u8; 3]) {
+    image::RgbImage::from_pixel(extent[0], extent[1], image::Rgb(color)).save(folder.path(name)).unwrap();
+}
 
-    /// A 32×24 EXR whose left half has one colour and whose right half another.
-    fn exr(&self, name: &str, halves: [[f32; 3]; 2]) {
-        let color = |x: usize, _| halves[usize::from(x >= 16)].into();
-        exr::prelude::write_rgb_file(self.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
-    }
+/// A 32×24 EXR whose left half has one colour and whose right half another.
+fn exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
+    let color = |x: usize, _| halves[usize::from(x >= 16)].into();
+    exr::prelude::write_rgb_file(folder.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
+}
 
-    fn run(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
-        let output = command.arg("compare").args(args).current_dir(self.0.path()).output().unwrap();
-        let text = String::from_utf8_lossy(&output.stderr);
-        assert!(!text.contains("panicked"), "{args:?}: {text}");
-        output
-    }
+/// What `ssct compare` says where it must succeed.
+fn said(folder: &Folder, args: &[&str]) -> String {
+    folder.succeed(&[&["compare"], args].concat())
+}
 
-    /// Standard output of what must succeed.
-    fn said(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).unwrap()
-    }
+/// Its records.
+fn compared(folder: &Folder, args: &[&str]) -> Vec<Value> {
+    serde_json::from_str(&said(folder, &[args, &["--json"]].concat())).unwrap()
+}
 
-    fn records(&self, args: &[&str]) -> Vec<Value> {
-        serde_json::from_str(&self.said(&[args, &["--json"]].concat())).unwrap()
-    }
-
-    /// Exit status and sentence of what must fail.
-    fn fails(&self, args: &[&str], status: i32, words: &str) {
-        let output = self.run(args);
-        let text = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
-        assert!(text.contains(words), "{args:?}: {text}");
-    }
+/// Exit status and sentence of what must fail.
+fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
+    let output = folder.run(&[&["compare"], args].concat());
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+    assert!(text.contains(words), "{args:?}: {text}");
 }
 
 fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
@@ -84,7 +62,7 @@ fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
 #[test]
 fn each_pass_and_the_total_get_a_verdict() {
     let folder = Folder::new();
-    folder.times("base", "ssct", [1.0, 1.0], "gpu");
+    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
     for (factors, trace, total) in [
         ([1.0, 1.0], "SAME", "SAME"),
         ([2.0, 2.0], "SLOWER", "SLOWER"),
@@ -94,13 +72,13 @@ fn each_pass_and_the_total_get_a_verdict() {
         ([1.08, 1.08], "SLOWER", "SLOWER"),
         ([1.06, 1.06], "SLOWER", "SAME"),
     ] {
-        folder.times("new", "ssct", factors, "gpu");
-        let records = folder.records(&["base", "new"]);
+        times(&folder, "new", "ssct", factors, "gpu");
+        let records = compared(&folder, &["base", "new"]);
         let expected = [("lighting", "SAME"), ("trace", trace), ("composite", "SAME"), ("total", total)];
         assert_eq!(verdicts(&records), expected, "{factors:?}");
     }
-    folder.times("new", "ssct", [2.0, 2.0], "gpu");
-    let records = folder.records(&["base/time-samples.csv", "new"]);
+    times(&folder, "new", "ssct", [2.0, 2.0], "gpu");
+    let records = compared(&folder, &["base/time-samples.csv", "new"]);
     let total = &records[3];
     assert_eq!((&total["kind"], &total["definitions"]), (&"compare".into(), &1.into()));
     assert_eq!([&total["median_a_ms"], &total["median_b_ms"]], [&10.0.into(), &Value::from(18.0)]);
@@ -112,59 +90,55 @@ fn each_pass_and_the_total_get_a_verdict() {
 #[test]
 fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
     let folder = Folder::new();
-    folder.times("a", "ssct", [0.9, 1.1], "gpu");
-    folder.times("b", "ssct", [1.1, 1.3], "gpu");
-    let trace = folder.records(&["a", "b"])[1].clone();
-    assert_eq!(trace, folder.records(&["a", "b"])[1]);
+    times(&folder, "a", "ssct", [0.9, 1.1], "gpu");
+    times(&folder, "b", "ssct", [1.1, 1.3], "gpu");
+    let trace = compared(&folder, &["a", "b"])[1].clone();
+    assert_eq!(trace, compared(&folder, &["a", "b"])[1]);
     // Medians of resamples reach both values of each side.
     let (low, high) = (trace["low"].as_f64().unwrap(), trace["high"].as_f64().unwrap());
     assert!((low - 1.0).abs() < 1e-9 && (high - 1.3 / 0.9).abs() < 1e-9, "{low} {high}");
     assert_eq!(trace["verdict"], "UNDECIDED");
-    assert_eq!(folder.records(&["a", "b", "--threshold", "0.5"])[1]["verdict"], "SAME");
+    assert_eq!(compared(&folder, &["a", "b", "--threshold", "0.5"])[1]["verdict"], "SAME");
 }
 
 #[test]
 fn a_slower_total_fails_where_asked() {
     let folder = Folder::new();
-    folder.times("base", "ssct", [1.0, 1.0], "gpu");
-    folder.times("slow", "ssct", [1.06, 1.06], "gpu");
+    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
+    times(&folder, "slow", "ssct", [1.06, 1.06], "gpu");
     // The trace is slower, the total is not.
-    folder.said(&["base", "slow", "--fail-on-slower"]);
-    folder.fails(&["base", "slow", "--fail-on-slower", "--threshold", "0.01"], 1, "1 total(s) are slower");
-    folder.said(&["base", "slow", "--threshold", "0.01"]);
+    said(&folder, &["base", "slow", "--fail-on-slower"]);
+    fails(&folder, &["base", "slow", "--fail-on-slower", "--threshold", "0.01"], 1, "1 total(s) are slower");
+    said(&folder, &["base", "slow", "--threshold", "0.01"]);
 }
 
 #[test]
 fn the_text_warns_and_lists_what_one_run_lacks() {
     let folder = Folder::new();
-    folder.times("base", "ssct", [1.0, 1.0], "old gpu");
-    folder.times("new", "ssct", [1.0, 1.0], "new gpu");
+    times(&folder, "base", "ssct", [1.0, 1.0], "old gpu");
+    times(&folder, "new", "ssct", [1.0, 1.0], "new gpu");
     let extra = "rooms,hall,ssct,published,64,36,0.1,0,resolve,true,1\n";
-    let csv = folder.path("new/time-samples.csv");
-    std::fs::write(&csv, std::fs::read_to_string(&csv).unwrap() + extra).unwrap();
-    let text = folder.said(&["base", "new", "-o", "out"]);
+    folder.write("new/time-samples.csv", folder.text("new/time-samples.csv") + extra);
+    let text = said(&folder, &["base", "new", "-o", "out"]);
     assert!(text.contains("warning: A ran on old gpu (1), B on new gpu (1)"), "{text}");
     let (_, lacking) = text.split_once("Only in B:\n").unwrap();
     assert!(lacking.starts_with("  rooms hall  64x36  0.1  ssct  published  resolve\n"), "{text}");
     assert!(text.contains("2000 bootstrap resamples") && text.contains("±5 %"), "{text}");
-    assert_eq!(std::fs::read_to_string(folder.path("out/compare.txt")).unwrap(), text);
-    let records = folder.records(&["base", "new"]);
+    assert_eq!(folder.text("out/compare.txt"), text);
+    let records = compared(&folder, &["base", "new"]);
     assert!(records[0]["warning"].as_str().unwrap().contains("one device"));
     assert_eq!((&records[4]["only_in"], &records[4]["verdict"]), (&"B".into(), &Value::Null));
     let written: Vec<Value> = serde_json::from_slice(&std::fs::read(folder.path("out/compare.json")).unwrap()).unwrap();
     assert_eq!(written, records);
     std::fs::remove_file(folder.path("new/time.json")).unwrap();
-    assert!(folder.said(&["base", "new"]).contains("no time.json says on which device B ran"));
+    assert!(said(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
 }
 
 #[test]
 fn a_run_of_the_time_study_is_the_same_as_itself() {
     let folder = Folder::new();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
-    let args = ["time", "--size", "16x9", "--samples", "5", "--method", "ssct", "-o", "times"];
-    let output = command.args(args).current_dir(folder.0.path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let records = folder.records(&["times", "times", "--threshold", "0.999"]);
+    folder.succeed(&["time", "--size", "16x9", "--samples", "5", "--method", "ssct", "-o", "times"]);
+    let records = compared(&folder, &["times", "times", "--threshold", "0.999"]);
     let timed: Value = serde_json::from_slice(&std::fs::read(folder.path("times/time.json")).unwrap()).unwrap();
     assert_eq!(records.len(), timed[0]["passes"].as_array().unwrap().len() + 1);
     assert!(records.iter().all(|r| r["ratio"] == 1.0 && r["warning"].is_null() && r["samples_a"] == 5), "{records:?}");
@@ -176,39 +150,38 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
 #[test]
 fn images_have_the_errors_of_a_hand_computation() {
     let folder = Folder::new();
-    folder.exr("a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
-    folder.exr("b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
-    let found = &folder.records(&["a.exr", "b.exr", "-o", "out"])[0];
+    exr(&folder, "a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
+    exr(&folder, "b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
+    let found = &compared(&folder, &["a.exr", "b.exr", "-o", "out"])[0];
     // Half of the pixels differ by 3 in one of three channels; the reference's squares are 5 and 0.75.
     let close = |key: &str, expected: f64| (found[key].as_f64().unwrap() - expected).abs() < 1e-6;
     assert!(close("rmse", 1.5_f64.sqrt()) && close("rel_mse", 9.0 / 5.75), "{found}");
     assert_eq!((&found["kind"], &found["width"], &found["height"]), (&"compare-images".into(), &32.into(), &24.into()));
-    let open = |name: &str| image::open(folder.path("out").join(name)).unwrap().into_rgb8();
-    let error = open("error.png");
+    let error = folder.image("out/error.png");
     assert_eq!((error.get_pixel(3, 3).0, error.get_pixel(20, 3).0), ([255; 3], [0; 3]));
-    assert_eq!(open("flip.png").dimensions(), (32, 24));
+    assert_eq!(folder.image("out/flip.png").dimensions(), (32, 24));
     let map = exr::prelude::read_first_flat_layer_from_file(folder.path("out/error.exr")).unwrap();
     let values: Vec<f32> = map.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
     assert!((values[0] - 3_f32.sqrt()).abs() < 1e-6 && values[31] == 0.0);
-    let text = folder.said(&["a.exr", "b.exr"]);
+    let text = said(&folder, &["a.exr", "b.exr"]);
     assert!(text.contains("1.224745") && text.contains("1.565217"), "{text}");
 }
 
 #[test]
 fn a_png_is_decoded_to_linear() {
     let folder = Folder::new();
-    folder.png("black.png", [32, 24], [0; 3]);
-    folder.png("white.png", [32, 24], [255; 3]);
-    folder.png("grey.png", [32, 24], [188; 3]);
+    png(&folder, "black.png", [32, 24], [0; 3]);
+    png(&folder, "white.png", [32, 24], [255; 3]);
+    png(&folder, "grey.png", [32, 24], [188; 3]);
     // sRGB 188 by IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4.
     let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
-    let rmse = |a: &str, b: &str| folder.records(&[a, b])[0]["rmse"].as_f64().unwrap();
+    let rmse = |a: &str, b: &str| compared(&folder, &[a, b])[0]["rmse"].as_f64().unwrap();
     assert!((rmse("black.png", "grey.png") - linear).abs() < 1e-6);
     assert!((rmse("white.png", "grey.png") - (1.0 - linear)).abs() < 1e-6);
-    folder.exr("grey.exr", [[linear as f32; 3]; 2]);
-    let same = &folder.records(&["grey.png", "grey.exr"])[0];
+    exr(&folder, "grey.exr", [[linear as f32; 3]; 2]);
+    let same = &compared(&folder, &["grey.png", "grey.exr"])[0];
     assert!(same["rmse"].as_f64().unwrap() < 1e-6 && same["flip"] == 0.0, "{same}");
-    let black = &folder.records(&["black.png", "white.png"])[0];
+    let black = &compared(&folder, &["black.png", "white.png"])[0];
     assert_eq!((&black["rmse"], &black["rel_mse"]), (&1.0.into(), &Value::Null));
     assert!((0.967..0.968).contains(&black["flip"].as_f64().unwrap()), "{black}");
 }
@@ -216,42 +189,43 @@ fn a_png_is_decoded_to_linear() {
 #[test]
 fn what_is_no_number_is_not_hidden() {
     let folder = Folder::new();
-    folder.exr("a.exr", [[0.5; 3], [0.5; 3]]);
-    folder.exr("nan.exr", [[0.5; 3], [f32::NAN, 0.5, 0.5]]);
-    assert_eq!(folder.records(&["a.exr", "nan.exr", "-o", "out"])[0]["rmse"], Value::Null);
-    let error = image::open(folder.path("out/error.png")).unwrap().into_rgb8();
+    exr(&folder, "a.exr", [[0.5; 3], [0.5; 3]]);
+    exr(&folder, "nan.exr", [[0.5; 3], [f32::NAN, 0.5, 0.5]]);
+    assert_eq!(compared(&folder, &["a.exr", "nan.exr", "-o", "out"])[0]["rmse"], Value::Null);
+    let error = folder.image("out/error.png");
     assert_eq!((error.get_pixel(3, 3).0, error.get_pixel(20, 3).0), ([0; 3], [255, 0, 255]));
-    assert!(folder.said(&["a.exr", "nan.exr"]).contains("NaN"));
+    assert!(said(&folder, &["a.exr", "nan.exr"]).contains("NaN"));
 }
 
 #[test]
 fn mistakes_are_sentences() {
     let folder = Folder::new();
-    folder.times("a", "ssct", [1.0, 1.0], "gpu");
-    folder.times("other", "hzct", [1.0, 1.0], "gpu");
-    folder.png("small.png", [8, 8], [9; 3]);
-    folder.png("large.png", [9, 8], [9; 3]);
+    times(&folder, "a", "ssct", [1.0, 1.0], "gpu");
+    times(&folder, "other", "hzct", [1.0, 1.0], "gpu");
+    png(&folder, "small.png", [8, 8], [9; 3]);
+    png(&folder, "large.png", [9, 8], [9; 3]);
     std::fs::create_dir(folder.path("empty")).unwrap();
     for name in ["text.txt", "broken.png", "broken.exr"] {
-        std::fs::write(folder.path(name), "no image").unwrap();
+        folder.write(name, "no image");
     }
-    folder.fails(&["a"], 2, "<B>");
-    folder.fails(&["a", "small.png"], 2, "not one of each");
-    folder.fails(&["a", "text.txt"], 2, "text.txt: neither a folder");
-    folder.fails(&["a", "a", "--threshold", "1"], 2, "--threshold 1: ");
-    folder.fails(&["a", "a", "--threshold", "NaN"], 2, "--threshold NaN: ");
-    folder.fails(&["small.png", "small.png", "--fail-on-slower"], 2, "are for times");
-    folder.fails(&["a", "nowhere"], 1, "cannot read nowhere");
-    folder.fails(&["a", "empty"], 1, "time-samples.csv");
-    folder.fails(&["a", "other"], 1, "no pass in common");
-    folder.fails(
+    fails(&folder, &["a"], 2, "<B>");
+    fails(&folder, &["a", "small.png"], 2, "not one of each");
+    fails(&folder, &["a", "text.txt"], 2, "text.txt: neither a folder");
+    fails(&folder, &["a", "a", "--threshold", "1"], 2, "--threshold 1: ");
+    fails(&folder, &["a", "a", "--threshold", "NaN"], 2, "--threshold NaN: ");
+    fails(&folder, &["small.png", "small.png", "--fail-on-slower"], 2, "are for times");
+    fails(&folder, &["a", "nowhere"], 1, "cannot read nowhere");
+    fails(&folder, &["a", "empty"], 1, "time-samples.csv");
+    fails(&folder, &["a", "other"], 1, "no pass in common");
+    fails(
+        &folder,
         &["small.png", "large.png"],
         1,
         "of one size are compared; small.png has 8x8 pixels, large.png has 9x8",
     );
-    folder.fails(&["small.png", "broken.png"], 1, "broken.png: cannot be decoded");
-    folder.fails(&["small.png", "broken.exr"], 1, "broken.exr: no OpenEXR image");
-    folder.fails(&["small.png", "missing.exr"], 1, "missing.exr");
+    fails(&folder, &["small.png", "broken.png"], 1, "broken.png: cannot be decoded");
+    fails(&folder, &["small.png", "broken.exr"], 1, "broken.exr: no OpenEXR image");
+    fails(&folder, &["small.png", "missing.exr"], 1, "missing.exr");
     let row = "rooms,hall,ssct,published,64,36,0.1,0,trace,true";
     for (content, words) in [
         (HEADER.to_owned(), "bad.csv: holds no samples"),
@@ -261,26 +235,26 @@ fn mistakes_are_sentences() {
         (format!("{HEADER}{row},NaN\n"), "bad.csv:2: NaN ms is no time"),
         (format!("{HEADER}{row}\n"), "bad.csv:2: "),
     ] {
-        std::fs::write(folder.path("bad.csv"), content).unwrap();
-        folder.fails(&["a", "bad.csv"], 1, words);
+        folder.write("bad.csv", content);
+        fails(&folder, &["a", "bad.csv"], 1, words);
     }
-    std::fs::write(folder.path("a/time.json"), "[]").unwrap();
-    folder.fails(&["a", "a"], 1, "time.json: holds no record with a device");
+    folder.write("a/time.json", "[]");
+    fails(&folder, &["a", "a"], 1, "time.json: holds no record with a device");
 }
 
 #[test]
 fn an_exr_that_cannot_be_read_is_refused() {
     use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
     let folder = Folder::new();
-    folder.exr("a.exr", [[0.5; 3]; 2]);
+    exr(&folder, "a.exr", [[0.5; 3]; 2]);
     // The data window's last column, 31, becomes 99999; the pixels would need 29 MB, but the header is enough.
     let mut bytes = std::fs::read(folder.path("a.exr")).unwrap();
     let name = b"dataWindow\0box2i\0";
     let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4 + 8;
     assert_eq!(bytes[at..at + 4], 31_i32.to_le_bytes());
     bytes[at..at + 4].copy_from_slice(&99_999_i32.to_le_bytes());
-    std::fs::write(folder.path("huge.exr"), bytes).unwrap();
-    folder.fails(&["a.exr", "huge.exr"], 1, "huge.exr: an image of 100000x24 pixels; at most 16384");
+    folder.write("huge.exr", bytes);
+    fails(&folder, &["a.exr", "huge.exr"], 1, "huge.exr: an image of 100000x24 pixels; at most 16384");
 
     let flat = |name: &'static str| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 8 * 8]));
     let write = |name: &str, channels: [&'static str; 3]| {
@@ -289,7 +263,7 @@ fn an_exr_that_cannot_be_read_is_refused() {
         Image::from_layer(layer).write().to_file(folder.path(name)).unwrap();
     };
     write("depth.exr", ["R", "G", "depth"]);
-    folder.fails(&["a.exr", "depth.exr"], 1, "depth.exr: no OpenEXR image");
+    fails(&folder, &["a.exr", "depth.exr"], 1, "depth.exr: no OpenEXR image");
     // Of channel B: name, pixel type (2 is 32-bit float), linearity and reserved bytes, then the samplings.
     write("coarse.exr", ["R", "G", "B"]);
     let mut bytes = std::fs::read(folder.path("coarse.exr")).unwrap();
@@ -297,6 +271,6 @@ fn an_exr_that_cannot_be_read_is_refused() {
     let at = bytes.windows(start.len()).position(|w| w == start).unwrap() + start.len() + 4;
     assert_eq!(bytes[at..at + 18], *b"B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0");
     (bytes[at + 10], bytes[at + 14]) = (2, 2);
-    std::fs::write(folder.path("coarse.exr"), bytes).unwrap();
-    folder.fails(&["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
+    folder.write("coarse.exr", bytes);
+    fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
 }

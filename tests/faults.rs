@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::Builder;
+use common::two_quads;
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
@@ -17,16 +17,6 @@ use ssct::study::{Globals, Shot, Stage};
 use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [16, 9];
-
-/// A mirror floor before a wall with a picture: one mesh each, one texture.
-fn scene() -> Scene {
-    let mut b = Builder::new("two quads");
-    b.light(Vec3::new(0.3, -0.6, 1.0));
-    let (mirror, wall) = (b.mirror(), b.picture(4, 4, |x, y| [50 * x as u8, 50 * y as u8, 200]));
-    b.quad(mirror, Vec3::new(-4.0, 0.0, 0.0), Vec3::X * 8.0, Vec3::Z * 8.0, Vec3::Y);
-    b.quad(wall, Vec3::new(-4.0, 0.0, 6.0), Vec3::X * 8.0, Vec3::Y * 4.0, Vec3::NEG_Z);
-    b.0
-}
 
 fn open(watch: &Arc<Watch>) -> Result<Gpu> {
     Gpu::open(&DeviceQuery { validation: true, watch: Some(Arc::clone(watch)), ..DeviceQuery::default() })
@@ -106,7 +96,7 @@ impl Watched {
 
 /// Every `step`th allocation and every submission of a run of some methods; how many.
 fn every_fault(methods: &[&MethodInfo], step: usize) -> usize {
-    let (watch, scene) = (Arc::<Watch>::default(), scene());
+    let (watch, scene) = (Arc::<Watch>::default(), two_quads());
     let on = Watched { gpu: open(&watch).unwrap(), watch };
     let mut tried = on.try_faults("uploads", step, || Stage::new(&on.gpu, &scene), |_, _| true);
     let mut stage = Stage::new(&on.gpu, &scene).unwrap();
@@ -158,7 +148,7 @@ fn a_device_that_cannot_be_opened_leaves_nothing() {
 
 #[test]
 fn a_frame_that_was_not_submitted_changed_nothing() {
-    let (watch, scene) = (Arc::<Watch>::default(), scene());
+    let (watch, scene) = (Arc::<Watch>::default(), two_quads());
     let gpu = open(&watch).unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let shot = shot(&mut stage, methods::find("unified").unwrap(), &scene).unwrap();

@@ -3,48 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod common;
+
+use common::folder::Folder;
+use common::html::{attributes, chromium};
 use image::RgbImage;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
-use tempfile::TempDir;
-
-struct Folder(TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        Self(tempfile::tempdir().unwrap())
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    fn run(&self, args: &[&str]) -> Output {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
-        command.current_dir(self.0.path()).arg("figures").args(args).output().unwrap()
-    }
-
-    fn succeed(&self, args: &[&str]) -> String {
-        let output = self.run(args);
-        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-        assert!(output.stderr.is_empty(), "no terminal, no progress");
-        String::from_utf8(output.stdout).unwrap()
-    }
-
-    fn image(&self, name: &str) -> RgbImage {
-        image::open(self.path(name)).unwrap().into_rgb8()
-    }
-
-    fn text(&self, name: &str) -> String {
-        std::fs::read_to_string(self.path(name)).unwrap()
-    }
-}
-
-/// Values of an attribute, in order.
-fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
-    let prefix = format!(" {name}=\"");
-    html.split(prefix.as_str()).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
-}
+use std::path::Path;
 
 /// Mean of the three channels in a part of a picture: left, top, right, bottom in pixels.
 fn mean(image: &RgbImage, [left, top, right, bottom]: [u32; 4]) -> f64 {
@@ -56,7 +20,7 @@ fn mean(image: &RgbImage, [left, top, right, bottom]: [u32; 4]) -> f64 {
 #[test]
 fn every_figure_is_made_or_says_what_it_lacks() {
     let folder = Folder::new();
-    let said = folder.succeed(&["--size", "48x27", "--validation", "-o", "f"]);
+    let said = folder.succeed(&["figures", "--size", "48x27", "--validation", "-o", "f"]);
     let page = folder.text("f/index.html");
     let ids = attributes(&page, "id");
     let thesis: Vec<String> =
@@ -93,26 +57,16 @@ fn every_figure_is_made_or_says_what_it_lacks() {
 
 /// The page in a browser, on a phone: nothing wider than the screen, every picture there.
 fn shown(folder: &Folder) {
-    let on_path = std::env::var_os("PATH")
-        .is_some_and(|paths| std::env::split_paths(&paths).any(|folder| folder.join("chromium").is_file()));
-    if !on_path {
-        println!("skipped: chromium is not on PATH");
-        return;
-    }
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
     let probe = r#"<!DOCTYPE html><body><pre id="found"></pre><iframe src="index.html" style="width:390px;height:900px;border:0"
         onload="const d = this.contentDocument, r = d.documentElement;
         const bad = [...d.images].filter(i => i.naturalWidth == 0 || i.clientWidth == 0).length;
         document.getElementById('found').textContent =
             `overflow ${r.scrollWidth - r.clientWidth} bad ${bad} some ${d.images.length > 8}`"></iframe>"#;
-    std::fs::write(folder.path("f/probe.html"), probe).unwrap();
-    let profile = tempfile::tempdir().unwrap();
-    let output = Command::new("chromium")
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run"])
-        .args(["--allow-file-access-from-files", "--virtual-time-budget=4000", "--dump-dom"])
-        .arg(format!("--user-data-dir={}", profile.path().display()))
-        .arg(format!("file://{}", folder.path("f/probe.html").display()))
-        .output()
-        .unwrap();
+    folder.write("f/probe.html", probe);
+    let url = format!("file://{}", folder.path("f/probe.html").display());
+    let output = command.args(["--dump-dom", &url]).output().unwrap();
     let dom = String::from_utf8_lossy(&output.stdout);
     assert!(dom.contains("overflow 0 bad 0 some true"), "{}", &dom[..dom.len().min(400)]);
 }
@@ -120,12 +74,9 @@ fn shown(folder: &Folder) {
 #[test]
 fn figures_show_what_their_captions_say() {
     let folder = Folder::new();
-    folder.succeed(&["--only", "4.2,thesis-4.3,4.8,5.2,27", "--size", "192x108", "-o", "f"]);
-    let mut files: Vec<_> =
-        std::fs::read_dir(folder.path("f")).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    files.sort();
+    folder.succeed(&["figures", "--only", "4.2,thesis-4.3,4.8,5.2,27", "--size", "192x108", "-o", "f"]);
     assert_eq!(
-        files,
+        folder.list("f"),
         ["index.html", "schmidt-27.png", "thesis-4.2.svg", "thesis-4.3.svg", "thesis-4.8.png", "thesis-5.2.png"]
     );
     // Without Eq. 4.1 more cells have lost their minimum than with it.
@@ -151,7 +102,7 @@ fn figures_show_what_their_captions_say() {
 #[test]
 fn wrong_numbers_are_told() {
     let folder = Folder::new();
-    let output = folder.run(&["--only", "9.9"]);
+    let output = folder.run(&["figures", "--only", "9.9"]);
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("--only 9.9: no such figure") && said.contains("5.2"), "{said}");

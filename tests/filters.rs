@@ -5,14 +5,12 @@
 
 mod common;
 
-use common::{Shown, bilinear, clutter, clutter_camera, gpu, show};
+use common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::linear_to_srgb;
 use ssct::methods::{Preset, Setup};
 use ssct::passes::PosterFilter;
 use ssct::study::Globals;
-
-const WEIGHTS: [f32; 7] = [0.002, 0.028, 0.233, 0.474, 0.233, 0.028, 0.002];
 
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };
@@ -31,7 +29,7 @@ fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) 
         let (u, v) = ((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
         let central = bilinear(color, u, v);
         let (mut sum, mut share) = ([0.0; 3], 0.0);
-        for (weight, tap) in WEIGHTS.into_iter().zip(-3..=3) {
+        for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
             let (u, v) = (u + tap as f32 * step[0], v + tap as f32 * step[1]);
             let hit = bilinear(mask, u, v)[0];
             let read = if hit > 0.0 { bilinear(color, u, v) } else { central };
@@ -133,20 +131,8 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
         for n in 1..slices.len() {
             // The taps' variance is 0.726 squares of their distance; slice n adds 4^(n-1) / 4 square pixels.
             let distance = 2_f32.powi(n as i32 - 2) / 0.726_f32.sqrt();
-            let blur = |from: &Pixels, step: [f32; 2]| {
-                let mut values = Vec::new();
-                for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
-                    let (u, v) = ((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
-                    let mut sum = [0.0; 3];
-                    for (weight, tap) in WEIGHTS.into_iter().zip(-3..=3) {
-                        let read = bilinear(from, u + tap as f32 * step[0], v + tap as f32 * step[1]);
-                        sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
-                    }
-                    values.extend(sum);
-                }
-                Pixels { width: w, height: h, channels: 3, values }
-            };
-            let twin = blur(&blur(slices[n - 1], [distance / w as f32, 0.0]), [0.0, distance / h as f32]);
+            let across = blur(slices[n - 1], w, h, [distance / w as f32, 0.0]);
+            let twin = blur(&across, w, h, [0.0, distance / h as f32]);
             for (i, (g, c)) in slices[n].texels().zip(twin.texels()).enumerate() {
                 for (g, c) in g.iter().zip(c) {
                     // f16 twice, and weights of 8 bits in three dimensions.

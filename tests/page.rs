@@ -3,6 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod common;
+
+use common::folder::Folder;
+use common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{Fallback, Preset};
 use ssct::metrics::HitAgreement;
@@ -15,9 +19,7 @@ use ssct::study::error::{Against, ErrorRecord, Params};
 use ssct::study::record::{Head, PassRecord};
 use ssct::study::table::compare;
 use ssct::study::{Stats, TimeRecord};
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use tempfile::TempDir;
+use std::path::Path;
 
 /// Phone and desktop, in CSS pixels.
 const WIDTHS: [u32; 2] = [390, 1280];
@@ -97,14 +99,14 @@ fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
 
 /// The page in a folder, with all that it links to.
 struct Made {
-    folder: TempDir,
+    folder: Folder,
     html: String,
 }
 
 impl Made {
     fn new() -> Self {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path();
+        let folder = Folder::new();
+        let path = folder.root();
         let times: Vec<_> = [0.0, 0.1]
             .into_iter()
             .flat_map(|r| [time_record("ssct", r, 10.0), time_record("hzct", r, 8.0), time_record("sslr", r, 12.0)])
@@ -145,19 +147,9 @@ impl Made {
         };
         let html = page.render(path).unwrap();
         assert_eq!(html, page.render(path).unwrap(), "the same data make the same page");
-        std::fs::write(path.join("index.html"), &html).unwrap();
+        folder.write("index.html", &html);
         Self { folder, html }
     }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.folder.path().join(name)
-    }
-}
-
-/// Values of an attribute, in order.
-fn attributes<'a>(html: &'a str, name: &str) -> Vec<&'a str> {
-    let prefix = format!(" {name}=\"");
-    html.split(prefix.as_str()).skip(1).map(|rest| rest.split('"').next().unwrap()).collect()
 }
 
 #[test]
@@ -188,7 +180,7 @@ fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     for link in links.iter().filter(|l| !l.starts_with("data:")) {
         match link.strip_prefix('#') {
             Some(id) => assert!(ids.contains(&id), "{link}"),
-            None => assert!(page.path(link).exists(), "{link}"),
+            None => assert!(page.folder.path(link).exists(), "{link}"),
         }
     }
     assert!(page.html.contains("A &lt;GPU&gt; &amp; more") && !page.html.contains("<GPU>"), "text is escaped");
@@ -212,29 +204,9 @@ fn a_missing_picture_is_named() {
         figures: Vec::new(),
         records: Vec::new(),
     };
-    assert!(empty.render(page.folder.path()).unwrap().contains("Not measured."));
+    assert!(empty.render(page.folder.root()).unwrap().contains("Not measured."));
     let wrong = Page { figures: vec![missing], ..empty };
-    assert!(wrong.render(page.folder.path()).unwrap_err().to_string().contains("none.png"));
-}
-
-/// Chromium with what keeps it off the network, or a line that says why the test does nothing.
-fn chromium(profile: &Path) -> Option<Command> {
-    let on_path = std::env::var_os("PATH")
-        .is_some_and(|paths| std::env::split_paths(&paths).any(|folder| folder.join("chromium").is_file()));
-    if !on_path {
-        println!("skipped: chromium is not on PATH");
-        return None;
-    }
-    let mut command = Command::new("chromium");
-    command.args(["--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking"]);
-    command.args([
-        "--no-first-run",
-        "--hide-scrollbars",
-        "--allow-file-access-from-files",
-        "--virtual-time-budget=4000",
-    ]);
-    command.arg(format!("--user-data-dir={}", profile.display()));
-    Some(command)
+    assert!(wrong.render(page.folder.root()).unwrap_err().to_string().contains("none.png"));
 }
 
 /// Shows the page in frames of some widths, with and without its script, and writes down what is there.
@@ -279,9 +251,9 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     let page = Made::new();
     let profile = tempfile::tempdir().unwrap();
     let Some(mut command) = chromium(profile.path()) else { return };
-    std::fs::write(page.path("probe.html"), PROBE).unwrap();
-    let url = format!("file://{}", page.path("probe.html").display());
-    let output = command.args(["--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
+    page.folder.write("probe.html", PROBE);
+    let url = format!("file://{}", page.folder.path("probe.html").display());
+    let output = command.args(["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
     let dom = String::from_utf8_lossy(&output.stdout);
     let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
     let expected = |what: &str, columns: u32| {
@@ -302,9 +274,12 @@ fn a_screenshot_shows_words_plots_and_pictures() {
     for width in WIDTHS {
         let profile = tempfile::tempdir().unwrap();
         let Some(mut command) = chromium(profile.path()) else { return };
-        let file = page.path(&format!("{width}.png"));
-        let url = format!("file://{}", page.path("index.html").display());
-        command.arg(format!("--screenshot={}", file.display())).arg(format!("--window-size={width},6000"));
+        let file = page.folder.path(&format!("{width}.png"));
+        let url = format!("file://{}", page.folder.path("index.html").display());
+        command
+            .arg("--hide-scrollbars")
+            .arg(format!("--screenshot={}", file.display()))
+            .arg(format!("--window-size={width},6000"));
         assert!(command.arg(url).output().unwrap().status.success());
         let image = image::open(&file).unwrap().into_rgb8();
         assert_eq!(image.width(), width);

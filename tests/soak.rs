@@ -5,12 +5,11 @@
 
 mod common;
 
-use common::{Builder, clutter_camera, expected_failures};
-use glam::Vec3;
+use common::{clutter_camera, expected_failures, two_quads};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup};
-use ssct::scene::{Scene, View};
+use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -79,23 +78,13 @@ fn digest(live: &impl Hash) -> u64 {
 /// the machine.
 const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [8, 2], [3, 8], [8, 8]];
 
-/// A mirror floor before a wall with a picture.
-fn scene() -> Scene {
-    let mut b = Builder::new("two quads");
-    b.light(Vec3::new(0.3, -0.6, 1.0));
-    let (mirror, wall) = (b.mirror(), b.picture(4, 4, |x, y| [50 * x as u8, 50 * y as u8, 200]));
-    b.quad(mirror, Vec3::new(-4.0, 0.0, 0.0), Vec3::X * 8.0, Vec3::Z * 8.0, Vec3::Y);
-    b.quad(wall, Vec3::new(-4.0, 0.0, 6.0), Vec3::X * 8.0, Vec3::Y * 4.0, Vec3::NEG_Z);
-    b.0
-}
-
 /// Rounds of methods × sizes, with frames of every mode for each; what is held after each round. The scene
 /// is uploaded anew in every round.
 fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> (Gpu, Vec<Held>) {
     let watch = Arc::<Watch>::default();
     let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
     println!("{} ({}), {} methods, sizes {sizes:?}", gpu.info().name, gpu.info().driver, methods.len());
-    let scene = scene();
+    let scene = two_quads();
     let (mut held, mut frames) = (Vec::with_capacity(rounds), 0);
     for round in 0..rounds {
         let mut stage = Stage::new(&gpu, &scene).unwrap();

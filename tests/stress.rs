@@ -3,19 +3,17 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod common;
+
+use common::folder::Folder;
 use serde_json::Value;
-use std::process::Command;
 
 #[test]
 fn every_method_survives_and_the_judged_one_passes() {
-    let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_ssct"))
-        .args(["stress", "--quick", "--validation", "--json", "-o"])
-        .arg(folder.path())
-        .output()
-        .unwrap();
+    let folder = Folder::new();
+    let output = folder.run(&["stress", "--quick", "--validation", "--json", "-o", "."]);
     let said = String::from_utf8_lossy(&output.stderr);
-    let report = std::fs::read_to_string(folder.path().join("stress.txt")).unwrap_or_default();
+    let report = std::fs::read_to_string(folder.path("stress.txt")).unwrap_or_default();
     assert!(output.status.success(), "{said}\n{report}");
     let records: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     let of = |method: &str| records.iter().filter(|r| r["method"] == method).collect::<Vec<_>>();
@@ -27,6 +25,6 @@ fn every_method_survives_and_the_judged_one_passes() {
     for what in ["nan", "inf", "negative", "exhausted"] {
         assert!(sum("ssct", what) > 0, "no {what} in ssct");
     }
-    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    let page = folder.text("index.html");
     assert!(page.contains("Method × failure") && page.contains("rays through the corners of cells"));
 }

@@ -4,7 +4,7 @@ use super::cli::{Table, TimeOptions};
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::DeviceInfo;
+use crate::gpu::{DeviceInfo, Gpu};
 use crate::methods::{self, METHODS};
 use crate::report::{files, plot, tables};
 use crate::study::table::{TABLE_5_8, compare};
@@ -50,12 +50,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
         text: text(&records, table),
     };
-    let wrote = written.out(options);
-    run.ended(outcome)?;
-    wrote?;
-    run.finish()?;
-    gpu.check_validation()?;
-    Ok(())
+    written.conclude(options, run, outcome, &gpu)
 }
 
 /// What a measurement leaves.
@@ -73,8 +68,18 @@ pub struct Written {
 }
 
 impl Written {
+    /// The end of a run, by itself or not: what was measured is written and printed, and only then is said
+    /// what ended it.
+    pub fn conclude(&self, options: &TimeOptions, run: Run, outcome: Result<()>, gpu: &Gpu) -> anyhow::Result<()> {
+        let wrote = self.out(options);
+        run.ended(outcome)?;
+        wrote?;
+        run.finish()?;
+        Ok(gpu.check_validation()?)
+    }
+
     /// Writes the files, if a folder is asked for, and prints the records or the text.
-    pub fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
+    fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
         if let Some(folder) = &options.output {
             let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
             files::write(&named("json"), self.json.as_bytes())?;

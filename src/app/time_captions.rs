@@ -101,12 +101,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
         text,
     };
-    let wrote = written.out(options);
-    run.ended(outcome)?;
-    wrote?;
-    run.finish()?;
-    gpu.check_validation()?;
-    Ok(())
+    written.conclude(options, run, outcome, &gpu)
 }
 
 /// The scene of the flags, or the built-in ones that stand for the figures.

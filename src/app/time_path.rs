@@ -43,10 +43,5 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
         plot: path_report::plot(&records).map_err(anyhow::Error::msg)?,
         text: device_line(gpu.info()) + &path_report::text(&records),
     };
-    let wrote = written.out(options);
-    run.ended(outcome)?;
-    wrote?;
-    run.finish()?;
-    gpu.check_validation()?;
-    Ok(())
+    written.conclude(options, run, outcome, &gpu)
 }

@@ -1,40 +1,32 @@
 //! The poster's cone march through the pre-filtered G-buffer.
 
-use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, camera_block};
+use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, TracedImages, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{
     POSTER_CONE_MARCH_MIP_FRAG, POSTER_CONE_MARCH_MIP_HITS_FRAG, POSTER_CONE_MARCH_VOLUME_FRAG,
     POSTER_CONE_MARCH_VOLUME_HITS_FRAG, PosterBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
 use crate::scene::Camera;
-use ash::vk;
-
-const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipeline and images of one size.
 pub struct ConeMarchPass {
     pipeline: GraphicsPipeline,
-    reflection: Image,
-    hits: Option<Image>,
+    images: TracedImages,
 }
 
 impl ConeMarchPass {
     /// With the hits or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, with_hits: bool) -> Result<Self> {
-        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (filter, with_hits) {
             (PosterFilter::Mip, false) => &POSTER_CONE_MARCH_MIP_FRAG,
             (PosterFilter::Mip, true) => &POSTER_CONE_MARCH_MIP_HITS_FRAG,
             (PosterFilter::Volume, false) => &POSTER_CONE_MARCH_VOLUME_FRAG,
             (PosterFilter::Volume, true) => &POSTER_CONE_MARCH_VOLUME_HITS_FRAG,
         };
-        let targets = if with_hits { &[REFLECTION, HITS][..] } else { &[REFLECTION] };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, targets)?,
-            reflection: image("reflection", REFLECTION)?,
-            hits: with_hits.then(|| image("hits", HITS)).transpose()?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(with_hits))?,
+            images: TracedImages::new(gpu, extent, with_hits)?,
         })
     }
 
@@ -47,13 +39,11 @@ impl ConeMarchPass {
         camera: &Camera,
         parameters: &PosterBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        let block = camera_block(camera, self.reflection.extent());
-        let mut targets = vec![Target::overwrite(self.reflection.all())];
-        targets.extend(self.hits.as_ref().map(|h| Target::overwrite(h.all())));
+        let block = camera_block(camera, self.images.extent());
         frame.fullscreen(
             "cone march",
             &self.pipeline,
-            &targets,
+            &self.images.targets(),
             &[
                 ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
                 ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
@@ -64,6 +54,6 @@ impl ConeMarchPass {
             ],
             bytemuck::bytes_of(parameters),
         )?;
-        Ok((Reflection(&self.reflection), self.hits.as_ref().map(Hits)))
+        Ok(self.images.traced())
     }
 }

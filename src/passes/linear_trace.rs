@@ -1,16 +1,12 @@
 //! The linear marches of thesis §4.2.2 for every ray, and a mirror lookup where they end.
 
-use super::{GBuffer, HiZ, Hits, Reflection};
+use super::{GBuffer, HiZ, Hits, Reflection, TracedImages};
 use crate::error::Result;
 use crate::gpu::shader::{
     THESIS_LINEAR_FIXED_FRAG, THESIS_LINEAR_FIXED_HITS_FRAG, THESIS_LINEAR_GROWING_FRAG,
     THESIS_LINEAR_GROWING_HITS_FRAG, ThesisBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
-use ash::vk;
-
-const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
 
 /// Which of the two listings marches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
@@ -26,25 +22,21 @@ pub enum March {
 /// Pipeline and images of one size.
 pub struct LinearTracePass {
     pipeline: GraphicsPipeline,
-    reflection: Image,
-    hits: Option<Image>,
+    images: TracedImages,
 }
 
 impl LinearTracePass {
     /// With the hits or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, with_hits: bool) -> Result<Self> {
-        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (march, with_hits) {
             (March::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
             (March::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,
             (March::Fixed, false) => &THESIS_LINEAR_FIXED_FRAG,
             (March::Fixed, true) => &THESIS_LINEAR_FIXED_HITS_FRAG,
         };
-        let targets = if with_hits { &[REFLECTION, HITS][..] } else { &[REFLECTION] };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, targets)?,
-            reflection: image("reflection", REFLECTION)?,
-            hits: with_hits.then(|| image("hits", HITS)).transpose()?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(with_hits))?,
+            images: TracedImages::new(gpu, extent, with_hits)?,
         })
     }
 
@@ -56,12 +48,10 @@ impl LinearTracePass {
         depth: HiZ,
         parameters: &ThesisBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        let mut targets = vec![Target::overwrite(self.reflection.all())];
-        targets.extend(self.hits.as_ref().map(|h| Target::overwrite(h.all())));
         frame.fullscreen(
             "ray trace",
             &self.pipeline,
-            &targets,
+            &self.images.targets(),
             &[
                 ("thesis", Resource::Uniform(bytemuck::bytes_of(parameters))),
                 ("hiZBuffer", Resource::trilinear(depth.0.level(0))),
@@ -71,6 +61,6 @@ impl LinearTracePass {
             ],
             &[],
         )?;
-        Ok((Reflection(&self.reflection), self.hits.as_ref().map(Hits)))
+        Ok(self.images.traced())
     }
 }

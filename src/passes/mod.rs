@@ -36,12 +36,15 @@ pub mod visibility;
 
 use crate::error::Result;
 use crate::gpu::shader::CameraBlock;
-use crate::gpu::{Frame, Image};
+use crate::gpu::{Frame, Gpu, Image, Target};
 use crate::scene::Camera;
 use ash::vk;
 
 /// Format of the lit colour and its chain.
 pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+
+/// Format of [`Hits`].
+pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]
@@ -154,6 +157,43 @@ pub struct CubeMap<'a>(pub &'a Image);
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
+
+/// The images of a pass that traces and reflects at once: the reflection, and the hits where they are asked
+/// for.
+pub struct TracedImages {
+    reflection: Image,
+    hits: Option<Image>,
+}
+
+impl TracedImages {
+    /// Images of a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], with_hits: bool) -> Result<Self> {
+        Ok(Self {
+            reflection: Image::target(gpu, "reflection", LIT_COLOR, extent)?,
+            hits: with_hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
+        })
+    }
+
+    /// Formats of the shader's outputs.
+    pub fn formats(with_hits: bool) -> &'static [vk::Format] {
+        if with_hits { &[LIT_COLOR, HITS] } else { &[LIT_COLOR] }
+    }
+
+    /// Width and height in pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.reflection.extent()
+    }
+
+    /// All of it, to be drawn over, in the order of the shader's outputs.
+    pub fn targets(&self) -> Vec<Target<'_>> {
+        std::iter::once(&self.reflection).chain(&self.hits).map(|i| Target::overwrite(i.all())).collect()
+    }
+
+    /// What was drawn.
+    pub fn traced(&self) -> (Reflection<'_>, Option<Hits<'_>>) {
+        (Reflection(&self.reflection), self.hits.as_ref().map(Hits))
+    }
+}
 
 /// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
 #[derive(Clone, Copy)]

@@ -1,16 +1,13 @@
 //! The screen-space march of `ssr` and `ssr-fast` (Schmidt 2013, section 5.4.1, listings 4 and 5).
 
-use super::{GBuffer, Hits, LIT_COLOR, Reflection, camera_block};
+use super::{GBuffer, Hits, Reflection, TracedImages, camera_block};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::shader::{
     SCHMIDT_SSR_FAST_FRAG, SCHMIDT_SSR_FAST_HITS_FRAG, SCHMIDT_SSR_FRAG, SCHMIDT_SSR_HITS_FRAG, SchmidtBlock,
 };
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
 use crate::scene::Camera;
-use ash::vk;
-
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Which march.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,25 +21,21 @@ pub enum March {
 /// Pipeline and images of one size.
 pub struct SchmidtTracePass {
     pipeline: GraphicsPipeline,
-    reflection: Image,
-    hits: Option<Image>,
+    images: TracedImages,
 }
 
 impl SchmidtTracePass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, hits: bool) -> Result<Self> {
-        let image = |name, format| Image::target(gpu, name, format, extent);
         let shader = match (march, hits) {
             (March::PerPixel, false) => &SCHMIDT_SSR_FRAG,
             (March::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,
             (March::Optimized, false) => &SCHMIDT_SSR_FAST_FRAG,
             (March::Optimized, true) => &SCHMIDT_SSR_FAST_HITS_FRAG,
         };
-        let targets: &[vk::Format] = if hits { &[LIT_COLOR, HITS] } else { &[LIT_COLOR] };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, targets)?,
-            reflection: image("reflection", LIT_COLOR)?,
-            hits: hits.then(|| image("hits", HITS)).transpose()?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(hits))?,
+            images: TracedImages::new(gpu, extent, hits)?,
         })
     }
 
@@ -56,8 +49,6 @@ impl SchmidtTracePass {
         parameters: &SchmidtBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
-        let mut targets = vec![Target::overwrite(self.reflection.all())];
-        targets.extend(self.hits.as_ref().map(|h| Target::overwrite(h.all())));
         let resources = [
             ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
             ("DepthTex", Resource::nearest(gbuffer.depth.all())),
@@ -65,7 +56,13 @@ impl SchmidtTracePass {
             ("materialBuffer", Resource::nearest(gbuffer.material.all())),
             ("DiffuseTex", Resource::trilinear(diffuse)),
         ];
-        frame.fullscreen("ray march", &self.pipeline, &targets, &resources, bytemuck::bytes_of(parameters))?;
-        Ok((Reflection(&self.reflection), self.hits.as_ref().map(Hits)))
+        frame.fullscreen(
+            "ray march",
+            &self.pipeline,
+            &self.images.targets(),
+            &resources,
+            bytemuck::bytes_of(parameters),
+        )?;
+        Ok(self.images.traced())
     }
 }

@@ -1,6 +1,6 @@
 //! SSLR's first stage: a uniform march, and the colour where it ends (thesis §4.3.1).
 
-use super::{GBuffer, HiZ, Hits, RayTraceColor};
+use super::{GBuffer, HITS, HiZ, Hits, RayTraceColor};
 use crate::error::Result;
 use crate::gpu::shader::{THESIS_SSLR_RAY_TRACE_FRAG, THESIS_SSLR_RAY_TRACE_HITS_FRAG, ThesisBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image};
@@ -10,7 +10,6 @@ use ash::vk;
 // fine in the dark as they were there.
 const COLOR: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const MASK: vk::Format = vk::Format::R8_UNORM;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipeline and images of one size; the images have room for their chains.
 pub struct SslrTracePass {

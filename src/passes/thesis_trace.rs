@@ -1,7 +1,7 @@
 //! Ray tracing and cone tracing of `ssct` and `hzct` (thesis §4.2.2, 4.2.7–4.2.10), in one shader
 //! as the thesis combined them, or split in two.
 
-use super::{ColorChain, GBuffer, HiZ, Hits, Reflection, Visibility};
+use super::{ColorChain, GBuffer, HITS, HiZ, Hits, Reflection, Visibility};
 use crate::error::Result;
 use crate::gpu::shader::{
     THESIS_CONE_TRACE_FRAG, THESIS_HZCT_FRAG, THESIS_HZCT_RAY_TRACE_FRAG, THESIS_SSCT_FRAG, THESIS_SSCT_RAY_TRACE_FRAG,
@@ -11,7 +11,6 @@ use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
 pub struct ThesisTracePass {

@@ -2,14 +2,10 @@
 //! composite in the same pass, over the tiles of a list or over the whole image.
 
 use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
-use super::{Canvas, GBuffer, Hits, Pyramid};
+use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UnifiedBlock};
 use crate::gpu::{Frame, Gpu, Image, Resource};
-use ash::vk;
-
-const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipeline and images of one size.
 pub struct UnifiedTracePass {
@@ -39,9 +35,9 @@ impl UnifiedTracePass {
     /// As [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool) -> Result<Self> {
         let (shader, whole, formats) = if hits {
-            (&UNIFIED_MIRROR_HITS_FRAG, None, &[COLOR, COLOR, HITS][..])
+            (&UNIFIED_MIRROR_HITS_FRAG, None, &[LIT_COLOR, LIT_COLOR, HITS][..])
         } else {
-            let drawn = &[COLOR; 2][..1 + usize::from(reflection)];
+            let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
             (&UNIFIED_MIRROR_FRAG, Some(&UNIFIED_MIRROR_WHOLE_FRAG), drawn)
         };
         Ok(Self {

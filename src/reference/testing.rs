@@ -171,3 +171,14 @@ pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DV
 }
 /// How many kinds there are.
 pub const DIRECTIONS: u32 = 7;
+
+/// The kind of depths of a case, and its G-buffer: of every size with every kind, with normals of any
+/// direction.
+pub fn awkward(case: u64, random: &Random) -> (u32, GBufferData) {
+    let size = SIZES[(case % SIZES.len() as u64) as usize];
+    let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;
+    let depth = depths(kind, random, size);
+    let normals: Vec<Vec3> = depth.iter().map(|_| random.direction().as_vec3()).collect();
+    let index = |x: u32, y: u32| (y * size[0] + x) as usize;
+    (kind, gbuffer(size[0], size[1], |x, y| depth[index(x, y)], |x, y| normals[index(x, y)]))
+}

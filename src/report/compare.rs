@@ -35,8 +35,8 @@ pub fn times(records: &[TimeComparison]) -> String {
     let device = |d: &Option<crate::gpu::DeviceInfo>| {
         d.as_ref().map_or_else(|| "device not known".into(), |d| format!("{}, {}, {}", d.name, d.kind, d.driver))
     };
-    let mut text = format!("A  {} ({})\n", first.a, device(&first.device_a));
-    text += &format!("B  {} ({})\n", first.b, device(&first.device_b));
+    let mut text = format!("A  {} ({})\n", first.head.a, device(&first.device_a));
+    text += &format!("B  {} ({})\n", first.head.b, device(&first.device_b));
     if let Some(warning) = &first.warning {
         text += &format!("warning: {warning}\n");
     }
@@ -102,6 +102,6 @@ pub fn images(found: &ImageComparison) -> String {
         ("FLIP mean, display".to_owned(), number(found.flip)),
     ];
     let size = format!("{}x{}", found.width, found.height);
-    format!("A  {} (the reference), {size}\nB  {}\n\n", found.a, found.b)
+    format!("A  {} (the reference), {size}\nB  {}\n\n", found.head.a, found.head.b)
         + &tables::aligned(&rows.map(|(what, value)| vec![what, value]))
 }

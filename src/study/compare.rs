@@ -113,10 +113,10 @@ pub enum Side {
     B,
 }
 
-/// A pass, or the total, of two runs. What one run lacks is null, and then so is the verdict.
+/// What a record of a comparison begins with.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TimeComparison {
-    /// "compare".
+pub struct CompareHead {
+    /// Which comparison.
     pub kind: &'static str,
     /// [`DEFINITIONS`].
     pub definitions: u32,
@@ -124,10 +124,25 @@ pub struct TimeComparison {
     pub version: &'static str,
     /// Of its source.
     pub commit: &'static str,
-    /// The runs' names.
+    /// The first, what is compared with.
     pub a: String,
-    /// As [`Self::a`].
+    /// The second.
     pub b: String,
+}
+
+impl CompareHead {
+    fn new(kind: &'static str, a: &str, b: &str) -> Self {
+        let (version, commit) = (Head::VERSION, Head::COMMIT);
+        Self { kind, definitions: DEFINITIONS, version, commit, a: a.to_owned(), b: b.to_owned() }
+    }
+}
+
+/// A pass, or the total, of two runs. What one run lacks is null, and then so is the verdict.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimeComparison {
+    /// "compare"; the runs' names.
+    #[serde(flatten)]
+    pub head: CompareHead,
     /// What was timed.
     #[serde(flatten)]
     pub subject: Subject,
@@ -185,12 +200,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
         let ratio = ratio_of_medians(ms_a, ms_b, SEED);
         let enough = ms_a.len().min(ms_b.len()) >= MIN_SAMPLES;
         TimeComparison {
-            kind: "compare",
-            definitions: DEFINITIONS,
-            version: Head::VERSION,
-            commit: Head::COMMIT,
-            a: a.name.clone(),
-            b: b.name.clone(),
+            head: CompareHead::new("compare", &a.name, &b.name),
             subject: subject.clone(),
             pass: of_a.or(of_b).map(|s| s.pass.clone()).unwrap_or_default(),
             counted: of_a.or(of_b).is_some_and(|s| s.counted),
@@ -285,18 +295,9 @@ pub struct LinearImage {
 /// How far two images are apart. A figure is null in JSON where an image holds what is no number.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ImageComparison {
-    /// "compare-images".
-    pub kind: &'static str,
-    /// [`DEFINITIONS`].
-    pub definitions: u32,
-    /// Of this program.
-    pub version: &'static str,
-    /// Of its source.
-    pub commit: &'static str,
-    /// The reference.
-    pub a: String,
-    /// The other image.
-    pub b: String,
+    /// "compare-images"; the images' names.
+    #[serde(flatten)]
+    pub head: CompareHead,
     /// Pixels.
     pub width: u32,
     /// Pixels.
@@ -325,12 +326,7 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
     let all = vec![true; a.rgb.len()];
     let flip = FlipMap::new(&display(&a.rgb), &display(&b.rgb), width, height);
     Some(ImageComparison {
-        kind: "compare-images",
-        definitions: DEFINITIONS,
-        version: Head::VERSION,
-        commit: Head::COMMIT,
-        a: a_name.to_owned(),
-        b: b_name.to_owned(),
+        head: CompareHead::new("compare-images", a_name, b_name),
         width,
         height,
         rmse: masked_rmse(&a.rgb, &b.rgb, &all),

@@ -3,6 +3,9 @@
 
 #![allow(dead_code)]
 
+pub mod folder;
+pub mod html;
+
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{self, Setup};
@@ -124,6 +127,16 @@ impl Builder {
     }
 }
 
+/// A mirror floor before a wall with a picture: one mesh each, one texture.
+pub fn two_quads() -> Scene {
+    let mut b = Builder::new("two quads");
+    b.light(Vec3::new(0.3, -0.6, 1.0));
+    let (mirror, wall) = (b.mirror(), b.picture(4, 4, |x, y| [50 * x as u8, 50 * y as u8, 200]));
+    b.quad(mirror, Vec3::new(-4.0, 0.0, 0.0), Vec3::X * 8.0, Vec3::Z * 8.0, Vec3::Y);
+    b.quad(wall, Vec3::new(-4.0, 0.0, 6.0), Vec3::X * 8.0, Vec3::Y * 4.0, Vec3::NEG_Z);
+    b.0
+}
+
 /// Many quads at many depths and angles, mirrors among them, over a mirror floor, with sky between:
 /// the same at every call.
 pub fn clutter() -> Scene {
@@ -230,4 +243,22 @@ pub fn bilinear(image: &Pixels, u: f32, v: f32) -> [f32; 3] {
         let row = |dy| at(0, dy)[c] * (1.0 - fx) + at(1, dy)[c] * fx;
         row(0) * (1.0 - fy) + row(1) * fy
     })
+}
+
+/// Thesis §4.3.2's seven weights.
+pub const BLUR_WEIGHTS: [f32; 7] = [0.002, 0.028, 0.233, 0.474, 0.233, 0.028, 0.002];
+
+/// A blur by [`BLUR_WEIGHTS`] in one direction, to an image of a size; `step` is the distance of the taps.
+pub fn blur(image: &Pixels, width: u32, height: u32, step: [f32; 2]) -> Pixels {
+    let mut values = Vec::new();
+    for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+        let (u, v) = ((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32);
+        let mut sum = [0.0; 3];
+        for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
+            let sample = bilinear(image, u + tap as f32 * step[0], v + tap as f32 * step[1]);
+            sum = [0, 1, 2].map(|c| sum[c] + weight * sample[c]);
+        }
+        values.extend(sum);
+    }
+    Pixels { width, height, channels: 3, values }
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
 use crate::report::run_folder::Claim;
-use plates::{Made, PLATES, Plate, Source};
+use plates::{Made, Plate, Source, plates};
 use std::io::Write;
 use std::path::Path;
 use workshop::Workshop;
@@ -52,11 +52,11 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
 /// The figures of some numbers, with or without their document's name; all for none.
 fn wanted(only: &[String]) -> Result<Vec<&'static Plate>> {
     let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
-    if let Some(unknown) = only.iter().find(|name| PLATES.iter().all(|p| !is(p, name))) {
-        let numbers: Vec<&str> = PLATES.iter().map(|p| p.number).collect();
+    if let Some(unknown) = only.iter().find(|name| plates().all(|p| !is(p, name))) {
+        let numbers: Vec<&str> = plates().map(|p| p.number).collect();
         return Err(Error::Usage(format!("--only {unknown}: no such figure; there are: {}", numbers.join(", "))));
     }
-    Ok(PLATES.iter().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
+    Ok(plates().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
 }
 
 /// Makes a figure, writes its file, and says what the page says of it.

@@ -145,26 +145,13 @@ fn stamps(folder: &Path) -> HashMap<PathBuf, Stamp> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::copied_shaders;
     use super::*;
-
-    fn copy(from: &Path, to: &Path) {
-        std::fs::create_dir_all(to).unwrap();
-        for entry in std::fs::read_dir(from).unwrap() {
-            let path = entry.unwrap().path();
-            let target = to.join(path.file_name().unwrap());
-            if path.is_dir() {
-                copy(&path, &target);
-            } else {
-                std::fs::copy(&path, &target).unwrap();
-            }
-        }
-    }
 
     #[test]
     fn a_change_is_told_once_with_its_dependants_and_what_does_not_fit_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let root = folder.path().join("shaders");
-        copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders-glsl")), &root);
+        let root = copied_shaders(folder.path());
         let mut watch = Watch::new(&root).unwrap();
         assert!(watch.look().is_empty());
         let edit = |name: &str, from: &str, to: &str| {

@@ -248,6 +248,7 @@ impl State {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::state;
     use super::*;
 
     #[test]
@@ -269,23 +270,7 @@ mod tests {
 
     #[test]
     fn roughness_steps_by_tenths_and_stays_in_range() {
-        let side = || Side::new(&METHODS[0], BTreeMap::new());
-        let view = View::default();
-        let mut state = State {
-            tab: Tab::Tune,
-            scene: String::new(),
-            camera: FlyCamera::new(&view, 1.0),
-            view,
-            moved: false,
-            globals: Globals::default(),
-            sides: [side(), side()],
-            compare: Compare::One,
-            split: 0.5,
-            gain: 1.0,
-            inside: None,
-            tone: Tone::DISPLAY,
-            picked: None,
-        };
+        let mut state = state();
         state.change_roughness(1.0);
         assert_eq!(state.globals.roughness, Some(0.1));
         state.change_roughness(-5.0);

@@ -4,7 +4,9 @@
 use super::*;
 use crate::reference::Oracle;
 use crate::reference::ray::MissReason;
-use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, depths, direction, floor_and_wall, gbuffer};
+use crate::reference::testing::{
+    DIRECTIONS, KINDS, Random, SIZES, awkward, depths, direction, floor_and_wall, gbuffer,
+};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -37,12 +39,8 @@ fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
 /// Traces about `rays` rays of a random G-buffer both ways; returns how many, and how many hit.
 fn compare(case: u64, rays: u64) -> [u64; 2] {
     let random = Random::new(7, case);
-    let size = SIZES[(case % SIZES.len() as u64) as usize];
-    let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;
-    let depth = depths(kind, &random, size);
-    let normals: Vec<Vec3> = depth.iter().map(|_| random.direction().as_vec3()).collect();
-    let index = |x: u32, y: u32| (y * size[0] + x) as usize;
-    let g = gbuffer(size[0], size[1], |x, y| depth[index(x, y)], |x, y| normals[index(x, y)]);
+    let (kind, g) = awkward(case, &random);
+    let size = [g.width, g.height];
     let (oracle, hierarchy) = (Oracle::new(&g), Hierarchy::new(&g));
     let mut hits = 0;
     for ray in 0..rays {

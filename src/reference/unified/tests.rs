@@ -5,7 +5,7 @@ use super::*;
 use crate::metrics::hits::Verdict;
 use crate::reference::Oracle;
 use crate::reference::ray::{RaySetup, Trace};
-use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, depths, direction, gbuffer};
+use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, awkward, direction};
 use crate::reference::thickness;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -71,12 +71,8 @@ type Counts = [(u64, u64); 2];
 /// Traces rays of one random G-buffer: how many hit, what disagrees, and what of it is no tie.
 fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
     let random = Random::new(11, case);
-    let size = SIZES[(case % SIZES.len() as u64) as usize];
-    let kind = (case / SIZES.len() as u64 % u64::from(KINDS)) as u32;
-    let depth = depths(kind, &random, size);
-    let normals: Vec<Vec3> = depth.iter().map(|_| random.direction().as_vec3()).collect();
-    let index = |x: u32, y: u32| (y * size[0] + x) as usize;
-    let g = gbuffer(size[0], size[1], |x, y| depth[index(x, y)], |x, y| normals[index(x, y)]);
+    let (kind, g) = awkward(case, &random);
+    let size = [g.width, g.height];
     let blocks = thickness::blocks(&g);
     let (oracle, setup, twin) = (Oracle::new(&g), RaySetup::new(&g), Traversal::new(&g));
     let (mut hits, mut counts, mut unexplained) = (0, Counts::default(), Vec::new());

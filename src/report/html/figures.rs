@@ -2,10 +2,10 @@
 //! commands that make it, and what differs.
 
 use super::embed::{embed, svg_uri};
-use super::{head, heading, page_header};
+use super::{frame, heading, page_header};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
-use maud::{DOCTYPE, Markup, html};
+use maud::{Markup, html};
 use std::path::Path;
 
 /// Pixels that an embedded picture is wide at most.
@@ -64,21 +64,15 @@ impl FiguresPage<'_> {
     pub fn render(&self, folder: &Path) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                (head("figures"))
-                body {
-                    (page_header("Figures of the theses", Some(self.device), &self.command, &parts))
-                    p {
-                        "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "
-                        "its file. Scenes are generated stand-ins for those in print, seen from similar places."
-                    }
-                    @for group in groups { (group) }
-                }
+        let header = page_header("Figures of the theses", Some(self.device), &self.command, &parts);
+        let body = html! {
+            p {
+                "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "
+                "its file. Scenes are generated stand-ins for those in print, seen from similar places."
             }
+            @for group in groups { (group) }
         };
-        Ok(page.into_string())
+        Ok(frame("figures", &header, &body))
     }
 }
 

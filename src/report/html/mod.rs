@@ -78,41 +78,31 @@ impl Page<'_> {
     /// The whole page; its pictures are read from the folder that it will lie in.
     pub fn render(&self, folder: &Path) -> Result<String> {
         let [table, stages, error, views, figures, passes, records] = PARTS.map(heading);
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                (head("study"))
-                body {
-                    (self.header())
-                    (table) (sections::table_5_8(&self.times))
-                    (stages)
-                    (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
-                        the tables under “Every pass” have the same times"))
-                    (error) (sections::errors(&self.errors))
-                    (galleries(&self.errors.pictures, folder)?)
-                    (views)
-                    p {
-                        "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
-                        (embed::JPEG_QUALITY) "; each links to its lossless PNG."
-                    }
-                    (galleries(&self.views, folder)?)
-                    (figures) (gallery::strip("Thesis", &self.figures, "strip", folder)?)
-                    (passes)
-                    p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
-                    (sections::passes(self.times.view_records))
-                    (records)
-                    ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
-                    (gallery::compare_template())
-                    script { (PreEscaped(include_str!("compare.js"))) }
-                }
-            }
-        };
-        Ok(page.into_string())
-    }
-
-    fn header(&self) -> Markup {
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
-        page_header("Glossy reflections in screen space", Some(self.device), &self.command, &parts)
+        let body = html! {
+            (table) (sections::table_5_8(&self.times))
+            (stages)
+            (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
+                the tables under “Every pass” have the same times"))
+            (error) (sections::errors(&self.errors))
+            (galleries(&self.errors.pictures, folder)?)
+            (views)
+            p {
+                "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
+                (embed::JPEG_QUALITY) "; each links to its lossless PNG."
+            }
+            (galleries(&self.views, folder)?)
+            (figures) (gallery::strip("Thesis", &self.figures, "strip", folder)?)
+            (passes)
+            p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
+            (sections::passes(self.times.view_records))
+            (records)
+            ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
+            (gallery::compare_template())
+            script { (PreEscaped(include_str!("compare.js"))) }
+        };
+        let header = page_header("Glossy reflections in screen space", Some(self.device), &self.command, &parts);
+        Ok(frame("study", &header, &body))
     }
 }
 
@@ -124,21 +114,14 @@ pub fn tables_page(
     parts: &[(&str, &str, &[Vec<String>])],
 ) -> String {
     let ids: Vec<_> = parts.iter().enumerate().map(|(n, (title, ..))| (format!("part-{n}"), *title)).collect();
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            (head(title))
-            body {
-                (page_header(title, device, command, &ids))
-                @for ((id, title), (_, text, cells)) in ids.iter().zip(parts) {
-                    (heading((id, title)))
-                    p { (text) }
-                    (sections::grid(cells))
-                }
-            }
+    let body = html! {
+        @for ((id, title), (_, text, cells)) in ids.iter().zip(parts) {
+            (heading((id, title)))
+            p { (text) }
+            (sections::grid(cells))
         }
     };
-    page.into_string()
+    frame(title, &page_header(title, device, command, &ids), &body)
 }
 
 /// A page of plots, each under its title, with the table of their points behind a sentence.
@@ -151,19 +134,27 @@ pub fn plots_page(
 ) -> String {
     let mut ids: Vec<_> = plots.iter().enumerate().map(|(n, (title, _))| (format!("plot-{n}"), *title)).collect();
     ids.push(("table".to_owned(), "Every rung"));
+    let body = html! {
+        p { (rule) }
+        @for (id, (title, svg)) in ids.iter().zip(plots) {
+            (heading((&id.0, id.1)))
+            (sections::inline_svg(svg, &format!("{title}; the table below has the same points")))
+        }
+        (heading(("table", "Every rung")))
+        (sections::grid(cells))
+    };
+    frame(title, &page_header(title, device, command, &ids), &body)
+}
+
+/// What every page is: its head, its header, and its body.
+fn frame(title: &str, header: &Markup, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             (head(title))
             body {
-                (page_header(title, device, command, &ids))
-                p { (rule) }
-                @for (id, (title, svg)) in ids.iter().zip(plots) {
-                    (heading((&id.0, id.1)))
-                    (sections::inline_svg(svg, &format!("{title}; the table below has the same points")))
-                }
-                (heading(("table", "Every rung")))
-                (sections::grid(cells))
+                (header)
+                (body)
             }
         }
     };

@@ -1,0 +1,169 @@
+//! What is on screen: panel, methods, intermediates, at any size, and nothing where nothing changes.
+
+use super::super::fly_camera::Motion;
+use super::super::input::Action;
+use super::super::state::{Inside, STEPS, Tab};
+use super::super::viewer::Input;
+use super::{Bench, EXTENT};
+use crate::gpu::Pixels;
+use crate::methods::METHODS;
+use crate::passes::look::Compare;
+use egui::RawInput;
+use std::collections::HashSet;
+
+/// Different colours in some columns, of 16 shades a channel.
+fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
+    let of = |(x, y)| pixels.at(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
+    let texels = (0..pixels.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
+    texels.map(of).collect::<HashSet<_>>().len()
+}
+
+#[test]
+fn every_part_of_the_panel_opens_and_every_method_is_shown() {
+    let mut bench = Bench::new();
+    bench.extent = [540, 400];
+    let mut panels = HashSet::new();
+    for (tab, title) in Tab::SHOWN {
+        bench.viewer.state.tab = tab;
+        bench.viewer.state.picked = Some([100, 350]);
+        bench.settle();
+        let screen = bench.screen();
+        bench.is_valid(title);
+        assert!(colors(&screen, 0..200) > 40, "{title}: the picture has {} colours", colors(&screen, 0..200));
+        assert!(colors(&screen, 220..540) > 8, "{title}: the panel is empty");
+        let bits = screen.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+        assert!(panels.insert(bits), "{title} looks like another part");
+    }
+    bench.extent = EXTENT;
+    for info in METHODS {
+        bench.viewer.state.choose(0, info);
+        for compare in [Compare::One, Compare::Split, Compare::Difference] {
+            bench.viewer.state.compare = compare;
+            bench.viewer.state.tab = if compare == Compare::One { Tab::Live } else { Tab::Tune };
+            bench.settle();
+            bench.is_valid(info.name);
+        }
+        bench.viewer.state.compare = Compare::One;
+        bench.settle();
+        assert!(colors(&bench.screen(), 0..200) > 40, "{}", info.name);
+    }
+    // The difference of a method from itself is black.
+    bench.viewer.state.choose(1, &METHODS[0]);
+    bench.viewer.state.choose(0, &METHODS[0]);
+    (bench.viewer.state.compare, bench.viewer.state.tab) = (Compare::Difference, Tab::None);
+    bench.settle();
+    assert_eq!(colors(&bench.screen(), 0..540), 1);
+    drop(bench.viewer);
+    bench.gpu.check_validation().unwrap();
+}
+
+#[test]
+fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
+    let mut bench = Bench::new();
+    bench.viewer.state.tab = Tab::Inside;
+    bench.settle();
+    let images = bench.viewer.images();
+    assert!(images.iter().any(|i| i.name == "hi-z" && i.levels > 5), "{images:?}");
+    for image in images {
+        for level in [0, 3, image.levels - 1] {
+            bench.viewer.state.inside = Some(Inside { name: image.name.into(), level });
+            bench.settle();
+            bench.is_valid(image.name);
+        }
+    }
+    // Level 3 of the chain is blocks of 8 pixels, of one colour each.
+    bench.viewer.state.inside = Some(Inside { name: "hi-z".into(), level: 3 });
+    bench.settle();
+    let picture = bench.viewer.read_picture().unwrap().unwrap();
+    let block = |x: u32, y: u32| (0..8).all(|i| picture.at(8 * x + i, 8 * y) == picture.at(8 * x, 8 * y + i));
+    assert!((0..20).all(|i| block(i, i)), "a level's texels are as large as its cells");
+    bench.viewer.state.inside = Some(Inside { name: STEPS.into(), level: 0 });
+    bench.settle();
+    let steps = bench.viewer.read_picture().unwrap().unwrap();
+    let most = steps.texels().map(|t| t[0]).fold(0.0, f32::max);
+    assert!(most > 10.0 && most < 1025.0 && steps.texels().any(|t| t[0] == 0.0), "{most} steps at most");
+    bench.is_valid("steps");
+}
+
+#[test]
+fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
+    let mut bench = Bench::new();
+    // Tall enough for both tables of a comparison.
+    bench.extent = [540, 900];
+    let parts = Tab::SHOWN.map(|(tab, title)| (tab, Compare::One, title));
+    for (tab, compare, title) in parts.into_iter().chain([(Tab::Live, Compare::Difference, "Live of two")]) {
+        (bench.viewer.state.tab, bench.viewer.state.compare) = (tab, compare);
+        bench.viewer.state.choose(1, crate::methods::find("unified").unwrap());
+        bench.settle();
+        let (frames, submissions) = (bench.viewer.counts()[0], bench.gpu.submissions());
+        let egui = RawInput { time: Some(bench.time + 1.0), ..RawInput::default() };
+        let input = Input { egui, motion: Motion::default(), seconds: 0.02, extent: bench.extent };
+        assert_eq!(bench.viewer.update(input).unwrap().again, None, "{title}: it asks for another drawing");
+        assert_eq!(bench.gpu.submissions(), submissions, "{title}: a round without a change submits nothing");
+        bench.time += 1.0;
+        bench.viewer.act(Action::Roughness(1.0));
+        bench.settle();
+        assert_eq!(bench.viewer.counts()[0], frames + 1, "{title}: one change, one frame");
+    }
+}
+
+#[test]
+fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
+    let mut bench = Bench::new();
+    bench.settle();
+    let before = bench.screen();
+    for extent in [[1, 1], [1000, 3], [3, 700], [421, 2], [641, 479], [2, 2], [420, 419], [1, 333]] {
+        bench.extent = extent;
+        bench.round(Vec::new());
+        bench.is_valid(&format!("{extent:?}"));
+        let screen = bench.screen();
+        assert_eq!([screen.width, screen.height], extent);
+    }
+    bench.extent = EXTENT;
+    bench.settle();
+    let after = bench.screen();
+    // The panel shows other numbers.
+    let picture = |p: &Pixels| {
+        (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.at(x, y).to_vec()).collect::<Vec<_>>()
+    };
+    assert!(picture(&before) == picture(&after));
+    bench.is_valid("the last");
+}
+
+#[test]
+fn larger_points_move_the_picture_and_change_nothing_in_it() {
+    let mut bench = Bench::new();
+    bench.settle();
+    let small = bench.viewer.read_picture().unwrap().unwrap();
+    // To another monitor, on which a point is two pixels: the window keeps its size in points.
+    (bench.pixels_per_point, bench.extent) = (2.0, EXTENT.map(|v| 2 * v));
+    bench.settle();
+    bench.is_valid("two pixels a point");
+    let large = bench.viewer.read_picture().unwrap().unwrap();
+    assert_eq!([large.width, large.height], [2 * small.width, 2 * small.height]);
+    bench.drag([100.0, 100.0], [120.0, 100.0]);
+    assert!(bench.viewer.state.moved, "the mouse is in points");
+    bench.viewer.act(Action::View(2));
+    (bench.pixels_per_point, bench.extent) = (1.0, EXTENT);
+    bench.settle();
+    assert!(bench.viewer.read_picture().unwrap().unwrap() == small, "back, the picture is the same");
+    bench.is_valid("back");
+}
+
+#[test]
+fn another_scene_is_loaded_and_the_first_comes_back() {
+    let mut bench = Bench::new();
+    bench.extent = [64, 40];
+    bench.settle();
+    let first = bench.viewer.read_picture().unwrap().unwrap();
+    bench.viewer.state.scene = "atrium".into();
+    bench.settle();
+    assert!(bench.viewer.title().starts_with("atrium"), "{}", bench.viewer.title());
+    assert!(bench.viewer.read_picture().unwrap().unwrap() != first);
+    bench.viewer.state.scene = "rooms".into();
+    bench.settle();
+    bench.viewer.act(Action::View(2));
+    bench.settle();
+    assert!(bench.viewer.read_picture().unwrap().unwrap() == first, "{}", bench.viewer.title());
+    bench.is_valid("scenes");
+}
