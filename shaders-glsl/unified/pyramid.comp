@@ -19,12 +19,12 @@ layout(binding = 2, rg32f) uniform writeonly image2D pyramid;
 #define SHARE_OF_DEPTH 0.004
 #define NOTHING 1e30 // the span to a neighbour that is sky or off screen
 
-shared vec2 cells[16][16];
+// The tile's cells, as in the image: level n from row CellRow(n) on. Levels don't share rows, so that one
+// barrier a level is enough.
+shared vec2 cells[32][16];
 
-float Depth(ivec2 p) {
-    bool inside = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, unified.size));
-    float depth = texelFetch(depth_buffer, clamp(p, ivec2(0), unified.size - 1), 0).r;
-    return inside ? depth : 0.0;
+int CellRow(int level) {
+    return 32 - (128 >> level);
 }
 
 // 1 / (d + k); negative for sky.
@@ -59,24 +59,35 @@ void Store(ivec2 cell, int level, vec2 block) {
         imageStore(pyramid, CellTexel(cell, level), vec4(block, 0.0, 0.0));
 }
 
-vec2 At(ivec2 p) {
-    float depth = Depth(p);
-    return vec2(depth, Reciprocal(depth));
+// Depth and Reciprocal of the thread's 4 x 4 pixels and those around them.
+vec2 at[6][6];
+
+// Two by two of them, the first at (x, y); sky beyond the image.
+void Fetch(ivec2 first, int x, int y) {
+    ivec2 p = first + ivec2(x, y);
+    // Where the four meet: no rounding can reach another texel.
+    vec4 d = textureGather(depth_buffer, vec2(p + 1) / vec2(unified.size));
+    bvec2 low = lessThan(uvec2(p), uvec2(unified.size)), high = lessThan(uvec2(p + 1), uvec2(unified.size));
+    d = mix(vec4(0.0), d, bvec4(low.x && high.y, high.x && high.y, high.x && low.y, low.x && low.y));
+    at[y][x] = vec2(d.w, Reciprocal(d.w));
+    at[y][x + 1] = vec2(d.z, Reciprocal(d.z));
+    at[y + 1][x] = vec2(d.x, Reciprocal(d.x));
+    at[y + 1][x + 1] = vec2(d.y, Reciprocal(d.y));
+}
+
+// The block of a pixel, from its place among those fetched, to its place in the pyramid.
+vec2 Pixel(ivec2 first, int x, int y) {
+    vec2 block = Block(at[y][x].x, at[y][x - 1], at[y][x + 1], at[y - 1][x], at[y + 1][x]);
+    Store(first + ivec2(x, y), 0, block);
+    return block;
 }
 
 // Four pixels and the cell above them.
-vec2 Quad(ivec2 p) {
-    vec2 d00 = At(p), d10 = At(p + ivec2(1, 0)), d01 = At(p + ivec2(0, 1)), d11 = At(p + ivec2(1, 1));
-    vec2 b00 = Block(d00.x, At(p + ivec2(-1, 0)), d10, At(p + ivec2(0, -1)), d01);
-    vec2 b10 = Block(d10.x, d00, At(p + ivec2(2, 0)), At(p + ivec2(1, -1)), d11);
-    vec2 b01 = Block(d01.x, At(p + ivec2(-1, 1)), d11, d00, At(p + ivec2(0, 2)));
-    vec2 b11 = Block(d11.x, d01, At(p + ivec2(2, 1)), d10, At(p + ivec2(1, 2)));
-    Store(p, 0, b00);
-    Store(p + ivec2(1, 0), 0, b10);
-    Store(p + ivec2(0, 1), 0, b01);
-    Store(p + ivec2(1, 1), 0, b11);
-    vec2 cell = Union(Union(b00, b10), Union(b01, b11));
-    Store(p >> 1, 1, cell);
+vec2 Quad(ivec2 first, int x, int y) {
+    vec2 top = Union(Pixel(first, x, y), Pixel(first, x + 1, y));
+    vec2 bottom = Union(Pixel(first, x, y + 1), Pixel(first, x + 1, y + 1));
+    vec2 cell = Union(top, bottom);
+    Store((first + ivec2(x, y)) >> 1, 1, cell);
     return cell;
 }
 
@@ -84,22 +95,27 @@ void main() {
     ivec2 local = ivec2(gl_LocalInvocationID.xy);
     ivec2 tile = ivec2(gl_WorkGroupID.xy);
     ivec2 p = 64 * tile + 4 * local;
-    vec2 top = Union(Quad(p), Quad(p + ivec2(2, 0)));
-    vec2 bottom = Union(Quad(p + ivec2(0, 2)), Quad(p + ivec2(2, 2)));
-    vec2 cell = Union(top, bottom);
+    ivec2 first = p - 1;
+    Fetch(first, 0, 0);
+    Fetch(first, 2, 0);
+    Fetch(first, 4, 0);
+    Fetch(first, 0, 2);
+    Fetch(first, 2, 2);
+    Fetch(first, 4, 2);
+    Fetch(first, 0, 4);
+    Fetch(first, 2, 4);
+    Fetch(first, 4, 4);
+    vec2 cell = Union(Union(Quad(first, 1, 1), Quad(first, 3, 1)), Union(Quad(first, 1, 3), Quad(first, 3, 3)));
     Store(p >> 2, 2, cell);
     cells[local.y][local.x] = cell;
     for (int level = 3; level <= unified.top_level; ++level) {
         int side = 64 >> level;
-        bool mine = all(lessThan(local, ivec2(side)));
         barrier();
-        if (mine) {
-            ivec2 p = 2 * local;
-            cell = Union(Union(cells[p.y][p.x], cells[p.y][p.x + 1]), Union(cells[p.y + 1][p.x], cells[p.y + 1][p.x + 1]));
-        }
-        barrier();
-        if (mine) {
-            cells[local.y][local.x] = cell;
+        if (all(lessThan(local, ivec2(side)))) {
+            ivec2 below = ivec2(2 * local.x, CellRow(level - 1) + 2 * local.y);
+            vec2 top = Union(cells[below.y][below.x], cells[below.y][below.x + 1]);
+            cell = Union(top, Union(cells[below.y + 1][below.x], cells[below.y + 1][below.x + 1]));
+            cells[CellRow(level) + local.y][local.x] = cell;
             Store(side * tile + local, level, cell);
         }
     }
