@@ -53,9 +53,12 @@
 //! workgroups they are as slow as those of 8, and as quads a fifth slower, since blocks on their diagonals
 //! are shaded twice.
 //!
+//! The pyramid in one dispatch takes 0.85 of what the thesis's depth and Hi-Z take in a fragment pass a level
+//! (960×540; theirs has no backs); gathering four depths at once made it 16 % faster.
+//!
 //! A cell in one word of 32 bits instead of two floats (20 bits of front, 12 of span, rounded outwards, and
 //! the block itself asked for at every candidate) takes a tenth longer: what is saved in fetches goes into
-//! unpacking. Not storing the reflection saves a tenth of a frame of mirrors. Narrow lobes with a ray for two
+//! unpacking; as two words of an image with one channel it is no faster either. Not storing the reflection saves a tenth of a frame of mirrors. Narrow lobes with a ray for two
 //! pixels take 0.7 of the time, at 1.5 times the error and with a third more change under a moving camera.
 
 use super::{Input, Method, MethodInfo, Sees, Setup, Traced};

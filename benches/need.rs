@@ -1,0 +1,120 @@
+//! What `unified` pays for what a frame needs, and how its time grows with the image: a table on standard output.
+//!
+//! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
+//! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
+//! [`FRAMES`] frames on the device's own timestamps, in turns.
+
+#![allow(clippy::expect_used)]
+
+use ssct::gpu::FrameReport;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
+use ssct::methods::{Effect, Input, Setup, unified};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::{GBuffer, Reflectors};
+use ssct::scene::{Camera, GBufferData, library};
+use ssct::study::timing::camera;
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+
+const FRAMES: usize = 7;
+const SIZE: [u32; 2] = [960, 540];
+const GROWTH: [[u32; 2]; 2] = [[640, 480], [1920, 1080]];
+const ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.3];
+
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<_> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Milliseconds of the effect, and of its pyramid.
+fn times(report: &FrameReport) -> [f64; 2] {
+    let counted = || report.passes.iter().filter(|p| p.counted);
+    [counted().map(|p| p.ms).sum(), counted().filter(|p| p.name == "pyramid").map(|p| p.ms).sum()]
+}
+
+fn setup(extent: [u32; 2]) -> Setup {
+    Setup { reflection: false, ..Setup::new(extent) }
+}
+
+/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
+fn masked(data: &GBufferData, share: f64) -> GBufferData {
+    let mut masked = data.clone();
+    let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
+    let [left, top] = [(data.width - w) / 2, (data.height - h) / 2];
+    for (i, reflectivity) in masked.reflectivity.iter_mut().enumerate() {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        if !((left..left + w).contains(&x) && (top..top + h).contains(&y)) {
+            *reflectivity = 0.0;
+        }
+    }
+    masked
+}
+
+fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
+    let mut frame = context.begin(Mode::Timed).expect("a frame");
+    frame.begin_effect();
+    effect.record(&mut frame, &Input { gbuffer, camera, scene: None }).expect("the effect");
+    frame.finish().expect("the frame's end")
+}
+
+fn main() {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let scene = library::scene("rooms").expect("a built-in scene");
+    let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("# need: what a tenth costs beyond its pyramid, over the full frame; growth: time a pixel, large over small");
+    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,growth");
+    for roughness in ROUGHNESS {
+        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+        let mut rows = Vec::new();
+        for view in &scene.views {
+            let materials = || globals.materials(&scene, view);
+            let seen = camera(&scene, view, SIZE);
+            let shot = Shot::new(&mut stage, &unified::INFO, &setup(SIZE), seen, materials()).expect("a shot");
+            let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
+            let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+            let images = [1.0, 0.1, 0.0].map(|share| {
+                let data = masked(&data, share);
+                let here = data.reflecting().iter().filter(|r| **r).count();
+                assert!((here as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3, "{here} pixels reflect");
+                GBufferImages::upload(&mut stage.context, &data).expect("an upload")
+            });
+            let all = drawn.reflectors;
+            let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
+            let effect = Effect::new(&mut stage.context, &unified::INFO, &setup(SIZE), None).expect("the effect");
+            let shots = GROWTH.map(|size| {
+                let seen = camera(&scene, view, size);
+                Shot::new(&mut stage, &unified::INFO, &setup(size), seen, materials()).expect("a shot")
+            });
+
+            let (mut need, mut growth) = ([vec![], vec![], vec![]], [vec![], vec![]]);
+            for frame in 0..=FRAMES {
+                for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
+                    let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
+                    let report = run(&mut stage.context, &effect, gbuffer, &seen);
+                    // The first frame of each compiles shaders.
+                    if frame > 0 {
+                        need[i].push((times(&report), report.recorded.len()));
+                    }
+                }
+                for (i, shot) in shots.iter().enumerate() {
+                    let (report, _) = stage.run(shot, Mode::Timed).expect("a frame");
+                    if frame > 0 {
+                        growth[i].push(times(&report)[0] / GROWTH[i].map(f64::from).iter().product::<f64>());
+                    }
+                }
+            }
+            let total = |i: usize| median(need[i].iter().map(|(t, _)| t[0]));
+            let (full, tenth) = (total(0), total(1));
+            let pyramid = median(need[1].iter().map(|(t, _)| t[1]));
+            let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
+            let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
+            let row = [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, growth];
+            println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
+            rows.push(row);
+        }
+        let medians: Vec<_> = (0..6).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
+        println!("{roughness},median,{}", medians.join(","));
+    }
+}
