@@ -4,11 +4,11 @@ use super::cli::StressOptions;
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::Result;
-use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo};
 use crate::report::{files, stress_report};
 use crate::scene::{Scene, library};
 use crate::study::journal::{self, Journal};
+use crate::study::stress::lineup::{SceneLineup, ScreenLineup};
 use crate::study::stress::motion::{self, MOTIONS, Motion, MotionRecord, MotionSpec};
 use crate::study::stress::{self, JUDGED, StressRecord, cases::cases};
 use indicatif::ProgressBar;
@@ -44,18 +44,29 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     let names: Vec<_> = methods.iter().map(|m| m.name).collect();
     let digest = journal::digest(&gpu, &json!(names));
     let key = |of: &str| format!("stress {digest} {of}");
-    let motions = motions(&gpu, &scenes, options);
+    let motions = motions(&scenes, options);
     bar.inc_length(motions.len() as u64);
     let measure = |journal: &mut Journal| -> Result<()> {
+        let mut last = Last::default();
         for case in &cases {
-            kept(journal, key(&case.name), &bar, || stress::run(&gpu, case, &methods))?;
+            kept(journal, key(&case.name), &bar, || {
+                let lineup = last.of(case.extent(), || ScreenLineup::new(&gpu, case.extent(), &methods))?;
+                stress::run(&gpu, case, lineup)
+            })?;
         }
+        let mut last = Last::default();
         for (scene, place) in &places {
-            let run = || stress::run_place(&gpu, scene, place, SCENE_SIZE, &methods);
-            kept(journal, key(&place.name), &bar, run)?;
+            kept(journal, key(&place.name), &bar, || {
+                let make = || SceneLineup::with_hits(&gpu, stress::moved(scene, place), SCENE_SIZE, &methods);
+                stress::run_place(&gpu, place, last.of((&scene.name, place.offset), make)?)
+            })?;
         }
-        for (spec, motion) in &motions {
-            kept(journal, key(&motion_name(spec, *motion)), &bar, || motion::run(spec, *motion, &methods))?;
+        let mut last = Last::default();
+        for (scene, spec, motion) in &motions {
+            kept(journal, key(&motion_name(scene, spec, *motion)), &bar, || {
+                let make = || SceneLineup::new(&gpu, (*scene).clone(), spec.extent, &methods);
+                motion::run(&gpu, spec, *motion, last.of((&scene.name, spec.extent), make)?)
+            })?;
         }
         Ok(())
     };
@@ -64,8 +75,8 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     let names = cases.iter().map(|c| &c.name).chain(places.iter().map(|(_, p)| &p.name));
     let of_case = |name: &String| run.journal.get::<Vec<StressRecord>>(&key(name)).unwrap_or_default();
     let records: Vec<StressRecord> = names.flat_map(of_case).collect();
-    let of_motion = |(spec, motion): &(MotionSpec, Motion)| {
-        run.journal.get::<Vec<MotionRecord>>(&key(&motion_name(spec, *motion))).unwrap_or_default()
+    let of_motion = |(scene, spec, motion): &(&Scene, MotionSpec, Motion)| {
+        run.journal.get::<Vec<MotionRecord>>(&key(&motion_name(scene, spec, *motion))).unwrap_or_default()
     };
     let motions: Vec<MotionRecord> = motions.iter().flat_map(of_motion).collect();
 
@@ -102,6 +113,27 @@ fn write(
     Ok(())
 }
 
+/// What was made last, for as long as the next asks for the same.
+struct Last<K, T>(Option<(K, T)>);
+
+impl<K, T> Default for Last<K, T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, T> Last<K, T> {
+    /// The last if it was made for this key, else a new one; the last goes first, for its memory.
+    fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
+        let kept = self.0.take().filter(|(of, _)| *of == key);
+        let (key, made) = match kept {
+            Some(same) => same,
+            None => (key, make()?),
+        };
+        Ok(&mut self.0.insert((key, made)).1)
+    }
+}
+
 /// Measures what the journal lacks, and keeps it there.
 fn kept<T: Serialize>(
     journal: &mut Journal,
@@ -116,15 +148,15 @@ fn kept<T: Serialize>(
 }
 
 /// The camera's motions on the views of the first scene (one view if quick), for a mirror and for gloss.
-fn motions<'a>(gpu: &'a Gpu, scenes: &'a [Scene], options: &StressOptions) -> Vec<(MotionSpec<'a>, Motion)> {
+fn motions<'a>(scenes: &'a [Scene], options: &StressOptions) -> Vec<(&'a Scene, MotionSpec<'a>, Motion)> {
     let Some(scene) = scenes.first().filter(|_| options.case.is_none()) else { return Vec::new() };
     let (extent, frames, rays, views) =
-        if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 64, scene.views.len()) };
+        if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 32, scene.views.len()) };
     let mut all = Vec::new();
     for view in &scene.views[..views] {
         for roughness in MOTION_ROUGHNESS {
             for motion in MOTIONS {
-                all.push((MotionSpec { gpu, scene, view, extent, roughness, frames, rays }, motion));
+                all.push((scene, MotionSpec { view, extent, roughness, frames, rays }, motion));
             }
         }
     }
@@ -132,12 +164,12 @@ fn motions<'a>(gpu: &'a Gpu, scenes: &'a [Scene], options: &StressOptions) -> Ve
 }
 
 /// Where the journal keeps a motion.
-fn motion_name(spec: &MotionSpec, motion: Motion) -> String {
+fn motion_name(scene: &Scene, spec: &MotionSpec, motion: Motion) -> String {
     let [width, height] = spec.extent;
     let (view, roughness) = (&spec.view.name, spec.roughness);
     format!(
         "{} {view} {width}x{height} {roughness} {} {} frames {} rays",
-        spec.scene.name,
+        scene.name,
         motion.name(),
         spec.frames,
         spec.rays

@@ -6,6 +6,7 @@
 
 mod bind;
 mod draw;
+mod settle;
 mod target;
 mod transfer;
 
@@ -95,6 +96,7 @@ pub struct FrameContext {
     uniforms: Buffer,
     timestamps: Timestamps,
     statistics: Option<Statistics>,
+    settling: Option<settle::Settling>,
 }
 
 const UNIFORM_BYTES: u64 = 1 << 20;
@@ -121,6 +123,7 @@ impl FrameContext {
             uniforms,
             timestamps,
             statistics,
+            settling: settle::Settling::new(gpu)?,
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: as above; the pool frees its command buffers.

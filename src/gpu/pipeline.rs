@@ -6,6 +6,7 @@ use super::image;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
+use std::cell::Cell;
 
 /// Layouts that a pipeline of either kind has.
 pub(crate) struct Layout {
@@ -22,6 +23,8 @@ pub struct GraphicsPipeline {
     pub(crate) layout: Layout,
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
+    /// Whether it drew before (`frame/settle.rs`).
+    pub(crate) settled: Cell<bool>,
 }
 
 /// A compute shader.
@@ -30,6 +33,8 @@ pub struct ComputePipeline {
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
     pub(crate) local_size: [u32; 3],
+    /// Whether it ran before (`frame/settle.rs`).
+    pub(crate) settled: Cell<bool>,
 }
 
 /// What a pipeline does with the stencil of its depth target.
@@ -272,7 +277,7 @@ impl GraphicsPipeline {
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
-        Ok(Self { layout, handle, name: fragment.name })
+        Ok(Self { layout, handle, name: fragment.name, settled: Cell::new(false) })
     }
 }
 
@@ -298,7 +303,7 @@ impl ComputePipeline {
         let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, shader.name)?;
         gpu.name(handle, shader.name);
-        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size })
+        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size, settled: Cell::new(false) })
     }
 }
 

@@ -68,8 +68,16 @@ impl Frame<'_> {
             if let Vertices::Said(arguments, _) = vertices {
                 frame.use_buffer(arguments, Access::Indirect);
             }
+            let settles = frame.must_settle(&pipeline.settled);
+            if settles {
+                frame.take_in(pipeline, resources, push)?;
+            }
             frame.rendering(targets, depth, false, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
+                if settles {
+                    // SAFETY: a pipeline is bound, and what it reads was pushed.
+                    unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
+                }
                 frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
                 let (device, commands) = (frame.device(), frame.context.commands);
                 // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
@@ -115,6 +123,9 @@ impl Frame<'_> {
         self.pass(name, |frame| {
             frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
             frame.flush();
+            if frame.must_settle(&pipeline.settled) {
+                frame.settle_compute(pipeline, resources, push)?;
+            }
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
             let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));

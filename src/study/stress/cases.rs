@@ -186,6 +186,13 @@ impl Case {
 /// The size of cases that are about something else: primes.
 const ODD: [u32; 2] = [127, 61];
 
+/// Pixels from which on a random quarter of the tiles reflects: a march of one pixel a step through all of them
+/// would take minutes on a CPU.
+const LARGE: u32 = 4_000_000;
+
+/// Pixels along a side of such a tile.
+const TILE: u32 = 16;
+
 /// Every case; `quick` leaves the large images out.
 pub fn cases(quick: bool) -> Vec<Case> {
     let mut all = sizes(quick);
@@ -203,7 +210,15 @@ fn sizes(quick: bool) -> Vec<Case> {
     let large: &[[u32; 2]] = if quick { &[] } else { &[[1919, 1079], [4096, 2304]] };
     let of = |extent: &[u32; 2]| {
         let name = format!("size {}x{}", extent[0], extent[1]);
-        Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1))
+        if extent[0] * extent[1] < LARGE {
+            return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
+        }
+        let name = format!("{name}, a quarter of its {TILE}x{TILE} tiles reflecting");
+        Case::new(name, *extent, Lens::default(), |p: &Pixel| {
+            let tile = u64::from(p.x / TILE) + (u64::from(p.y / TILE) << 20);
+            let shown = p.facet_texel(1);
+            if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
+        })
     };
     small.iter().chain(large).map(of).collect()
 }

@@ -2,24 +2,25 @@
 //! host's bits, its hits held against the oracle's.
 
 pub mod cases;
+pub mod lineup;
 pub mod motion;
 
-use super::gbuffer::{hit_positions, reflection};
+use super::gbuffer::hit_positions;
 use super::record::{DEFINITIONS, Head};
-use super::stage::{Globals, Shot, Stage};
+use super::stage::Globals;
 use super::timing::camera;
 use crate::error::Result;
-use crate::gpu::frame::Mode;
-use crate::gpu::{DeviceInfo, FrameContext, FrameReport, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
+use crate::gpu::{DeviceInfo, Gpu, Pixels};
+use crate::methods::MethodInfo;
 use crate::metrics::hits::Verdict;
+use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
-use crate::passes::{GBuffer, PathCode};
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::random::Stream;
 use crate::scene::{GBufferData, Lens, Scene, View};
 use cases::Case;
 use glam::{DVec3, Vec3};
+use lineup::{Made, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -125,16 +126,15 @@ fn kind(bits: u32) -> Option<usize> {
     }
 }
 
-/// Runs screen-space methods on a case.
-pub fn run(gpu: &Gpu, case: &Case, methods: &[&'static MethodInfo]) -> Result<Vec<StressRecord>> {
+/// Runs screen-space methods, made for the case's size, on a case.
+pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<StressRecord>> {
     let data = case.gbuffer();
-    let mut context = FrameContext::new(gpu)?;
-    let images = GBufferImages::upload(&mut context, &data)?;
+    let images = GBufferImages::upload(&mut lineup.context, &data)?;
     let required = if case.through_corners { AGREEMENT_THROUGH_CORNERS } else { AGREEMENT };
     let truth = case.comparable.then(|| Truth { required, ..Truth::new(&data) });
     let mut records = Vec::new();
-    for method in methods.iter().filter(|m| m.is_screen_space()) {
-        let made = reflect(&mut context, &images.gbuffer(), &data, method)?;
+    for n in 0..lineup.len() {
+        let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
         records.push(made.judge(gpu, &case.name, method, &data, truth.as_ref()));
     }
     Ok(records)
@@ -189,24 +189,7 @@ impl<'a> Truth<'a> {
     }
 }
 
-/// What a frame left.
-struct Made {
-    reflection: Pixels,
-    composite: Pixels,
-    hits: Option<Pixels>,
-    report: FrameReport,
-}
-
 impl Made {
-    fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
-        Ok(Self {
-            reflection: reflection(context, output)?,
-            composite: context.read(output.composite.level(0))?,
-            hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
-            report,
-        })
-    }
-
     fn judge(
         &self,
         gpu: &Gpu,
@@ -256,24 +239,13 @@ impl Made {
     }
 }
 
-/// One frame of a method on a G-buffer; with its hits, where it has them.
-fn reflect(context: &mut FrameContext, gbuffer: &GBuffer, data: &GBufferData, method: &MethodInfo) -> Result<Made> {
-    let setup = Setup { split: true, ..Setup::new([data.width, data.height]) };
-    let effect = Effect::new(context, method, &setup, None)?;
-    let mut frame = context.begin(Mode::Timed)?;
-    frame.begin_effect();
-    let output = effect.record(&mut frame, &Input { gbuffer: *gbuffer, camera: &data.camera, scene: None })?;
-    let report = frame.finish()?;
-    Made::read(context, report, &output)
-}
-
 /// A camera where no camera should be.
 pub struct Place {
     /// What it tries, as records name it.
     pub name: String,
     view: View,
-    /// By how much the whole scene is moved, metres.
-    offset: Vec3,
+    /// By how much the whole scene is moved along each axis, metres.
+    pub offset: f32,
 }
 
 /// Cameras inside geometry, on a reflector, at a grazing angle, and far from the origin, for a scene
@@ -284,7 +256,7 @@ pub fn places(scene: &Scene) -> Vec<Place> {
     let place = |name: &str, eye: Vec3, look_at: Vec3, offset: f32| Place {
         name: format!("{}: camera {name}", scene.name),
         view: View { name: "stress".into(), eye, look_at, ..view.clone() },
-        offset: Vec3::splat(offset),
+        offset,
     };
     let floor = Vec3::new(view.eye.x, bounds.min.y, view.eye.z);
     let ahead = view.look_at - view.eye;
@@ -299,54 +271,41 @@ pub fn places(scene: &Scene) -> Vec<Place> {
         place("straight up", view.eye, view.eye + Vec3::Y, 0.0),
         place("in a corner of the bounds", bounds.min, bounds.max, 0.0),
         place("outside, looking away", bounds.max + 10.0, bounds.max + 20.0, 0.0),
-        place("a kilometre from the origin", view.eye, view.look_at, 1e3),
-        place("1000 km from the origin", view.eye, view.look_at, 1e6),
     ];
     let mut wide = place("with a range of 1 to 10 million", view.eye, view.look_at, 0.0);
     wide.view.lens = Some(long);
     all.push(wide);
+    // Last, so that places of one scene that stands still follow each other.
+    all.push(place("a kilometre from the origin", view.eye, view.look_at, 1e3));
+    all.push(place("1000 km from the origin", view.eye, view.look_at, 1e6));
     all
 }
 
-/// A scene moved as a whole.
-fn moved(scene: &Scene, offset: Vec3) -> Scene {
+/// A scene moved as a whole, as a place asks.
+pub fn moved(scene: &Scene, place: &Place) -> Scene {
     let mut scene = scene.clone();
-    scene.translate(offset);
+    scene.translate(Vec3::splat(place.offset));
     scene
 }
 
-/// Runs every method on a scene seen from a place where no camera should be, as mirrors and as gloss.
-/// Hits of mirrors are compared on the G-buffer that the device made.
-pub fn run_place(
-    gpu: &Gpu,
-    scene: &Scene,
-    place: &Place,
-    extent: [u32; 2],
-    methods: &[&'static MethodInfo],
-) -> Result<Vec<StressRecord>> {
-    let scene = moved(scene, place.offset);
+/// Runs methods, made with their hits for the scene that is [`moved`], from a place where no camera should be, as
+/// mirrors and as gloss. Hits of mirrors are compared on the G-buffer that the device made.
+pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
     let mut view = place.view.clone();
     view.eye += place.offset;
     view.look_at += place.offset;
-    let camera = camera(&scene, &view, extent);
-    let mut stage = Stage::new(gpu, &scene)?;
+    let camera = camera(&lineup.scene, &view, lineup.extent);
     let mut records = Vec::new();
     for roughness in [0.0, 0.3] {
-        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, &view);
+        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+        lineup.set_materials(&globals.materials(&lineup.scene, &view))?;
         let name = format!("{}, roughness {roughness}", place.name);
-        let mut made = Vec::new();
-        let mut data = None;
-        for method in methods {
-            let setup = Setup { split: true, ..Setup::new(extent) };
-            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone())?;
-            let (report, _, output) = stage.output_in(Mode::Timed, &shot)?;
-            made.push(Made::read(&mut stage.context, report, &output)?);
-            // The G-buffer is the same for all.
-            if data.is_none() {
-                data = Some(super::gbuffer::read(&mut stage.context, &shot)?);
-            }
+        let methods: Vec<_> = lineup.methods().collect();
+        let made: Vec<Made> = (0..methods.len()).map(|n| lineup.made_by(n, camera)).collect::<Result<_>>()?;
+        if made.is_empty() {
+            continue;
         }
-        let Some(data) = data else { continue };
+        let data = lineup.gbuffer(0)?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
         let judged = methods.iter().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, truth.as_ref()));
         records.extend(judged);

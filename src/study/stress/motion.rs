@@ -1,14 +1,15 @@
 //! Stability in motion: how much a reflection changes from frame to frame where the surface that shows
 //! it only moved on the screen.
 
+use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu};
-use crate::methods::{MethodInfo, Setup};
+use crate::methods::MethodInfo;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
+use crate::study::Globals;
 use crate::study::record::{DEFINITIONS, Head};
 use crate::study::timing::camera;
-use crate::study::{Globals, Shot, Stage, gbuffer};
 use glam::{DMat4, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -93,15 +94,11 @@ pub struct MotionRecord {
     pub deviation: Option<f64>,
 }
 
-/// What is moved through.
+/// What is moved through, in the scene of a line-up.
 pub struct MotionSpec<'a> {
-    /// Device.
-    pub gpu: &'a Gpu,
-    /// Scene.
-    pub scene: &'a Scene,
     /// View that the camera starts from.
     pub view: &'a View,
-    /// Pixels.
+    /// Pixels: the line-up's.
     pub extent: [u32; 2],
     /// Roughness of everything.
     pub roughness: f32,
@@ -112,26 +109,23 @@ pub struct MotionSpec<'a> {
 }
 
 /// Moves the camera past methods, and past the screen reference.
-pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -> Result<Vec<MotionRecord>> {
+pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineup) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
-    let materials = globals.materials(spec.scene, spec.view);
-    let mut stage = Stage::new(spec.gpu, spec.scene)?;
-    let at = |frame| -> Camera {
-        let view = motion.view(spec.scene, spec.view, frame, spec.extent[1]);
-        camera(spec.scene, &view, spec.extent)
-    };
+    lineup.set_materials(&globals.materials(&lineup.scene, spec.view))?;
+    let extent = spec.extent;
+    let cameras: Vec<Camera> = (0..spec.frames)
+        .map(|n| camera(&lineup.scene, &motion.view(&lineup.scene, spec.view, n, extent[1]), extent))
+        .collect();
+    let methods: Vec<_> = lineup.methods().collect();
     let mut screens: Vec<GBufferData> = Vec::new();
     let mut images: Vec<Vec<Vec<Vec3>>> = Vec::new();
-    for (n, method) in methods.iter().enumerate() {
-        let mut shot = Shot::new(&mut stage, method, &Setup::new(spec.extent), at(0), materials.clone())?;
+    for n in 0..methods.len() {
         let mut made = Vec::new();
-        for frame in 0..spec.frames {
-            shot.camera = at(frame);
-            let (_, _, output) = stage.output(&shot)?;
-            let pixels = gbuffer::reflection(&mut stage.context, &output)?;
+        for camera in &cameras {
+            let pixels = lineup.reflection(n, *camera)?;
             made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
             if n == 0 {
-                screens.push(gbuffer::read(&mut stage.context, &shot)?);
+                screens.push(lineup.gbuffer(n)?);
             }
         }
         images.push(made);
@@ -141,10 +135,10 @@ pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
-    let expected = changes(&pairs, &reference, spec.extent);
+    let expected = changes(&pairs, &reference, extent);
     let reference_flicker = mean(&expected, |_, change| change);
     let record = |(method, made): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
-        let made = changes(&pairs, made, spec.extent);
+        let made = changes(&pairs, made, extent);
         let flicker = mean(&made, |_, change| change);
         let off = mean(&made, |n, change| change - expected[n]);
         let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
@@ -153,13 +147,13 @@ pub fn run(spec: &MotionSpec, motion: Motion, methods: &[&'static MethodInfo]) -
             definitions: DEFINITIONS,
             version: Head::VERSION.to_owned(),
             commit: Head::COMMIT.to_owned(),
-            device: spec.gpu.info().clone(),
-            scene: spec.scene.name.clone(),
+            device: gpu.info().clone(),
+            scene: lineup.scene.name.clone(),
             view: spec.view.name.clone(),
             motion,
             method: method.name.to_owned(),
-            width: spec.extent[0],
-            height: spec.extent[1],
+            width: extent[0],
+            height: extent[1],
             roughness: spec.roughness,
             pairs: made.len(),
             flicker,

@@ -1,0 +1,139 @@
+//! Methods made once for many cases: their pipelines, which a driver compiles for longer than it draws, and
+//! the maps that they capture of a scene outlast a G-buffer and a camera.
+
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
+use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
+use crate::passes::GBuffer;
+use crate::scene::{Camera, GBufferData, Material, Scene};
+use crate::study::gbuffer::{self, reflection};
+use crate::study::{Shot, Stage};
+
+/// What a frame left.
+pub(super) struct Made {
+    pub reflection: Pixels,
+    pub composite: Pixels,
+    pub hits: Option<Pixels>,
+    pub report: FrameReport,
+}
+
+impl Made {
+    fn read(context: &mut FrameContext, report: FrameReport, output: &Output) -> Result<Self> {
+        Ok(Self {
+            reflection: reflection(context, output)?,
+            composite: context.read(output.composite.level(0))?,
+            hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
+            report,
+        })
+    }
+}
+
+/// Hits beside the reflection, where the method has them.
+fn with_hits(extent: [u32; 2]) -> Setup {
+    Setup { split: true, ..Setup::new(extent) }
+}
+
+/// The screen-space ones of some methods, for G-buffers of one size.
+pub struct ScreenLineup {
+    pub(super) context: FrameContext,
+    effects: Vec<(&'static MethodInfo, Effect)>,
+}
+
+impl ScreenLineup {
+    /// Makes the methods; those that see more than the screen are left out.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
+        let mut context = FrameContext::new(gpu)?;
+        let setup = with_hits(extent);
+        let mut effects = Vec::new();
+        for method in methods.iter().filter(|m| m.is_screen_space()) {
+            effects.push((*method, Effect::new(&mut context, method, &setup, None)?));
+        }
+        Ok(Self { context, effects })
+    }
+
+    /// The number of methods.
+    pub(super) fn len(&self) -> usize {
+        self.effects.len()
+    }
+
+    /// One frame of a method, by its number, on a G-buffer of the line-up's size.
+    pub(super) fn reflect(
+        &mut self,
+        n: usize,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+    ) -> Result<(&'static MethodInfo, Made)> {
+        let (method, effect) = &self.effects[n];
+        let mut frame = self.context.begin(Mode::Timed)?;
+        frame.begin_effect();
+        let output = effect.record(&mut frame, &Input { gbuffer: *gbuffer, camera, scene: None })?;
+        let report = frame.finish()?;
+        Ok((method, Made::read(&mut self.context, report, &output)?))
+    }
+}
+
+/// Methods on a scene, for cameras of one size.
+pub struct SceneLineup {
+    /// What they show.
+    pub scene: Scene,
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    stage: Stage,
+    shots: Vec<(&'static MethodInfo, Shot)>,
+}
+
+impl SceneLineup {
+    /// Makes methods that show hits beside their reflection, where they have them.
+    pub fn with_hits(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
+        Self::made(gpu, scene, with_hits(extent), methods)
+    }
+
+    /// Makes methods as they are shown.
+    pub fn new(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
+        Self::made(gpu, scene, Setup::new(extent), methods)
+    }
+
+    fn made(gpu: &Gpu, scene: Scene, setup: Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
+        let mut stage = Stage::new(gpu, &scene)?;
+        let view = scene.views.first().cloned().unwrap_or_default();
+        let camera = crate::study::timing::camera(&scene, &view, setup.extent);
+        let materials = scene.materials_in(&view);
+        let mut shots = Vec::new();
+        for method in methods {
+            shots.push((*method, Shot::new(&mut stage, method, &setup, camera, materials.clone())?));
+        }
+        Ok(Self { scene, extent: setup.extent, stage, shots })
+    }
+
+    /// The methods, in order.
+    pub(super) fn methods(&self) -> impl Iterator<Item = &'static MethodInfo> {
+        self.shots.iter().map(|(method, _)| *method)
+    }
+
+    /// Replaces the materials.
+    pub(super) fn set_materials(&mut self, materials: &[Material]) -> Result<()> {
+        self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))
+    }
+
+    /// One frame of a method, by its number, from a camera, timed.
+    pub(super) fn made_by(&mut self, n: usize, camera: Camera) -> Result<Made> {
+        let shot = &mut self.shots[n].1;
+        shot.camera = camera;
+        let (report, _, output) = self.stage.output_in(Mode::Timed, shot)?;
+        Made::read(&mut self.stage.context, report, &output)
+    }
+
+    /// The reflection of a frame of a method, by its number, from a camera.
+    pub(super) fn reflection(&mut self, n: usize, camera: Camera) -> Result<Pixels> {
+        let shot = &mut self.shots[n].1;
+        shot.camera = camera;
+        let (_, _, output) = self.stage.output(shot)?;
+        reflection(&mut self.stage.context, &output)
+    }
+
+    /// The G-buffer of the last frame of a method, by its number. From one camera it is the same for all.
+    pub(super) fn gbuffer(&mut self, n: usize) -> Result<GBufferData> {
+        gbuffer::read(&mut self.stage.context, &self.shots[n].1)
+    }
+}
