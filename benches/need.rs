@@ -63,7 +63,9 @@ fn main() {
     let scene = library::scene("rooms").expect("a built-in scene");
     let mut stage = Stage::new(&gpu, &scene).expect("device memory");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
-    println!("# need: what a tenth costs beyond its pyramid, over the full frame; growth: time a pixel, large over small");
+    println!(
+        "# need: what a tenth costs beyond its pyramid, over the full frame; growth: time a pixel, large over small"
+    );
     println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,growth");
     for roughness in ROUGHNESS {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };

@@ -1,9 +1,9 @@
 //! Highlights of lights with an extent (thesis §3.1.1): which share of each pixel's reflection lobe the
 //! light fills, in closed form. `area_light/share.glsl` says how, `tests/area_light.rs` how well.
 
-use super::scene_data::SceneData;
+use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::shader::{AREA_LIGHT_AREA_LIGHT_FRAG, AreaLightBlock, AreaLightData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::{AreaLight, AreaShape, Camera};
@@ -32,13 +32,7 @@ impl AreaLightPass {
     /// # Errors
     /// [`Error::Usage`] if it has more than [`MAX_AREA_LIGHTS`].
     pub fn check(scene: &SceneData) -> Result<()> {
-        let count = scene.area_lights.len();
-        if count > MAX_AREA_LIGHTS {
-            return Err(Error::Usage(format!(
-                "the scene has {count} area lights; --method area-light takes at most {MAX_AREA_LIGHTS}"
-            )));
-        }
-        Ok(())
+        at_most("area lights", scene.area_lights.len(), MAX_AREA_LIGHTS, "area-light")
     }
 
     /// Pass "area lights".

@@ -1,9 +1,9 @@
 //! Billboard reflections: impostor quads that each pixel's mirror ray is traced against (Schmidt 2013,
 //! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack.
 
-use super::scene_data::SceneData;
+use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Sampler, Target};
 use crate::scene::{Camera, Impostor};
@@ -69,13 +69,7 @@ impl BillboardPass {
     /// # Errors
     /// [`Error::Usage`] if it has more than [`MAX_IMPOSTORS`].
     pub fn check(scene: &SceneData) -> Result<()> {
-        let count = scene.impostors.len();
-        if count > MAX_IMPOSTORS {
-            return Err(Error::Usage(format!(
-                "the scene has {count} impostors; --method billboard takes at most {MAX_IMPOSTORS}"
-            )));
-        }
-        Ok(())
+        at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, "billboard")
     }
 
     /// Pass "billboards".

@@ -1,6 +1,6 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
@@ -103,6 +103,17 @@ impl SceneData {
     pub fn coplanar_groups(&self) -> &[CoplanarGroup] {
         &self.planes
     }
+}
+
+/// Whether a scene has no more of something than a method can take.
+///
+/// # Errors
+/// [`Error::Usage`] if it has.
+pub(super) fn at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
+    if count > most {
+        return Err(Error::Usage(format!("the scene has {count} {what}; --method {method} takes at most {most}")));
+    }
+    Ok(())
 }
 
 fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer> {
