@@ -30,7 +30,7 @@ impl AreaLightPass {
     /// Whether a scene has no more area lights than the pass can take.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it has more than [`MAX_AREA_LIGHTS`].
+    /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_AREA_LIGHTS`].
     pub fn check(scene: &SceneData) -> Result<()> {
         at_most("area lights", scene.area_lights.len(), MAX_AREA_LIGHTS, "area-light")
     }

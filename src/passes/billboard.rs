@@ -67,7 +67,7 @@ impl BillboardPass {
     /// Whether a scene has no more impostors than the pass can take.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it has more than [`MAX_IMPOSTORS`].
+    /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_IMPOSTORS`].
     pub fn check(scene: &SceneData) -> Result<()> {
         at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, "billboard")
     }
