@@ -109,6 +109,7 @@ impl FrameContext {
             Buffer::new(gpu, "frame uniforms", UNIFORM_BYTES, vk::BufferUsageFlags::UNIFORM_BUFFER, Place::Upload)?;
         let timestamps = Timestamps::new(gpu)?;
         let statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
+        let settling = settle::Settling::new(gpu)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.shared().queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
@@ -123,7 +124,7 @@ impl FrameContext {
             uniforms,
             timestamps,
             statistics,
-            settling: settle::Settling::new(gpu)?,
+            settling,
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: as above; the pool frees its command buffers.

@@ -9,6 +9,7 @@
 use super::{Frame, Resource};
 use crate::error::Result;
 use crate::gpu::device::Gpu;
+use crate::gpu::memory::{Buffer, Place};
 use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline};
 use crate::gpu::shader::{COMMON_NOTHING_COMP, COMMON_NOTHING_FRAG};
 use ash::vk;
@@ -18,6 +19,8 @@ use std::cell::Cell;
 pub(super) struct Settling {
     graphics: GraphicsPipeline,
     compute: ComputePipeline,
+    /// The arguments of a dispatch of no workgroups. (Said directly, the layers take it for a mistake.)
+    no_workgroups: Buffer,
 }
 
 impl Settling {
@@ -26,8 +29,15 @@ impl Settling {
         if !gpu.info().driver.starts_with("llvmpipe Mesa 22.") {
             return Ok(None);
         }
-        let graphics = GraphicsPipeline::fullscreen(gpu, &COMMON_NOTHING_FRAG, &[])?;
-        Ok(Some(Self { graphics, compute: ComputePipeline::new(gpu, &COMMON_NOTHING_COMP)? }))
+        let bytes = size_of::<vk::DispatchIndirectCommand>() as u64;
+        let mut no_workgroups =
+            Buffer::new(gpu, "no workgroups", bytes, vk::BufferUsageFlags::INDIRECT_BUFFER, Place::Upload)?;
+        no_workgroups.bytes_mut()?.fill(0);
+        Ok(Some(Self {
+            graphics: GraphicsPipeline::fullscreen(gpu, &COMMON_NOTHING_FRAG, &[])?,
+            compute: ComputePipeline::new(gpu, &COMMON_NOTHING_COMP)?,
+            no_workgroups,
+        }))
     }
 }
 
@@ -62,12 +72,13 @@ impl Frame<'_> {
         resources: &[(&str, Resource)],
         push: &[u8],
     ) -> Result<()> {
-        let Some(other) = self.context.settling.as_ref().map(|s| s.compute.handle) else { return Ok(()) };
+        let settling = self.context.settling.as_ref().map(|s| (s.compute.handle, s.no_workgroups.handle()));
+        let Some((other, no_workgroups)) = settling else { return Ok(()) };
         self.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
         for handle in [other, pipeline.handle] {
             self.bind(handle, vk::PipelineBindPoint::COMPUTE);
-            // SAFETY: what the pipeline reads, if anything, was pushed.
-            unsafe { self.device().cmd_dispatch(self.context.commands, 0, 0, 0) };
+            // SAFETY: what the pipeline reads, if anything, was pushed; the host wrote the arguments.
+            unsafe { self.device().cmd_dispatch_indirect(self.context.commands, no_workgroups, 0) };
         }
         Ok(())
     }
