@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 pub const JUDGED: &str = "unified";
 
 /// Reflecting pixels of a case whose hits are compared, at most; more are sampled.
-const COMPARED_PIXELS: usize = 8192;
+pub const COMPARED_PIXELS: usize = 8192;
 
 /// Share of the compared pixels whose hits must agree with the oracle's, ties apart.
 pub const AGREEMENT: f64 = 0.9999;
