@@ -74,9 +74,8 @@ fn digest(live: &impl Hash) -> u64 {
     hasher.finish()
 }
 
-/// Tiny, so that chains are short: a driver that keeps some of every pass (`tests/expected_failures.toml`) must not fill
-/// the machine.
-const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [8, 2], [3, 8], [8, 8]];
+/// Small, so that ten thousand frames take a minute or two on a CPU.
+const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [37, 20], [20, 37], [64, 64]];
 
 /// Rounds of methods × sizes, with frames of every mode for each; what is held after each round. The scene
 /// is uploaded anew in every round.

@@ -33,8 +33,6 @@ pub struct ComputePipeline {
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
     pub(crate) local_size: [u32; 3],
-    /// Whether it ran before (`frame/settle.rs`).
-    pub(crate) settled: Cell<bool>,
 }
 
 /// What a pipeline does with the stencil of its depth target.
@@ -303,7 +301,7 @@ impl ComputePipeline {
         let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, shader.name)?;
         gpu.name(handle, shader.name);
-        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size, settled: Cell::new(false) })
+        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size })
     }
 }
 

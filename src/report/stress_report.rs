@@ -4,7 +4,7 @@ use super::{files, html, tables};
 use crate::error::Result;
 use crate::metrics::percentile;
 use crate::study::stress::motion::{Motion, MotionRecord};
-use crate::study::stress::{AGREEMENT, AGREEMENT_THROUGH_CORNERS, JUDGED, StressRecord};
+use crate::study::stress::{AGREEMENT, AGREEMENT_THROUGH_CORNERS, COMPARED_PIXELS, JUDGED, StressRecord};
 use std::path::Path;
 
 /// Writes stress.json, motion.json, stress.txt and index.html.
@@ -165,7 +165,8 @@ const MOTION_RULE: &str = "Mean absolute change of the reflection from frame to 
 fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> String {
     let rule = format!(
         "Pixels are counted on the host's bits, in the reflection and, where the lit colour is sound, in the image. Hits \
-         are compared with oracle 1 where rays are defined. {JUDGED} passes a case with no such pixel and {} % of the hits \
+         are compared with oracle 1 where rays are defined, in {COMPARED_PIXELS} reflecting pixels drawn at random where \
+         there are more. {JUDGED} passes a case with no such pixel and {} % of the hits \
          (disagreements that vanish when the ray's direction or its first depth changes by up to 16 units in the last place of an \
          f32 are ties; of rays made to pass through corners {} %); \
          the published methods need only survive, and their counts are findings.",

@@ -74,6 +74,19 @@ impl Stage {
         let (drawn, output) = shot.record(&mut frame, &self.data)?;
         Ok((frame.finish()?, drawn, output))
     }
+
+    /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last.
+    pub fn output_on<'s>(
+        &mut self,
+        mode: Mode,
+        shot: &'s Shot,
+        (other, drawn): (&'s Shot, &Drawn),
+    ) -> Result<(FrameReport, Output<'s>)> {
+        let mut frame = self.context.begin(mode)?;
+        frame.begin_effect();
+        let output = shot.reflect(&mut frame, &self.data, (other, drawn))?;
+        Ok((frame.finish()?, output))
+    }
 }
 
 /// One camera, one size, one method: the scene passes and the method's.
@@ -121,8 +134,19 @@ impl Shot {
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
         self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
         frame.begin_effect();
-        let scene = SceneInput { data, materials: &self.materials };
-        let output = self.effect.record(frame, &Input { gbuffer, camera: &self.camera, scene: Some(scene) })?;
+        let output = self.reflect(frame, data, (self, &drawn))?;
         Ok((drawn, output))
+    }
+
+    /// The method's passes, on the G-buffer of a shot, and from its camera.
+    fn reflect<'s>(
+        &'s self,
+        frame: &mut Frame,
+        data: &SceneData,
+        (of, drawn): (&'s Shot, &Drawn),
+    ) -> Result<Output<'s>> {
+        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
+        let scene = SceneInput { data, materials: &self.materials };
+        self.effect.record(frame, &Input { gbuffer, camera: &of.camera, scene: Some(scene) })
     }
 }

@@ -123,9 +123,6 @@ impl Frame<'_> {
         self.pass(name, |frame| {
             frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
             frame.flush();
-            if frame.must_settle(&pipeline.settled) {
-                frame.settle_compute(pipeline, resources, push)?;
-            }
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
             let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));

@@ -6,6 +6,7 @@ use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
 use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
 use crate::passes::GBuffer;
+use crate::passes::gbuffer::Drawn;
 use crate::scene::{Camera, GBufferData, Material, Scene};
 use crate::study::gbuffer::{self, reflection};
 use crate::study::{Shot, Stage};
@@ -81,20 +82,22 @@ pub struct SceneLineup {
     pub extent: [u32; 2],
     stage: Stage,
     shots: Vec<(&'static MethodInfo, Shot)>,
+    /// What the first shot drew.
+    drawn: Drawn,
 }
 
 impl SceneLineup {
     /// Makes methods that show hits beside their reflection, where they have them.
     pub fn with_hits(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::made(gpu, scene, with_hits(extent), methods)
+        Self::with(gpu, scene, with_hits(extent), methods)
     }
 
     /// Makes methods as they are shown.
     pub fn new(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::made(gpu, scene, Setup::new(extent), methods)
+        Self::with(gpu, scene, Setup::new(extent), methods)
     }
 
-    fn made(gpu: &Gpu, scene: Scene, setup: Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
+    fn with(gpu: &Gpu, scene: Scene, setup: Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
         let mut stage = Stage::new(gpu, &scene)?;
         let view = scene.views.first().cloned().unwrap_or_default();
         let camera = crate::study::timing::camera(&scene, &view, setup.extent);
@@ -103,7 +106,7 @@ impl SceneLineup {
         for method in methods {
             shots.push((*method, Shot::new(&mut stage, method, &setup, camera, materials.clone())?));
         }
-        Ok(Self { scene, extent: setup.extent, stage, shots })
+        Ok(Self { scene, extent: setup.extent, stage, shots, drawn: Drawn::default() })
     }
 
     /// The methods, in order.
@@ -116,24 +119,35 @@ impl SceneLineup {
         self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))
     }
 
-    /// One frame of a method, by its number, from a camera, timed.
-    pub(super) fn made_by(&mut self, n: usize, camera: Camera) -> Result<Made> {
-        let shot = &mut self.shots[n].1;
+    /// Draws what a camera sees, which the methods then reflect. It can take much longer than all of them: a
+    /// rasteriser on a CPU is slow where triangles reach through the near plane.
+    /// `None` if there are no methods.
+    pub(super) fn draw(&mut self, camera: Camera) -> Result<Option<GBufferData>> {
+        let Some((_, shot)) = self.shots.first_mut() else { return Ok(None) };
         shot.camera = camera;
-        let (report, _, output) = self.stage.output_in(Mode::Timed, shot)?;
-        Made::read(&mut self.stage.context, report, &output)
+        self.drawn = self.stage.run(shot, Mode::Plain)?.1;
+        gbuffer::read(&mut self.stage.context, shot).map(Some)
     }
 
-    /// The reflection of a frame of a method, by its number, from a camera.
-    pub(super) fn reflection(&mut self, n: usize, camera: Camera) -> Result<Pixels> {
-        let shot = &mut self.shots[n].1;
-        shot.camera = camera;
-        let (_, _, output) = self.stage.output(shot)?;
-        reflection(&mut self.stage.context, &output)
+    /// What each method makes of what was drawn last.
+    pub(super) fn made(&mut self) -> Result<Vec<Made>> {
+        let Some((_, first)) = self.shots.first() else { return Ok(Vec::new()) };
+        let mut all = Vec::new();
+        for (_, shot) in &self.shots {
+            let (report, output) = self.stage.output_on(Mode::Timed, shot, (first, &self.drawn))?;
+            all.push(Made::read(&mut self.stage.context, report, &output)?);
+        }
+        Ok(all)
     }
 
-    /// The G-buffer of the last frame of a method, by its number. From one camera it is the same for all.
-    pub(super) fn gbuffer(&mut self, n: usize) -> Result<GBufferData> {
-        gbuffer::read(&mut self.stage.context, &self.shots[n].1)
+    /// The reflection that each method makes of what was drawn last.
+    pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
+        let Some((_, first)) = self.shots.first() else { return Ok(Vec::new()) };
+        let mut all = Vec::new();
+        for (_, shot) in &self.shots {
+            let (_, output) = self.stage.output_on(Mode::Plain, shot, (first, &self.drawn))?;
+            all.push(reflection(&mut self.stage.context, &output)?);
+        }
+        Ok(all)
     }
 }

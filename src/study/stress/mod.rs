@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 pub const JUDGED: &str = "unified";
 
 /// Reflecting pixels of a case whose hits are compared, at most; more are sampled.
-const COMPARED_PIXELS: usize = 8192;
+pub const COMPARED_PIXELS: usize = 8192;
 
 /// Share of the compared pixels whose hits must agree with the oracle's, ties apart.
 pub const AGREEMENT: f64 = 0.9999;
@@ -300,14 +300,10 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         lineup.set_materials(&globals.materials(&lineup.scene, &view))?;
         let name = format!("{}, roughness {roughness}", place.name);
-        let methods: Vec<_> = lineup.methods().collect();
-        let made: Vec<Made> = (0..methods.len()).map(|n| lineup.made_by(n, camera)).collect::<Result<_>>()?;
-        if made.is_empty() {
-            continue;
-        }
-        let data = lineup.gbuffer(0)?;
+        let Some(data) = lineup.draw(camera)? else { continue };
+        let made = lineup.made()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
-        let judged = methods.iter().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, truth.as_ref()));
+        let judged = lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, truth.as_ref()));
         records.extend(judged);
     }
     Ok(records)

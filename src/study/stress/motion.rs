@@ -118,17 +118,12 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         .collect();
     let methods: Vec<_> = lineup.methods().collect();
     let mut screens: Vec<GBufferData> = Vec::new();
-    let mut images: Vec<Vec<Vec<Vec3>>> = Vec::new();
-    for n in 0..methods.len() {
-        let mut made = Vec::new();
-        for camera in &cameras {
-            let pixels = lineup.reflection(n, *camera)?;
+    let mut images: Vec<Vec<Vec<Vec3>>> = vec![Vec::new(); methods.len()];
+    for camera in cameras {
+        screens.extend(lineup.draw(camera)?);
+        for (made, pixels) in images.iter_mut().zip(lineup.reflections()?) {
             made.push(pixels.texels().map(|t| sound(Vec3::new(t[0], t[1], t[2]))).collect());
-            if n == 0 {
-                screens.push(lineup.gbuffer(n)?);
-            }
         }
-        images.push(made);
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
     let sampling = Sampling { samples: spec.rays, seed: 3 };
