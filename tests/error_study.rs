@@ -129,7 +129,7 @@ fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
     for table in ["table-5.8-atrium", "table-5.8-sponza"] {
         let text = std::fs::read_to_string(runs.join(table).join("time.json")).unwrap();
         let records: Vec<Value> = serde_json::from_str(&text).unwrap();
-        assert_eq!(records.len(), 20, "five sizes, two roughness values, two methods");
+        assert_eq!(records.len(), 30, "five sizes, two roughness values, three methods");
         for record in records {
             let median = |v: &Value| v["median_ms"].as_f64().unwrap();
             let sum: f64 = record["passes"].as_array().unwrap().iter().map(median).sum();
