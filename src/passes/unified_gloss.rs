@@ -3,7 +3,7 @@
 //! pixels for wide ones; which of the two a pixel is says its roughness alone.
 
 use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
-use super::{Canvas, GBuffer, Pyramid};
+use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
     UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG,
@@ -13,7 +13,6 @@ use crate::gpu::shader::{
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
 
-const COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
@@ -47,17 +46,17 @@ impl UnifiedGlossPass {
         let both = |list, shader, formats: &[vk::Format]| pipeline(list, shader, shader, formats);
         let (narrow, wide) = (TileList::Narrow, TileList::Wide);
         let cells = extent.map(|n| n.div_ceil(2));
-        let drawn = &[COLOR; 2][..1 + usize::from(reflection)];
+        let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
         let [of_narrow, of_wide] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_WIDE_FRAG];
         Ok(Self {
-            narrow: both(narrow, &UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, COLOR])?,
+            narrow: both(narrow, &UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, LIT_COLOR])?,
             resolve_narrow: pipeline(narrow, of_narrow, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, drawn)?,
-            wide: both(wide, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, COLOR])?,
-            cells: both(wide, &UNIFIED_GLOSS_CELLS_FRAG, &[COLOR; 2])?,
+            wide: both(wide, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
+            cells: both(wide, &UNIFIED_GLOSS_CELLS_FRAG, &[LIT_COLOR; 2])?,
             resolve_wide: pipeline(wide, of_wide, &UNIFIED_GLOSS_RESOLVE_WIDE_WHOLE_FRAG, drawn)?,
-            seen: [image("seen place", PLACE, extent)?, image("seen color", COLOR, extent)?],
-            cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", COLOR, cells)?],
-            resolved: [image("cell reflection", COLOR, cells)?, image("cell surface", COLOR, cells)?],
+            seen: [image("seen place", PLACE, extent)?, image("seen color", LIT_COLOR, extent)?],
+            cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", LIT_COLOR, cells)?],
+            resolved: [image("cell reflection", LIT_COLOR, cells)?, image("cell surface", LIT_COLOR, cells)?],
         })
     }
 

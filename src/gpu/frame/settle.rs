@@ -2,10 +2,9 @@
 //!
 //! Its `update_inline_shader_state` (lvp_execute.c) copies a shader of which control flow depends on uniforms, puts
 //! their values in and compiles the copy: at every draw, although nothing changed, and without ever freeing one. It costs
-//! milliseconds and megabytes a frame. Only if at a draw neither uniforms nor push constants are
-//! new does it find that the copy is no better, and then keeps to one shader for good. So a pipeline over whole targets is
-//! once made to draw no vertices, after another took in what was pushed. Meshes and compute shaders here have no such
-//! control flow.
+//! milliseconds and megabytes a frame. Only if at a draw neither uniforms nor push constants are new does it find that
+//! the copy is no better, and then keeps to one shader for good. So a pipeline whose vertices its shader makes is once
+//! made to draw none, after another took in what was pushed. Meshes and compute shaders here have no such control flow.
 
 use super::{Frame, Resource};
 use crate::error::Result;

@@ -131,22 +131,24 @@ impl SceneLineup {
 
     /// What each method makes of what was drawn last.
     pub(super) fn made(&mut self) -> Result<Vec<Made>> {
-        let Some((_, first)) = self.shots.first() else { return Ok(Vec::new()) };
-        let mut all = Vec::new();
-        for (_, shot) in &self.shots {
-            let (report, output) = self.stage.output_on(Mode::Timed, shot, (first, &self.drawn))?;
-            all.push(Made::read(&mut self.stage.context, report, &output)?);
-        }
-        Ok(all)
+        self.each(Mode::Timed, Made::read)
     }
 
     /// The reflection that each method makes of what was drawn last.
     pub(super) fn reflections(&mut self) -> Result<Vec<Pixels>> {
+        self.each(Mode::Plain, |context, _, output| reflection(context, output))
+    }
+
+    fn each<T>(
+        &mut self,
+        mode: Mode,
+        read: impl Fn(&mut FrameContext, FrameReport, &Output) -> Result<T>,
+    ) -> Result<Vec<T>> {
         let Some((_, first)) = self.shots.first() else { return Ok(Vec::new()) };
         let mut all = Vec::new();
         for (_, shot) in &self.shots {
-            let (_, output) = self.stage.output_on(Mode::Plain, shot, (first, &self.drawn))?;
-            all.push(reflection(&mut self.stage.context, &output)?);
+            let (report, output) = self.stage.output_on(mode, shot, (first, &self.drawn))?;
+            all.push(read(&mut self.stage.context, report, &output)?);
         }
         Ok(all)
     }
