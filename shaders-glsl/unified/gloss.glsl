@@ -3,17 +3,19 @@
 //
 // Interleaved sampling (Keller and Heidrich 2001): the directions of one stratified pattern over the
 // lobe are dealt out to the pixels, a ray each, always the same. A pixel then gathers its neighbours'
-// hits as samples of its own lobe: a ratio estimator with the weights
-// lobe(from here to that hit) / density(that was sampled there) (Stachowiak 2015; Heitz et al. 2018
-// for the estimator). There is nothing random, and nothing of earlier frames.
+// rays as samples of its own lobe. Rays of wide lobes weigh lobe(from here to the hit) / density(that
+// was sampled there), a ratio estimator (Stachowiak 2015; Heitz et al. 2018); for narrow lobes it is
+// enough how alike the two lobes are. There is nothing random, and nothing of earlier frames.
 //
-// The pattern has as many directions as the gathered neighbourhood has pixels, dealt out so that the
-// neighbourhood of every pixel holds each direction once: a cross of 5 pixels with the direction
-// (x + 2 y) mod 5, a diamond of 13 with (x + 5 y) mod 13. (Both shapes tile the plane in a lattice.)
-// So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
+// The gathered neighbourhood of every pixel holds each direction: a cross of 5 pixels with the direction
+// (x + 2 y) mod 5 (and one pixel more), a diamond of 13 with (x + 5 y) mod 13. (Both shapes tile the
+// plane in a lattice.) So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
 
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
+// What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
+#define LEAST_WEIGHT 1e-4
+#define LOG_DENSITY_BIAS 64.0 // makes the logarithm of any density positive
 
 // alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
 // which does not cancel; roughness is at most 1, where it is good to 1e-4.
@@ -45,24 +47,57 @@ vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
     return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
 }
 
+// The view-space direction in which continuous pixel coordinates are seen; z is 1.
+vec3 ViewRay(vec2 position) {
+    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
+    return vec3(centred * unified.pixel_to_view, 1.0);
+}
+
 // View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
 // reversed depth to a point.
 vec3 ViewPoint(vec2 position, float depth) {
-    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
-    return vec3(centred * unified.pixel_to_view, 1.0) / (depth + unified.depth_offset);
+    return ViewRay(position) / (depth + unified.depth_offset);
 }
 
+// The unit direction into which a normal of any length turns the one in which a point is seen.
 vec3 MirrorDirection(vec3 point, vec3 normal) {
-    vec3 unit = normalize(normal);
-    return normalize(reflect(normalize(point), unit));
+    vec3 seen = point * inversesqrt(dot(point, point));
+    return seen - (2.0 * dot(seen, normal) / dot(normal, normal)) * normal;
 }
 
-// The level of the colour's chain for a ray of a density (without the 2 pi that all have), that stands for a
-// share of the lobe. Its footprint is that as a solid angle, share 2 pi / density, taken for a cone of angle
-// theta, pi theta^2; its diameter at the hit in pixels is the level's texel.
+struct Lobe {
+    vec3 normal;
+    vec3 mirror; // unit vector
+    float power; // alpha + 1
+};
+
+// Of a point, of which the direction alone counts.
+Lobe LobeOf(vec3 point, vec3 normal, float roughness) {
+    return Lobe(normal, MirrorDirection(point, normal), LobePower(roughness));
+}
+
+// What a ray saw. All is 0 for no ray.
+struct Seen {
+    vec3 direction; // of the ray, a unit vector
+    float density;  // that it was sampled with: see LogDensity; negative for a miss
+    vec4 color;     // of the hit, and its fade in a; a miss is 0
+};
+
+#define LOG_DENSITY_BIAS 64.0 // makes the logarithm of any density positive
+
+// The logarithm to base 2 of the density (alpha + 1) cos^alpha, without the 2 pi that all have, plus the bias,
+// of a direction with a cos^(alpha + 1) whose logarithm is given.
+float LogDensity(float power, float log_rest) {
+    return LOG_DENSITY_BIAS + log2(power) + (power - 1.0) / power * log_rest;
+}
+
+// The level of the colour's chain for a ray of a density (LogDensity) that stands for a share of the lobe. Its
+// footprint is that as a solid angle, share 2 pi / density, taken for a cone of angle theta, pi theta^2; its
+// diameter at the hit in pixels is the level's texel.
 float FootprintLevel(vec3 point, vec3 there, float density, float share) {
-    float diameter = sqrt(2.0 * share / density) * distance(there, point) / (there.z * unified.pixel_to_view.y);
-    return log2(max(diameter, 1.0));
+    vec3 away = there - point;
+    float pixel = there.z * unified.pixel_to_view.y;
+    return max(0.5 * (log2(2.0 * share * dot(away, away) / (pixel * pixel)) - (density - LOG_DENSITY_BIAS)), 0.0);
 }
 
 // How much two lobes of a power have in common, around the mirror directions of two unit normals: the

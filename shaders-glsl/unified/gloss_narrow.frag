@@ -4,23 +4,28 @@
 
 #include "unified/parameters.glsl"
 #include "unified/gloss_trace.glsl"
+#include "unified/gloss_record.glsl"
 
-layout(location = 0) out vec4 out_place;
-layout(location = 1) out vec4 out_color;
+layout(location = 0) out uvec4 out_record;
 
 // The pattern covers the inner part of the lobe; each ray's footprint reaches into the rest.
 #define PART 0.5
+#define GATHERED 6.0 // rays: gloss_resolve_narrow.glsl
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    out_place = vec4(0.0);
-    out_color = vec4(0.0);
+    out_record = NO_RECORD;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    float depth = imageLoad(pyramid, pixel).r;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;
-    if (!narrow || !(imageLoad(pyramid, pixel).r > 0.0))
+    if (!narrow || !(depth > 0.0) || !(dot(normal, normal) > 0.0))
         return;
+    vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
+    Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5, vec2(0.5));
-    Seen seen = Look(pixel, material.g, vec2(u.x * PART, u.y), 5.0, 1, 1.0);
-    out_place = seen.place;
-    out_color = seen.color;
+    Hit hit;
+    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * PART, u.y), GATHERED, 1.0, hit);
+    float power = log2(lobe.power);
+    out_record = Pack(Record(lobe.mirror, seen.density > 0.0 ? power : -power, seen.color));
 }

@@ -1,6 +1,5 @@
-// Each pixel's reflection, from the rays around it (LIST is NARROW_LIST) or from the cells around it
-// (WIDE_LIST), and the composite. Each kind of lobe has a pass of its own: a device without branches would
-// run both for every pixel. Needs parameters.glsl.
+// The reflection of each pixel with a wide lobe, from the cells around it, and the composite. Needs
+// parameters.glsl.
 
 #include "unified/tiles.glsl"
 #include "unified/ray.glsl"
@@ -11,35 +10,16 @@ layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
-#if LIST == NARROW_LIST
-layout(binding = 5, rgba32f) uniform readonly image2D place_image; // gloss_narrow.frag
-layout(binding = 6, rgba16f) uniform readonly image2D seen_image;
-#else
 layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
 layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
-#endif
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // where it is wanted
-
-#include "unified/gloss_gather.glsl"
 
 // Off its plane by this share of its depth, a cell has lost most of its weight: the world's tolerance
 // in DEFINITIONS, "World agreement".
 #define PLANE_TOLERANCE 0.02
 
-#if LIST == NARROW_LIST
-// A narrow lobe, from the cross of five rays around the pixel.
-vec4 Narrow(ivec2 pixel, Lobe lobe) {
-    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
-    for (int i = 0; i < 5; ++i) {
-        ivec2 step = ivec2(int(i == 1) - int(i == 2), int(i == 3) - int(i == 4));
-        ivec2 at = clamp(pixel + step, ivec2(0), unified.size - 1);
-        Gather(sum, lobe, imageLoad(place_image, at), imageLoad(seen_image, at));
-    }
-    return Reflection(sum);
-}
-#else
 // A wide lobe, between the cells around the pixel, whose rays begin at their first pixels, as far as each
 // lies in the pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
 vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
@@ -58,7 +38,6 @@ vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
     }
     return weights > 0.0 ? sum / weights : vec4(0.0);
 }
-#endif
 
 // Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they
 // hold nothing, all that reflects is of the list, and the other pixels show their lit colour.
@@ -68,18 +47,14 @@ void main() {
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     bool reflects = Reflects(material) && depth > 0.0;
 #ifndef WHOLE
-    if (!reflects || ListOf(material) != LIST)
+    if (!reflects || ListOf(material) != WIDE_LIST)
         discard;
 #endif
     vec4 reflection = vec4(0.0);
     vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
     if (reflects) {
         vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
-#if LIST == NARROW_LIST
-        reflection = Narrow(pixel, LobeOf(pixel, depth, normal, material.g));
-#else
         reflection = Wide(pixel, ViewPoint(vec2(pixel) + 0.5, depth), normal, LobePower(material.g));
-#endif
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);
     }

@@ -15,6 +15,11 @@ layout(location = 1) out vec4 out_color;
 
 #define REACH 2 // pixels to the next cell
 
+// A hit so near, in pixels: what a neighbour sees in this direction is more likely as near to itself than at
+// this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
+#define NEAR_HIT 8.0
+#define FAR_AWAY 1e3
+
 // How much of a pixel's lobe those of the cells beside it have in common with it, on average. (For narrow
 // lobes this lowers the error, too, but not the shimmer.)
 float Common(ivec2 pixel, float power) {
@@ -28,18 +33,31 @@ float Common(ivec2 pixel, float power) {
     return 0.25 * sum;
 }
 
+// The point that was hit (ViewPoint's scale), or the direction of a miss.
+vec3 Place(ivec2 pixel, vec3 point, Seen seen, Hit hit) {
+    vec3 there = ViewPoint(hit.position, hit.depth);
+    vec2 away = abs(hit.position - vec2(pixel) - 0.5);
+    bool beside = max(away.x, away.y) < NEAR_HIT;
+    return seen.density > 0.0 ? beside ? point + FAR_AWAY * (there - point) : there : seen.direction;
+}
+
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
+    out_place = vec4(0.0);
+    out_color = vec4(0.0);
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
-    Seen seen = Seen(vec4(0.0), vec4(0.0));
     if (roughness > 0.0) {
         // Cells of one direction in diamonds side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
-        vec2 place = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
-        seen = Look(pixel, roughness, LatticePoint((cell.x + 5 * cell.y) % 13, 8, 13, place), 13.0, REACH,
-                    Common(pixel, LobePower(roughness)));
+        vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
+        vec2 u = LatticePoint((cell.x + 5 * cell.y) % 13, 8, 13, stratum);
+        float depth = texelFetch(depth_buffer, pixel, 0).r;
+        vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
+        Lobe lobe = LobeOf(point, texelFetch(normal_buffer, pixel, 0).xyz, roughness);
+        Hit hit;
+        Seen seen = Look(pixel, depth, point, lobe, u, 13.0, Common(pixel, lobe.power), hit);
+        out_place = vec4(Place(pixel, point, seen, hit), seen.density);
+        out_color = seen.color;
     }
-    out_place = seen.place;
-    out_color = seen.color;
 }

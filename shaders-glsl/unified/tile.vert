@@ -16,8 +16,9 @@ void main() {
     ivec2 size = (unified.size + tile_list.halve) >> tile_list.halve;
     int side = TILE >> tile_list.halve;
     // A point whose centre is off screen is dropped: the last tiles move in, over pixels that their
-    // neighbours may shade as well, to the same result; a screen below a tile is covered from its middle.
-    ivec2 first = min(tile * side, size - side);
+    // neighbours may shade as well, to the same result, by an even number: no block of 2 x 2 pixels is cut.
+    // A screen below a tile is covered from its middle.
+    ivec2 first = min(tile * side, (size - side + 1) & -2);
     vec2 centre = max(vec2(first) + 0.5 * float(side), 0.5 * vec2(min(size, ivec2(side))));
     gl_Position = vec4(centre / vec2(size) * 2.0 - 1.0, 0.0, 1.0);
     gl_PointSize = float(side);

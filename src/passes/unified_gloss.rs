@@ -6,13 +6,13 @@ use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG,
-    UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_FRAG, UNIFIED_GLOSS_RESOLVE_WIDE_WHOLE_FRAG,
-    UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
+    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_FRAG,
+    UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG, UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
 };
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
 
+const RECORD: vk::Format = vk::Format::R32G32B32A32_UINT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
@@ -21,11 +21,11 @@ pub struct UnifiedGlossPass {
     resolve_narrow: TiledPipeline,
     wide: TiledPipeline,
     cells: TiledPipeline,
-    resolve_wide: TiledPipeline,
-    /// Where each pixel's ray ended, and what it saw.
+    resolve: TiledPipeline,
+    /// What each pixel's ray saw: `gloss_record.glsl`.
+    records: Image,
+    /// Where the ray of each cell of 2 × 2 pixels ended, and what it saw.
     seen: [Image; 2],
-    /// The same of each cell of 2 × 2 pixels.
-    cells_seen: [Image; 2],
     /// Each cell's reflection, and the surface that it is of.
     resolved: [Image; 2],
 }
@@ -43,19 +43,19 @@ impl UnifiedGlossPass {
         };
         let pipeline =
             |list, tiles, whole, formats: &[vk::Format]| TiledPipeline::new(gpu, list, tiles, Some(whole), formats);
-        let both = |list, shader, formats: &[vk::Format]| pipeline(list, shader, shader, formats);
-        let (narrow, wide) = (TileList::Narrow, TileList::Wide);
+        let cell = |shader, formats: &[vk::Format]| pipeline(TileList::Wide, shader, shader, formats);
         let cells = extent.map(|n| n.div_ceil(2));
         let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
-        let [of_narrow, of_wide] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_WIDE_FRAG];
+        let [narrow, narrow_whole] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG];
+        let [resolve, resolve_whole] = [&UNIFIED_GLOSS_RESOLVE_FRAG, &UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG];
         Ok(Self {
-            narrow: both(narrow, &UNIFIED_GLOSS_NARROW_FRAG, &[PLACE, LIT_COLOR])?,
-            resolve_narrow: pipeline(narrow, of_narrow, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, drawn)?,
-            wide: both(wide, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
-            cells: both(wide, &UNIFIED_GLOSS_CELLS_FRAG, &[LIT_COLOR; 2])?,
-            resolve_wide: pipeline(wide, of_wide, &UNIFIED_GLOSS_RESOLVE_WIDE_WHOLE_FRAG, drawn)?,
-            seen: [image("seen place", PLACE, extent)?, image("seen color", LIT_COLOR, extent)?],
-            cells_seen: [image("cells seen place", PLACE, cells)?, image("cells seen color", LIT_COLOR, cells)?],
+            narrow: pipeline(TileList::Narrow, &UNIFIED_GLOSS_NARROW_FRAG, &UNIFIED_GLOSS_NARROW_FRAG, &[RECORD])?,
+            resolve_narrow: pipeline(TileList::Narrow, narrow, narrow_whole, drawn)?,
+            wide: cell(&UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
+            cells: cell(&UNIFIED_GLOSS_CELLS_FRAG, &[LIT_COLOR; 2])?,
+            resolve: pipeline(TileList::Wide, resolve, resolve_whole, drawn)?,
+            records: image("seen", RECORD, extent)?,
+            seen: [image("seen place", PLACE, cells)?, image("seen color", LIT_COLOR, cells)?],
             resolved: [image("cell reflection", LIT_COLOR, cells)?, image("cell surface", LIT_COLOR, cells)?],
         })
     }
@@ -87,9 +87,10 @@ impl UnifiedGlossPass {
         let canvas: Vec<_> = canvas.images().map(|image| TiledTarget { image, elsewhere: None }).collect();
 
         if gbuffer.reflectors.narrow {
-            self.narrow.draw(frame, "trace/narrow", &into(&self.seen), &traced, tiles, false)?;
-            let seen = [loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])];
-            let resources: Vec<_> = shown.into_iter().chain(seen).collect();
+            let records = TiledTarget { image: &self.records, elsewhere: Some([0.0; 4]) };
+            self.narrow.draw(frame, "trace/narrow", &[records], &traced, tiles, false)?;
+            let [block, _, _, material, color] = shown;
+            let resources = [block, material, color, loaded("seen_image", &self.records)];
             self.resolve_narrow.draw(frame, "resolve/narrow", &canvas, &resources, tiles, false)?;
         } else {
             for pass in ["trace/narrow", "resolve/narrow"] {
@@ -98,14 +99,14 @@ impl UnifiedGlossPass {
         }
         if gbuffer.reflectors.wide {
             let resources: Vec<_> = traced.into_iter().chain([depth]).collect();
-            self.wide.draw(frame, "trace/wide", &into(&self.cells_seen), &resources, tiles, true)?;
-            let seen = [loaded("place_image", &self.cells_seen[0]), loaded("seen_image", &self.cells_seen[1])];
+            self.wide.draw(frame, "trace/wide", &into(&self.seen), &resources, tiles, true)?;
+            let seen = [loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])];
             let resources: Vec<_> = [block, depth, normal, material].into_iter().chain(seen).collect();
             self.cells.draw(frame, "cells", &into(&self.resolved), &resources, tiles, true)?;
             let [reflection, surface] = &self.resolved;
             let cells = [loaded("cell_reflection", reflection), loaded("cell_surface", surface)];
             let resources: Vec<_> = shown.into_iter().chain(cells).collect();
-            self.resolve_wide.draw(frame, "resolve/wide", &canvas, &resources, tiles, false)?;
+            self.resolve.draw(frame, "resolve/wide", &canvas, &resources, tiles, false)?;
         } else {
             for pass in ["trace/wide", "cells", "resolve/wide"] {
                 frame.skip(pass, "no material that is drawn has a wide lobe");

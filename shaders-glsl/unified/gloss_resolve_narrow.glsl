@@ -1,0 +1,85 @@
+// The reflection of each pixel with a narrow lobe, from the rays around it, and the composite. Needs
+// parameters.glsl.
+//
+// A pixel gathers its own ray and those of five neighbours: the other three of its block of 2 x 2 pixels, and
+// the two beside it outside of that. The block is what a device shades together, in step: its pixels hand each
+// other what they loaded by the derivatives of the screen, v +- dFdx(v), and load three rays instead of six.
+//
+// A neighbour's ray weighs as much as its lobe has in common with this one. (A weight by where each ray went,
+// lobe / density as for wide lobes, takes 1.3 times as long; the error is the same, and under a moving camera
+// a tenth more changes where a map turns the normals.)
+
+#include "unified/tiles.glsl"
+#include "unified/gloss.glsl"
+#include "unified/sound.glsl"
+#include "unified/gloss_record.glsl"
+#include "unified/gloss_gather.glsl"
+
+layout(binding = 1) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 2) uniform sampler2D color_buffer;    // lit colour, linear
+layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_narrow.frag
+
+layout(location = 0) out vec4 out_color;
+layout(location = 1) out vec4 out_reflection; // where it is wanted
+
+Record AcrossX(Record r, float side) {
+    return Record(r.mirror + side * dFdxFine(r.mirror), r.power + side * dFdxFine(r.power),
+                  r.color + side * dFdxFine(r.color));
+}
+
+Record AcrossY(Record r, float side) {
+    return Record(r.mirror + side * dFdyFine(r.mirror), r.power + side * dFdyFine(r.power),
+                  r.color + side * dFdyFine(r.color));
+}
+
+// One outside the block.
+Record Load(ivec2 pixel) {
+    return Unpack(imageLoad(seen_image, clamp(pixel, ivec2(0), unified.size - 1)));
+}
+
+void Gather(inout Sum sum, Record own, Record r) {
+    // The root of Overlap, for a power between the two, by mirrors instead of normals, which turn half as far:
+    // Overlap itself gives the same error, and more change under a moving camera.
+    float power = exp2(0.5 * (abs(own.power) + abs(r.power)));
+    vec3 chord = own.mirror - r.mirror;
+    float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
+    float weight = r.power != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
+    // What was handed on is good to the last bits of the greater of two colours.
+    Add(sum, weight, r.power > 0.0, max(r.color, 0.0));
+}
+
+// Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they
+// hold nothing, all that reflects is of the list, and the other pixels show their lit colour.
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    // A block at the edge of an odd size reaches beyond it.
+    bool inside = all(lessThan(pixel, unified.size));
+    Record own = Unpack(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+    ivec2 outward = 2 * (pixel & 1) - 1;
+    vec2 side = -vec2(outward);
+    Record across = AcrossX(own, side.x);
+    Record below = AcrossY(own, side.y);
+    Record opposite = AcrossY(across, side.y);
+    bool shows = own.power != 0.0;
+#ifndef WHOLE
+    if (!shows)
+        discard;
+#endif
+    vec4 reflection = vec4(0.0);
+    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    if (shows) {
+        Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+        Add(sum, 1.0, own.power > 0.0, own.color);
+        Gather(sum, own, across);
+        Gather(sum, own, below);
+        Gather(sum, own, opposite);
+        Gather(sum, own, Load(pixel + ivec2(outward.x, 0)));
+        Gather(sum, own, Load(pixel + ivec2(0, outward.y)));
+        reflection = Reflection(sum);
+        reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
+        float reflectivity = texelFetch(material_buffer, pixel, 0).r;
+        color = min(color + reflectivity * reflection.a * reflection.rgb, GREATEST);
+    }
+    out_reflection = reflection;
+    out_color = vec4(color, 1.0);
+}
