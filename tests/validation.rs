@@ -6,13 +6,19 @@
 
 mod common;
 
+use ash::vk;
 use common::{check_validation, clutter, clutter_camera, expected_failures, gpu, is_gpu_assisted};
 use ssct::gpu::frame::Mode;
+use ssct::gpu::memory::Place;
+use ssct::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
 use ssct::gpu::validation::ALLOWED;
+use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, Resource};
 use ssct::methods::{Fallback, METHODS, MethodInfo, Preset, Setup, Tuning};
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::March;
+use ssct::passes::pyramid::PyramidPass;
+use ssct::passes::tiles;
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
@@ -22,7 +28,7 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
     let usual = Setup::new(extent);
     // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
     // of the time.
-    if !method.is_screen_space() || extent[0] > 500 {
+    if !method.is_screen_space() || extent[0] > 500 || (extent == [1, 1] && is_gpu_assisted()) {
         return vec![usual];
     }
     let mut setups = Vec::new();
@@ -49,11 +55,15 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
 #[test]
 fn every_method_in_every_mode_is_valid() {
     let gpu = gpu();
+    // Instrumented, it is compiled for half a minute; methods made while it is kept share it.
+    let compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
     let mut frames = 0;
-    for extent in [[1, 1], [127, 61], [641, 479]] {
+    // Instrumented shaders are the same at every size, and slow.
+    let sizes = &[[1, 1], [127, 61], [641, 479]][..if is_gpu_assisted() { 2 } else { 3 }];
+    for &extent in sizes {
         for method in METHODS {
             for setup in setups(method, extent) {
                 let camera = clutter_camera(extent);
@@ -87,7 +97,7 @@ fn every_method_in_every_mode_is_valid() {
     }
     println!("{frames} frames without a message");
     // With all resources gone.
-    drop(stage);
+    drop((stage, compiled));
     check_validation(&gpu).unwrap();
     let said = |id: &str| gpu.validation().iter().any(|m| m.id == id);
     for (id, _) in ALLOWED {
@@ -96,4 +106,39 @@ fn every_method_in_every_mode_is_valid() {
     for id in expected_failures("gpu-assisted", &gpu).iter().filter(|_| is_gpu_assisted()) {
         assert!(said(id), "nothing says {id} any more: take it off the expected failures");
     }
+}
+
+/// That silence under GPU-assisted validation says something.
+#[test]
+fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
+    if !is_gpu_assisted() {
+        println!("skipped: SSCT_GPU_AV is not 1");
+        return;
+    }
+    let said = |bytes: u64| {
+        let gpu = gpu();
+        let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();
+        let buffer =
+            |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();
+        let (counts, lists) = (buffer("counts", bytes), buffer("tiles", 4));
+        let pipeline = ComputePipeline::new(&gpu, &UNIFIED_CLASSIFY_COMP).unwrap();
+        // Of an image without pixels, so that it writes the numbers of instances alone.
+        let block = UnifiedBlock::default();
+        let resources = [
+            ("unified", Resource::Uniform(bytemuck::bytes_of(&block))),
+            ("material_buffer", Resource::nearest(material.all())),
+            ("Counts", Resource::Buffer(&counts)),
+            ("Tiles", Resource::Buffer(&lists)),
+        ];
+        let record = |frame: &mut Frame| {
+            frame.clear("material", material.all(), [0.0; 4])?;
+            frame.compute("classify", &pipeline, &resources, &[], [1; 3])
+        };
+        FrameContext::new(&gpu).unwrap().once(record).unwrap();
+        gpu.violations()
+    };
+    let whole = said(tiles::LISTS * size_of::<vk::DrawIndirectCommand>() as u64);
+    assert!(whole.is_empty(), "{whole:?}");
+    let cut_off = said(16);
+    assert!(cut_off.iter().any(|m| m.text.contains("access out of bounds")), "{cut_off:?}");
 }

@@ -18,12 +18,24 @@ layout(location = 0) out vec4 out_albedo;    // a: 1 lit, 0 shows the sky
 layout(location = 1) out vec4 out_normal;    // view space, unit
 layout(location = 2) out vec2 out_material;  // reflectivity, roughness
 
+// Repeats of a map in a pixel from which on it is seen as its mean.
+#define MOST_REPEATS 16.0
+
+// Where a quad samples. What is seen from a hand's breadth or with coordinates that rounding tears apart has
+// thousands of repeats in a pixel: the last level already, but lavapipe's anisotropic filter goes over them one by
+// one, for seconds. One repeat a pixel is the last level as well.
+vec2 Place() {
+    vec2 repeats = fwidthCoarse(in_uv);
+    return all(lessThanEqual(repeats, vec2(MOST_REPEATS))) ? in_uv : gl_FragCoord.xy;
+}
+
 void main() {
     // Sampled before the discard, so that every quad has its derivatives.
-    vec3 albedo = texture(albedo_map, in_uv).rgb;
-    vec3 mapped = texture(normal_map, in_uv).xyz * 2.0 - 1.0;
-    float reflectivity = texture(reflectivity_map, in_uv).r;
-    float mask = texture(alpha_mask, in_uv).r;
+    vec2 uv = Place();
+    vec3 albedo = texture(albedo_map, uv).rgb;
+    vec3 mapped = texture(normal_map, uv).xyz * 2.0 - 1.0;
+    float reflectivity = texture(reflectivity_map, uv).r;
+    float mask = texture(alpha_mask, uv).r;
     if ((draw.maps & 2u) != 0u && mask < 0.5) {
         discard;
     }

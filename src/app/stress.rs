@@ -151,7 +151,7 @@ fn kept<T: Serialize>(
 fn motions<'a>(scenes: &'a [Scene], options: &StressOptions) -> Vec<(&'a Scene, MotionSpec<'a>, Motion)> {
     let Some(scene) = scenes.first().filter(|_| options.case.is_none()) else { return Vec::new() };
     let (extent, frames, rays, views) =
-        if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 32, scene.views.len()) };
+        if options.quick { ([160, 90], 3, 16, 1) } else { ([320, 180], 6, 64, scene.views.len()) };
     let mut all = Vec::new();
     for view in &scene.views[..views] {
         for roughness in MOTION_ROUGHNESS {

@@ -3,6 +3,7 @@
 mod open;
 
 use super::image::{Sampler, Samplers};
+use super::pipeline::ComputePipelines;
 use super::validation::{self, ValidationLog};
 use super::watch::Watch;
 use crate::error::{Error, Result};
@@ -23,7 +24,7 @@ pub struct DeviceQuery {
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
     /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
-    /// with `validation`.
+    /// with `validation`. Descriptors are then bound as allocated sets instead of being pushed.
     pub gpu_assisted: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
@@ -76,6 +77,7 @@ pub(crate) struct Shared {
     pub queue_family: u32,
     queue: Mutex<vk::Queue>,
     samplers: Samplers,
+    pub compute_pipelines: ComputePipelines,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     submissions: AtomicU64,
     #[cfg(feature = "window")]
@@ -84,6 +86,8 @@ pub(crate) struct Shared {
     pub limits: vk::PhysicalDeviceLimits,
     pub timestamp_mask: u64,
     pub has_pipeline_statistics: bool,
+    /// Whether descriptors are pushed, or else bound as allocated sets (`frame/sets.rs`).
+    pub pushes_descriptors: bool,
     /// Pixels along a side of the largest point.
     pub largest_point: f32,
 }

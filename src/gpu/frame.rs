@@ -6,6 +6,7 @@
 
 mod bind;
 mod draw;
+mod sets;
 mod settle;
 mod target;
 mod transfer;
@@ -97,6 +98,8 @@ pub struct FrameContext {
     timestamps: Timestamps,
     statistics: Option<Statistics>,
     settling: Option<settle::Settling>,
+    /// None where descriptors are pushed.
+    sets: Option<sets::DescriptorSets>,
 }
 
 const UNIFORM_BYTES: u64 = 1 << 20;
@@ -125,6 +128,7 @@ impl FrameContext {
             timestamps,
             statistics,
             settling,
+            sets: (!gpu.shared().pushes_descriptors).then(|| sets::DescriptorSets::new(gpu)),
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: as above; the pool frees its command buffers.
@@ -153,6 +157,9 @@ impl FrameContext {
                 .map_err(vulkan("vkResetCommandPool"))?;
             let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
             device.begin_command_buffer(self.commands, &info).map_err(vulkan("vkBeginCommandBuffer"))?;
+            if let Some(sets) = &mut self.sets {
+                sets.reset()?;
+            }
         }
         match mode {
             Mode::Plain => {}
@@ -172,6 +179,7 @@ impl FrameContext {
             counted: false,
             pending: Barriers::default(),
             undo: Undo::default(),
+            settled: Vec::new(),
         };
         frame.stamp();
         Ok(frame)
@@ -206,6 +214,8 @@ pub struct Frame<'c> {
     counted: bool,
     pending: Barriers,
     undo: Undo,
+    /// Pipelines that this frame settles, once it is submitted.
+    settled: Vec<Rc<Cell<bool>>>,
 }
 
 /// What images and buffers were before the frame, for as long as it may fail: barriers that were never
@@ -280,6 +290,7 @@ impl Frame<'_> {
             self.context.gpu.count_submission();
             device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
             self.undo.0.clear();
+            self.settled.iter().for_each(|pipeline| pipeline.set(true));
             let waited = device.wait_for_fences(&fences, true, u64::MAX);
             if waited.is_err() {
                 // A lost device is idle; any other must be before what it uses goes.

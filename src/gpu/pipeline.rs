@@ -1,5 +1,6 @@
-//! Graphics and compute pipelines. Set 0 is pushed (VK_KHR_push_descriptor) and laid out as the
-//! shaders' reflection says, so that there is no descriptor pool and resources are bound by name.
+//! Graphics and compute pipelines. Set 0 is pushed (VK_KHR_push_descriptor; but for GPU-assisted validation,
+//! `frame/sets.rs`) and laid out as the shaders' reflection says, so that there is no descriptor pool and resources
+//! are bound by name.
 
 use super::device::{Gpu, vulkan};
 use super::image;
@@ -7,11 +8,15 @@ use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
 use std::cell::Cell;
+use std::collections::HashMap;
+use std::ops::Deref;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Layouts that a pipeline of either kind has.
 pub(crate) struct Layout {
     gpu: Gpu,
-    set: vk::DescriptorSetLayout,
+    pub set: vk::DescriptorSetLayout,
     pub pipeline: vk::PipelineLayout,
     pub bindings: Vec<Binding>,
     pub push_size: u32,
@@ -24,11 +29,27 @@ pub struct GraphicsPipeline {
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
     /// Whether it drew before (`frame/settle.rs`).
-    pub(crate) settled: Cell<bool>,
+    pub(crate) settled: Rc<Cell<bool>>,
 }
 
-/// A compute shader.
-pub struct ComputePipeline {
+/// A compute shader. Those who use one shader at the same time have one pipeline: a driver may take long to compile
+/// it, and under GPU-assisted validation takes half a minute for some.
+pub struct ComputePipeline(Arc<Compute>);
+
+impl Deref for ComputePipeline {
+    type Target = Compute;
+
+    fn deref(&self) -> &Compute {
+        &self.0
+    }
+}
+
+/// The compute pipelines in use, by their shader's name.
+#[derive(Default)]
+pub(crate) struct ComputePipelines(Mutex<HashMap<&'static str, Weak<Compute>>>);
+
+/// What the users of a [`ComputePipeline`] share.
+pub struct Compute {
     pub(crate) layout: Layout,
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
@@ -91,9 +112,12 @@ impl Layout {
                     .stage_flags(stages)
             })
             .collect();
-        let info = vk::DescriptorSetLayoutCreateInfo::default()
-            .flags(vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR)
-            .bindings(&descriptors);
+        let flags = if gpu.shared().pushes_descriptors {
+            vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR
+        } else {
+            vk::DescriptorSetLayoutCreateFlags::empty()
+        };
+        let info = vk::DescriptorSetLayoutCreateInfo::default().flags(flags).bindings(&descriptors);
         // SAFETY: the create infos live through the calls; both handles are destroyed in `drop`.
         let set = unsafe { gpu.raw().create_descriptor_set_layout(&info, None) }
             .map_err(vulkan(format!("vkCreateDescriptorSetLayout for {name}")))?;
@@ -275,7 +299,7 @@ impl GraphicsPipeline {
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
-        Ok(Self { layout, handle, name: fragment.name, settled: Cell::new(false) })
+        Ok(Self { layout, handle, name: fragment.name, settled: Rc::default() })
     }
 }
 
@@ -290,8 +314,26 @@ impl Stencil {
 }
 
 impl ComputePipeline {
-    /// A pipeline of one compute shader.
+    /// The pipeline of a compute shader.
     pub fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
+        // Code that a window replaced may change again.
+        #[cfg(feature = "window")]
+        if gpu.shared().replaced_shaders.get(shader.name).is_some() {
+            return Ok(Self(Arc::new(Compute::new(gpu, shader)?)));
+        }
+        let known = || gpu.shared().compute_pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept = known().get(shader.name).and_then(Weak::upgrade);
+        if let Some(kept) = kept {
+            return Ok(Self(kept));
+        }
+        let made = Arc::new(Compute::new(gpu, shader)?);
+        known().insert(shader.name, Arc::downgrade(&made));
+        Ok(Self(made))
+    }
+}
+
+impl Compute {
+    fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
         let info = vk::ComputePipelineCreateInfo::default()
@@ -324,7 +366,7 @@ impl Drop for GraphicsPipeline {
     }
 }
 
-impl Drop for ComputePipeline {
+impl Drop for Compute {
     fn drop(&mut self) {
         // SAFETY: as above.
         unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };

@@ -83,6 +83,9 @@ impl TiledPipeline {
 
     /// One pass, over the list's tiles; without them over the whole image, where every texel is written.
     /// `halved` says that the targets have a texel for 2 x 2 pixels.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a pass that has tiles always, without them.
     pub fn draw(
         &self,
         frame: &mut Frame,
@@ -96,7 +99,7 @@ impl TiledPipeline {
             let targets: Vec<_> = targets.iter().map(|t| Target::overwrite(t.image.all())).collect();
             return frame.fullscreen(name, whole, &targets, resources, &[]);
         }
-        let Some(tiles) = tiles else { panic!("{name} is drawn over tiles only") };
+        let tiles = tiles.ok_or_else(|| Error::Usage(format!("{name} is drawn over tiles only, and has none")))?;
         let push = TileListBlock { list: self.list as i32, halve: i32::from(halved) };
         let targets: Vec<_> = targets
             .iter()

@@ -193,5 +193,7 @@ impl<'s> Lane<'s> {
     }
 }
 
+mod ties;
+
 #[cfg(test)]
 mod tests;

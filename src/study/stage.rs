@@ -63,6 +63,14 @@ impl Stage {
         Ok((frame.finish()?, drawn))
     }
 
+    /// Draws the scene of a shot without reflecting it.
+    pub fn draw(&mut self, shot: &Shot) -> Result<Drawn> {
+        let mut frame = self.context.begin(Mode::Plain)?;
+        let drawn = shot.draw(&mut frame, &self.data)?;
+        frame.finish()?;
+        Ok(drawn)
+    }
+
     /// Runs one frame of a shot and hands over what it made.
     pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
         self.output_in(Mode::Plain, shot)
@@ -129,10 +137,16 @@ impl Shot {
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
-    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
+    /// The scene passes.
+    fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<Drawn> {
         let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
         self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
+        Ok(drawn)
+    }
+
+    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
+        let drawn = self.draw(frame, data)?;
         frame.begin_effect();
         let output = self.reflect(frame, data, (self, &drawn))?;
         Ok((drawn, output))

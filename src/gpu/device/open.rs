@@ -3,6 +3,7 @@
 use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
+use crate::gpu::pipeline::ComputePipelines;
 use crate::gpu::watch;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -284,6 +285,7 @@ pub(super) fn open_device(
         device,
         queue_family: queue_family as u32,
         samplers,
+        compute_pipelines: ComputePipelines::default(),
         allocator: ManuallyDrop::new(Mutex::new(allocator)),
         submissions: AtomicU64::new(0),
         #[cfg(feature = "window")]
@@ -291,6 +293,7 @@ pub(super) fn open_device(
         info: listing.info,
         limits: properties.limits,
         timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
+        pushes_descriptors: !query.gpu_assisted,
         has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
         largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
     })

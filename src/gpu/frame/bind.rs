@@ -1,4 +1,4 @@
-//! Binding pipelines and pushing what they read.
+//! Binding pipelines and what they read.
 
 use super::{Frame, Resource, UNIFORM_BYTES};
 use crate::error::Result;
@@ -12,7 +12,7 @@ impl Frame<'_> {
         unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
     }
 
-    /// Pushes descriptors and constants.
+    /// Pushes constants, and pushes or binds descriptors.
     pub(super) fn push(
         &mut self,
         layout: &Layout,
@@ -43,12 +43,18 @@ impl Frame<'_> {
             buffers.push([buffer]);
             kinds.push(binding);
         }
+        let set = match &mut self.context.sets {
+            Some(sets) if !layout.bindings.is_empty() => Some(sets.take(layout.set, name)?),
+            _ => None,
+        };
         let writes: Vec<_> = kinds
             .iter()
             .enumerate()
             .map(|(i, b)| {
-                let write =
-                    vk::WriteDescriptorSet::default().dst_binding(b.binding).descriptor_type(b.kind.descriptor_type());
+                let write = vk::WriteDescriptorSet::default()
+                    .dst_set(set.unwrap_or_default())
+                    .dst_binding(b.binding)
+                    .descriptor_type(b.kind.descriptor_type());
                 match b.kind {
                     BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
                     BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
@@ -57,9 +63,12 @@ impl Frame<'_> {
             .collect();
         let commands = self.context.commands;
         // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
-        // submission, which the host waits for.
+        // submission, which the host waits for; a set is this frame's alone.
         unsafe {
-            if !writes.is_empty() {
+            if let Some(set) = set {
+                self.device().update_descriptor_sets(&writes, &[]);
+                self.device().cmd_bind_descriptor_sets(commands, point, layout.pipeline, 0, &[set], &[]);
+            } else if !writes.is_empty() {
                 let push = &self.context.gpu.shared().push_descriptor;
                 push.cmd_push_descriptor_set(commands, point, layout.pipeline, 0, &writes);
             }

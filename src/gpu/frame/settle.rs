@@ -13,6 +13,7 @@ use crate::gpu::pipeline::GraphicsPipeline;
 use crate::gpu::shader::COMMON_NOTHING_FRAG;
 use ash::vk;
 use std::cell::Cell;
+use std::rc::Rc;
 
 /// The pipeline that takes in what was pushed.
 pub(super) struct Settling(GraphicsPipeline);
@@ -29,9 +30,14 @@ impl Settling {
 
 impl Frame<'_> {
     /// Whether a pipeline must be settled now: at its first draw on such a driver. The caller lets it draw nothing
-    /// between [`Self::take_in`] and its own push.
-    pub(super) fn must_settle(&self, settled: &Cell<bool>) -> bool {
-        self.context.settling.is_some() && !settled.replace(true)
+    /// between [`Self::take_in`] and its own push; it counts as settled from the frame's submission on.
+    pub(super) fn must_settle(&mut self, settled: &Rc<Cell<bool>>) -> bool {
+        let is_new = !settled.get() && self.settled.iter().all(|other| !Rc::ptr_eq(other, settled));
+        if self.context.settling.is_none() || !is_new {
+            return false;
+        }
+        self.settled.push(Rc::clone(settled));
+        true
     }
 
     /// Pushes what a graphics pipeline reads and lets another take it in. Outside rendering.

@@ -120,3 +120,48 @@ fn it_takes_a_fraction_of_the_oracles_steps() {
     }
     assert!(few * 5 < many, "{few} steps, the oracle {many}");
 }
+
+/// Where the order of crossings is known, there is one end, the oracle's.
+#[test]
+fn a_ray_that_is_known_exactly_has_the_oracles_end() {
+    let mut hits = 0;
+    for case in 0..120 {
+        let random = Random::new(9, case);
+        let (_, g) = awkward(case, &random);
+        let (oracle, hierarchy) = (Oracle::new(&g), Hierarchy::new(&g));
+        for _ in 0..100 {
+            let (x, y, chosen) = (random.below(g.width), random.below(g.height), random.below(DIRECTIONS));
+            let rays = hierarchy.rays();
+            let direction = rays.position(x, y).map_or(DVec3::ZERO, |from| direction(chosen, &random, rays, from));
+            let Some(segment) = rays.segment(x, y, direction) else { continue };
+            let truth = oracle.trace_segment(&segment).position_px();
+            let ends = hierarchy.possible_ends(&segment, 0.0);
+            match (truth, ends.last().expect("an end")) {
+                (Some(a), Some(b)) => assert!((0..2).all(|i| (a[i] - b[i]).abs() < 1e-9), "case {case}, {a:?}, {b:?}"),
+                (a, b) => assert!(a.is_none() && b.is_none(), "case {case}, {a:?}, {b:?}"),
+            }
+            hits += u32::from(truth.is_some());
+        }
+    }
+    assert!(hits > 1000, "{hits}");
+}
+
+#[test]
+fn a_ray_through_a_corner_may_touch_either_pixel_beside_it() {
+    let g = gbuffer(3, 3, |x, y| if (x, y) == (1, 0) { 0.5 } else { 0.0 }, |_, _| Vec3::NEG_Z);
+    let hierarchy = Hierarchy::new(&g);
+    let ends = |x: f64, y: f64| {
+        let segment =
+            Segment { start: DVec3::new(0.5, 0.5, 0.5), delta: DVec3::new(x, y, 0.0), end: MissReason::LeftScreen };
+        hierarchy.possible_ends(&segment, 1e-6)
+    };
+    // Through the corner, within rounding of it, and clearly to either side of it.
+    for along in [2.5, 2.5 - 1e-6] {
+        let ends = ends(along, 2.5);
+        let beside: Vec<_> = ends.iter().flatten().collect();
+        assert!(matches!(beside[..], [[x, y]] if (x - 1.0).abs() + (y - 1.0).abs() < 1e-5), "{ends:?}");
+        assert!(ends.contains(&None));
+    }
+    assert!(matches!(ends(2.5, 2.4)[..], [Some(_)]));
+    assert_eq!(ends(2.4, 2.5), [None]);
+}

@@ -119,13 +119,11 @@ impl SceneLineup {
         self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))
     }
 
-    /// Draws what a camera sees, which the methods then reflect. It can take much longer than all of them: a
-    /// rasteriser on a CPU is slow where triangles reach through the near plane.
-    /// `None` if there are no methods.
+    /// Draws what a camera sees, which the methods then reflect. `None` if there are no methods.
     pub(super) fn draw(&mut self, camera: Camera) -> Result<Option<GBufferData>> {
         let Some((_, shot)) = self.shots.first_mut() else { return Ok(None) };
         shot.camera = camera;
-        self.drawn = self.stage.run(shot, Mode::Plain)?.1;
+        self.drawn = self.stage.draw(shot)?;
         gbuffer::read(&mut self.stage.context, shot).map(Some)
     }
 

@@ -1,0 +1,71 @@
+//! Where a ray can end if it is known only as exactly as rounded numbers say: what a disagreement with the oracle
+//! must be held against before it counts as one.
+
+use super::{Hierarchy, Lane, hit};
+use crate::reference::ray::{Outcome, Segment};
+use crate::reference::thickness::Block;
+
+impl Hierarchy<'_> {
+    /// Every end of a ray whose crossings of pixel boundaries are known to a share of `rounding` of their s alone.
+    ///
+    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner: it may go straight
+    /// to the pixel across, or touch either of the two pixels beside it, whose blocks it may then meet. Each corner is
+    /// such a choice of its own, so that no one straight line need have all of them. Where no two intervals overlap
+    /// there is one end, the oracle's. Positions as of [`Trace::position_px`](crate::reference::Trace::position_px).
+    pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
+        let sides = [self.levels[0].width, self.levels[0].height];
+        let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
+        let mut ends = Vec::new();
+        // The first step leaves the starting pixel unseen.
+        let mut block = None;
+        let mut entry = 0.0;
+        loop {
+            let crossings = [0, 1].map(|axis| lanes[axis].exit(0));
+            let exit = crossings[0].min(crossings[1]);
+            if let Some(end) = block.and_then(|block| meets(segment, &lanes, block, [entry, exit.min(1.0)])) {
+                ends.push(Some(end));
+                return ends;
+            }
+            if exit >= 1.0 {
+                ends.push(None);
+                return ends;
+            }
+            let unsure = rounding * exit;
+            if exit + unsure >= 1.0 {
+                ends.push(None);
+            }
+            let is_next = crossings.map(|crossing| crossing - exit <= unsure);
+            if is_next == [true; 2] {
+                for axis in 0..2 {
+                    let mut beside = lanes;
+                    beside[axis].pixel += beside[axis].direction;
+                    let span = [exit - unsure, (exit + unsure).min(1.0)];
+                    match self.cell(&beside, 0) {
+                        Some(block) => ends.extend(meets(segment, &beside, block, span).map(Some)),
+                        None => ends.push(None),
+                    }
+                }
+            }
+            for (lane, _) in lanes.iter_mut().zip(is_next).filter(|(_, is_next)| *is_next) {
+                lane.pixel += lane.direction;
+            }
+            entry = exit;
+            block = self.cell(&lanes, 0);
+            if block.is_none() {
+                ends.push(None);
+                return ends;
+            }
+        }
+    }
+}
+
+/// Where a ray meets the block of the pixel that it is in from one s to another; `None` if it does not.
+fn meets(segment: &Segment, lanes: &[Lane; 2], block: Block, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
+    let (a, b) = (segment.depth_at(entry), segment.depth_at(exit));
+    let (near, far) = (a.max(b), a.min(b));
+    let is_met = far <= block.front && near >= block.back;
+    match hit(segment, lanes, block.front, [entry, exit], [near, far]) {
+        Outcome::Hit { position, .. } if is_met => Some([position.x, position.y]),
+        _ => None,
+    }
+}
