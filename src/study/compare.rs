@@ -32,6 +32,19 @@ pub struct TimeSample {
     pub height: u32,
     /// Global roughness; none where the materials keep theirs.
     pub roughness: Option<f32>,
+    /// Global normal deviation; none where the materials keep theirs. A file from before there were this and the next
+    /// three columns has none of them, and every later one says whether it is `split`.
+    #[serde(default)]
+    pub normal_deviation: Option<f32>,
+    /// Traced pixels a side over pixels.
+    #[serde(default)]
+    pub resolution_scale: Option<f32>,
+    /// Whether ray trace and cone trace were two passes.
+    #[serde(default)]
+    pub split: Option<bool>,
+    /// What is behind the method; "none" for nothing.
+    #[serde(default)]
+    pub fallback: Option<String>,
     /// Number of the frame among those of its method, size and roughness.
     pub sample: u64,
     /// Label.
@@ -59,12 +72,22 @@ pub struct Subject {
     pub height: u32,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
+    /// Global normal deviation; null where the materials keep theirs, or this and the next three are not known.
+    pub normal_deviation: Option<f32>,
+    /// Traced pixels a side over pixels.
+    pub resolution_scale: Option<f32>,
+    /// Whether ray trace and cone trace were two passes.
+    pub split: Option<bool>,
+    /// What is behind the method; "none" for nothing.
+    pub fallback: Option<String>,
 }
 
 impl TimeSample {
     fn is_of(&self, s: &Subject) -> bool {
         (&self.scene, &self.view, &self.method, &self.preset) == (&s.scene, &s.view, &s.method, &s.preset)
             && (self.width, self.height, self.roughness) == (s.width, s.height, s.roughness)
+            && (self.normal_deviation, self.resolution_scale) == (s.normal_deviation, s.resolution_scale)
+            && (self.split, &self.fallback) == (s.split, &s.fallback)
     }
 
     fn subject(&self) -> Subject {
@@ -76,7 +99,16 @@ impl TimeSample {
             width: self.width,
             height: self.height,
             roughness: self.roughness,
+            normal_deviation: self.normal_deviation,
+            resolution_scale: self.resolution_scale,
+            split: self.split,
+            fallback: self.fallback.clone(),
         }
+    }
+
+    /// Without what older files don't say.
+    fn bare(&self) -> Self {
+        Self { normal_deviation: None, resolution_scale: None, split: None, fallback: None, ..self.clone() }
     }
 }
 
@@ -89,6 +121,13 @@ pub struct Run {
     pub device: Option<DeviceInfo>,
     /// Raw samples, those of a frame one after the other.
     pub samples: Vec<TimeSample>,
+}
+
+impl Run {
+    /// Whether its file has the columns that older ones lack.
+    fn tells_settings(&self) -> bool {
+        self.samples.iter().all(|s| s.split.is_some())
+    }
 }
 
 /// How an interval was found, and what it was held against.
@@ -190,10 +229,14 @@ struct Samples {
 type Group = (Subject, Vec<Samples>);
 
 /// Compares every pass and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
+/// Where a run's file has no columns for a setting, frames of both are matched without them, and the warning says so.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let warning = warning(a, b);
     let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
-    let [groups_a, groups_b] = [a, b].map(|run| groups(&run.samples));
+    let told = [a, b].iter().all(|run| run.tells_settings());
+    let [groups_a, groups_b] = [a, b].map(|run| {
+        if told { groups(&run.samples) } else { groups(&run.samples.iter().map(TimeSample::bare).collect::<Vec<_>>()) }
+    });
     let compared = |subject: &Subject, of_a: Option<&Samples>, of_b: Option<&Samples>| {
         let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
@@ -237,7 +280,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
 /// Why two runs may be no fair pair.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
-    match (&a.device, &b.device) {
+    let device = match (&a.device, &b.device) {
         (Some(a), Some(b)) if a == b => None,
         (Some(a), Some(b)) => {
             Some(format!("A ran on {} ({}), B on {} ({}): {only}", a.name, a.driver, b.name, b.driver))
@@ -245,7 +288,14 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         (None, None) => Some(format!("no time.json says on which devices A and B ran: {only}")),
         (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
         (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
-    }
+    };
+    let untold: Vec<_> = [("A", a), ("B", b)].into_iter().filter(|(_, run)| !run.tells_settings()).collect();
+    let settings = untold.first().map(|(name, _)| {
+        let who = if untold.len() == 2 { "A's and B's samples do" } else { &format!("{name}'s samples do") };
+        format!("{who} not say normal deviation, resolution scale, split and fallback: these are not told apart")
+    });
+    let all: Vec<_> = device.into_iter().chain(settings).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Samples> {
@@ -350,6 +400,10 @@ mod tests {
             width: 8,
             height: 4,
             roughness: None,
+            normal_deviation: None,
+            resolution_scale: Some(1.0),
+            split: Some(false),
+            fallback: Some("none".into()),
             sample,
             pass: pass.into(),
             counted,
@@ -402,6 +456,37 @@ mod tests {
         few.samples.truncate(4 * 3);
         let records = times(&run("ssct", 1.0), &few, 0.05);
         assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
+    }
+
+    #[test]
+    fn a_setting_that_differs_is_another_subject_unless_a_run_does_not_say_it() {
+        let plain = run("ssct", 1.0);
+        let changed = |change: fn(&mut TimeSample)| {
+            let mut run = plain.clone();
+            run.samples.iter_mut().for_each(change);
+            run
+        };
+        let changes: [fn(&mut TimeSample); 4] = [
+            |s| s.split = Some(true),
+            |s| s.normal_deviation = Some(0.1),
+            |s| s.resolution_scale = Some(0.5),
+            |s| s.fallback = Some("pccm".into()),
+        ];
+        for change in changes {
+            let records = times(&plain, &changed(change), 0.05);
+            assert_eq!(
+                records.iter().map(|r| r.only_in).collect::<Vec<_>>(),
+                [[Some(Side::A); 4], [Some(Side::B); 4]].concat()
+            );
+        }
+        let older = changed(|s| *s = s.bare());
+        for (a, b, who) in
+            [(&plain, &older, "B's samples"), (&older, &plain, "A's samples"), (&older, &older, "A's and B's")]
+        {
+            let records = times(a, b, 0.05);
+            assert!(records.len() == 4 && records.iter().all(|r| r.only_in.is_none()), "{records:?}");
+            assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("not told apart")));
+        }
     }
 
     #[test]
