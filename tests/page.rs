@@ -227,16 +227,16 @@ function probe(frame, what) {
   lines.push(`${what} overflow ${root.scrollWidth - root.clientWidth}`);
   lines.push(`${what} pictures ${[...d.images].filter(i => i.naturalWidth == 64 && i.clientWidth >= 100).length > 7}`);
   lines.push(`${what} dividers ${[...d.querySelectorAll("section .compare")].filter(visible).length}`);
-  const columns = (n) => getComputedStyle(d.querySelectorAll(".strip")[n]).gridTemplateColumns.split(" ").length;
-  lines.push(`${what} columns ${columns(0)}`);
+  const strip = d.querySelector(".strip.beside");
+  lines.push(`${what} columns ${getComputedStyle(strip).gridTemplateColumns.split(" ").length}`);
   // The reference stands between the first pair, and beside the second too.
-  const at = [...d.querySelector(".strip").children].map(f => f.getBoundingClientRect());
+  const at = [...strip.children].map(f => f.getBoundingClientRect());
   const [reference, first, map, second] = at;
   lines.push(`${what} between ${first.right < reference.left && reference.right < map.left && first.top == reference.top}`);
   lines.push(`${what} above ${reference.bottom < first.top && first.bottom < map.top && map.bottom < second.top}`);
-  const range = d.querySelector("section input");
+  const section = strip.closest("section"), range = section.querySelector("input");
   if (!range) return;
-  const right = range.parentElement.querySelector(".right"), select = d.querySelectorAll("section select")[1];
+  const right = range.parentElement.querySelector(".right"), select = section.querySelectorAll("select")[1];
   range.value = 25;
   range.dispatchEvent(new Event("input"));
   lines.push(`${what} clip ${getComputedStyle(right).clipPath}`);

@@ -318,7 +318,8 @@ fn error_settings(plan: &Plan) -> String {
     format!(
         "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
          one (0.1); references of {} rays a pixel, medians of {} frames. Errors are of the reflection colour before fade \
-         and reflectivity. In a FLIP map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
+         and reflectivity. Black is where nothing is found: billboard, for one, shows impostors alone. In a FLIP \
+         map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
         plan.rays, plan.samples
     )
 }
