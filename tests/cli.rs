@@ -350,6 +350,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
+    assert_eq!(page.matches("src=\"data:").count(), images.len() + pngs.len(), "no picture is embedded twice");
+    assert!(page.len() < 4_500_000, "a page of {} bytes", page.len());
     // Per cell: three references, and each method and the exact hits with their FLIP maps.
     assert_eq!(pngs.len(), 4 * (3 + 2 * (methods + 1)));
     for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {

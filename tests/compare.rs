@@ -7,7 +7,8 @@ mod common;
 use common::folder::Folder;
 use serde_json::Value;
 
-const HEADER: &str = "scene,view,method,preset,width,height,roughness,sample,pass,counted,ms\n";
+const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\
+                      sample,pass,counted,ms\n";
 
 /// A run of six frames: a scene pass and two counted ones, the trace's times times a factor that alternates
 /// between two values.
@@ -17,7 +18,7 @@ fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &
         for (pass, counted, ms) in
             [("lighting", false, 3.0), ("trace", true, 8.0 * factors[n % 2]), ("composite", true, 2.0)]
         {
-            rows += &format!("rooms,hall,{method},published,64,36,0.1,{n},{pass},{counted},{ms:.6}\n");
+            rows += &format!("rooms,hall,{method},published,64,36,0.1,,1,false,none,{n},{pass},{counted},{ms:.6}\n");
         }
     }
     let device = serde_json::json!({ "name": device, "driver": "1", "api": "1.3", "type": "CPU" });
@@ -117,12 +118,12 @@ fn the_text_warns_and_lists_what_one_run_lacks() {
     let folder = Folder::new();
     times(&folder, "base", "ssct", [1.0, 1.0], "old gpu");
     times(&folder, "new", "ssct", [1.0, 1.0], "new gpu");
-    let extra = "rooms,hall,ssct,published,64,36,0.1,0,resolve,true,1\n";
+    let extra = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,resolve,true,1\n";
     folder.write("new/time-samples.csv", folder.text("new/time-samples.csv") + extra);
     let text = said(&folder, &["base", "new", "-o", "out"]);
     assert!(text.contains("warning: A ran on old gpu (1), B on new gpu (1)"), "{text}");
     let (_, lacking) = text.split_once("Only in B:\n").unwrap();
-    assert!(lacking.starts_with("  rooms hall  64x36  0.1  ssct  published  resolve\n"), "{text}");
+    assert!(lacking.starts_with("  rooms hall  64x36  0.1  own  ssct  published  resolve\n"), "{text}");
     assert!(text.contains("2000 bootstrap resamples") && text.contains("±5 %"), "{text}");
     assert_eq!(folder.text("out/compare.txt"), text);
     let records = compared(&folder, &["base", "new"]);
@@ -145,6 +146,29 @@ fn a_run_of_the_time_study_is_the_same_as_itself() {
     let total = records.last().unwrap();
     let (found, expected) = (&total["median_a_ms"], &timed[0]["total"]["median_ms"]);
     assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
+}
+
+#[test]
+fn runs_with_other_flags_are_no_pair() {
+    let folder = Folder::new();
+    let run = |name: &str, flags: &[&str]| {
+        let common = ["time", "--size", "16x9", "--samples", "1", "--method", "ssct", "-o", name];
+        folder.succeed(&[&common[..], flags].concat());
+        folder.text(&format!("{name}/time-samples.csv"))
+    };
+    let plain = run("plain", &[]);
+    let others = ["--normal-deviation", "0.5", "--resolution-scale", "0.5", "--fallback", "environment"];
+    for (name, flags, row) in [
+        ("split", &["--split"][..], "  own  ssct (split)  "),
+        ("others", &others, "  0.5  ssct (scale 0.5, before environment)  "),
+    ] {
+        let (_, rows) = &run(name, flags).split_once('\n').map(|(h, rows)| (h.to_owned(), rows.to_owned())).unwrap();
+        fails(&folder, &["plain", name], 1, "no pass in common");
+        folder.write("both.csv", plain.clone() + rows);
+        let text = said(&folder, &["plain", "both.csv"]);
+        let (_, only) = text.split_once("Only in B:").unwrap();
+        assert!(only.contains(row), "{text}");
+    }
 }
 
 #[test]
@@ -226,7 +250,7 @@ fn mistakes_are_sentences() {
     fails(&folder, &["small.png", "broken.png"], 1, "broken.png: cannot be decoded");
     fails(&folder, &["small.png", "broken.exr"], 1, "broken.exr: no OpenEXR image");
     fails(&folder, &["small.png", "missing.exr"], 1, "missing.exr");
-    let row = "rooms,hall,ssct,published,64,36,0.1,0,trace,true";
+    let row = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,trace,true";
     for (content, words) in [
         (HEADER.to_owned(), "bad.csv: holds no samples"),
         ("pass,ms\ntrace,1\n".to_owned(), "bad.csv:2: no sample of a time"),

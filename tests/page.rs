@@ -12,7 +12,7 @@ use ssct::methods::{Fallback, Preset};
 use ssct::metrics::HitAgreement;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::gbuffer::Drawn;
-use ssct::report::html::{Errors, Gallery, Page, Picture, Times};
+use ssct::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use ssct::report::images::Rgb;
 use ssct::report::{error_report, plot};
 use ssct::study::error::{Against, ErrorRecord, Params};
@@ -118,18 +118,21 @@ impl Made {
         let device = device();
         let of = |name: &str, color| picture(path, name, color);
         let (lit, ssct, reference) = (of("lit", [200, 0, 0]), of("ssct", [0, 200, 0]), of("reference", [0, 0, 200]));
-        let gallery = |title: &str, pictures: Vec<Picture>, compared: [&str; 2], rows_of_three| Gallery {
+        let gallery = |title: &str, strip, compared: [&str; 2]| Gallery {
             title: title.into(),
-            pictures,
+            strips: vec![strip],
             compared: compared.map(str::to_owned),
-            rows_of_three,
         };
-        let rows = vec![ssct.clone(), reference.clone(), lit.clone(), lit.clone(), reference, ssct.clone()];
+        // Two pairs beside a reference.
+        let [ssct_map, lit_map] = [of("ssct map", [90, 0, 0]), of("lit map", [0, 90, 0])];
+        let pairs = vec![[ssct.clone(), ssct_map], [lit.clone(), lit_map]];
+        let beside = Strip::Beside { title: "held against".into(), reference, pairs };
         std::fs::write(path.join("time.json"), "[]").unwrap();
         let page = Page {
             device: &device,
             command: "ssct study".into(),
             times: Times {
+                settings: "Timed.".into(),
                 table: compare(&times),
                 table_records: &times,
                 view_records: &times,
@@ -139,9 +142,9 @@ impl Made {
                 settings: "Small.".into(),
                 records: &errors,
                 plots: error_report::plots(&errors).unwrap(),
-                pictures: vec![gallery("cell", rows, ["ssct", "reference"], true)],
+                pictures: vec![gallery("cell", beside, ["ssct", "reference"])],
             },
-            views: vec![gallery("view", vec![lit.clone(), ssct], ["lit", "ssct"], false)],
+            views: vec![gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
             figures: vec![lit],
             records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
         };
@@ -159,8 +162,8 @@ fn the_page_needs_nothing_from_elsewhere() {
         assert!(!page.html.contains(word), "{word}");
     }
     let sources = attributes(&page.html, "src");
-    // Two of the view, six of the cell, one figure.
-    assert_eq!(sources.len(), 9);
+    // Two of the view, five of the cell, one figure.
+    assert_eq!(sources.len(), 8);
     assert!(sources.iter().all(|s| s.starts_with("data:image/jpeg;base64,/9j/")), "JPEG begins with ff d8 ff");
     assert!(!page.html.contains("<script src") && page.html.contains("<script>"));
 }
@@ -174,7 +177,7 @@ fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
     unique.dedup();
     assert_eq!(unique.len(), ids.len(), "{ids:?}");
     let images = page.html.split("<img").skip(1).map(|tag| tag.split('>').next().unwrap());
-    assert!(images.map(|tag| assert!(tag.contains(" alt=\""), "{tag}")).count() > 9);
+    assert!(images.map(|tag| assert!(tag.contains(" alt=\""), "{tag}")).count() > 8);
     let links = attributes(&page.html, "href");
     assert!(links.contains(&"time.json") && links.contains(&"images/"));
     for link in links.iter().filter(|l| !l.starts_with("data:")) {
@@ -198,7 +201,13 @@ fn a_missing_picture_is_named() {
     let empty = Page {
         device: &device,
         command: String::new(),
-        times: Times { table: Vec::new(), table_records: &[], view_records: &[], plot: "<svg></svg>".into() },
+        times: Times {
+            settings: String::new(),
+            table: Vec::new(),
+            table_records: &[],
+            view_records: &[],
+            plot: "<svg></svg>".into(),
+        },
         errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
         views: Vec::new(),
         figures: Vec::new(),
@@ -216,13 +225,18 @@ const visible = (e) => e.getClientRects().length > 0;
 function probe(frame, what) {
   const d = frame.contentDocument, root = d.documentElement;
   lines.push(`${what} overflow ${root.scrollWidth - root.clientWidth}`);
-  lines.push(`${what} pictures ${[...d.images].filter(i => i.naturalWidth == 64 && i.clientWidth >= 100).length > 8}`);
+  lines.push(`${what} pictures ${[...d.images].filter(i => i.naturalWidth == 64 && i.clientWidth >= 100).length > 7}`);
   lines.push(`${what} dividers ${[...d.querySelectorAll("section .compare")].filter(visible).length}`);
-  const columns = (n) => getComputedStyle(d.querySelectorAll(".strip")[n]).gridTemplateColumns.split(" ").length;
-  lines.push(`${what} columns ${columns(0)}`);
-  const range = d.querySelector("section input");
+  const strip = d.querySelector(".strip.beside");
+  lines.push(`${what} columns ${getComputedStyle(strip).gridTemplateColumns.split(" ").length}`);
+  // The reference stands between the first pair, and beside the second too.
+  const at = [...strip.children].map(f => f.getBoundingClientRect());
+  const [reference, first, map, second] = at;
+  lines.push(`${what} between ${first.right < reference.left && reference.right < map.left && first.top == reference.top}`);
+  lines.push(`${what} above ${reference.bottom < first.top && first.bottom < map.top && map.bottom < second.top}`);
+  const section = strip.closest("section"), range = section.querySelector("input");
   if (!range) return;
-  const right = range.parentElement.querySelector(".right"), select = d.querySelectorAll("section select")[1];
+  const right = range.parentElement.querySelector(".right"), select = section.querySelectorAll("select")[1];
   range.value = 25;
   range.dispatchEvent(new Event("input"));
   lines.push(`${what} clip ${getComputedStyle(right).clipPath}`);
@@ -257,13 +271,17 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     let dom = String::from_utf8_lossy(&output.stdout);
     let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
     let expected = |what: &str, columns: u32| {
+        let wide = columns > 1;
         format!(
             "{what} overflow 0\n{what} pictures true\n{what} dividers 2\n{what} columns {columns}\n\
-             {what} clip inset(0px 0px 0px 25%)\n{what} choices ssct,reference,lit\n\
-             {what} chosen true 25 % ssct, then lit\n"
+             {what} between {wide}\n{what} above {}\n\
+             {what} clip inset(0px 0px 0px 25%)\n{what} choices reference,ssct,ssct map,lit,lit map\n\
+             {what} chosen true 25 % ssct, then lit\n",
+            !wide
         )
     };
-    let without = "no-script overflow 0\nno-script pictures false\nno-script dividers 0\nno-script columns 1";
+    let without = "no-script overflow 0\nno-script pictures true\nno-script dividers 0\nno-script columns 1\n\
+                   no-script between false\nno-script above true";
     let expected = expected("390", 1) + &expected("1280", 3) + without;
     assert_eq!(found, expected, "{}", String::from_utf8_lossy(&output.stderr));
 }

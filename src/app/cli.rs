@@ -381,9 +381,13 @@ pub enum Table {
 /// Options of `ssct study`.
 #[derive(Debug, Args)]
 pub struct StudyOptions {
-    /// One view of each scene, small and few: under a minute.
-    #[arg(long)]
+    /// Two scenes, small and few: a minute.
+    #[arg(long, conflicts_with = "full")]
     pub quick: bool,
+    /// Show and time every view of every scene, instead of showing the first of each and timing it in the rooms and
+    /// the atrium: half an hour on two CPU cores.
+    #[arg(long)]
+    pub full: bool,
     /// Frames that count, for each measurement.
     #[arg(long, default_value_t = 5, conflicts_with = "quick")]
     pub samples: usize,

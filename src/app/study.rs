@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::figures::{self, Figure};
-use crate::report::html::{Errors, Gallery, Page, Picture, Times};
+use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_AND_ENVIRONMENT, WORLD_REFERENCE};
@@ -29,12 +29,16 @@ const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
 const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
 
-/// Scenes of a quick study: the rooms and the atrium.
-const QUICK_SCENES: usize = 2;
+/// The rooms and the atrium: the scenes of a quick study, and those whose views are timed unless all are.
+const THESIS_SCENES: usize = 2;
 
 /// How much is done.
 struct Plan {
+    /// Scenes of which there are pictures.
     scenes: usize,
+    /// Scenes that are timed as well: the first of them.
+    timed_scenes: usize,
+    /// Views of each scene: its first.
     views: usize,
     size: [u32; 2],
     samples: usize,
@@ -49,7 +53,8 @@ impl Plan {
         if options.quick {
             let table_sizes = vec![[640, 480]];
             return Ok(Self {
-                scenes: QUICK_SCENES,
+                scenes: THESIS_SCENES,
+                timed_scenes: THESIS_SCENES,
                 views: 1,
                 size: [480, 270],
                 samples: 3,
@@ -64,8 +69,10 @@ impl Plan {
         }
         let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
         table_sizes.dedup();
-        let command = format!("ssct study --samples {samples}");
-        Ok(Self { scenes: usize::MAX, views: usize::MAX, size: SIZE, samples, table_sizes, rays: 64, command })
+        let (timed_scenes, views, full) =
+            if options.full { (usize::MAX, usize::MAX, " --full") } else { (THESIS_SCENES, 1, "") };
+        let command = format!("ssct study{full} --samples {samples}");
+        Ok(Self { scenes: usize::MAX, timed_scenes, views, size: SIZE, samples, table_sizes, rays: 64, command })
     }
 
     /// The views of a scene that are shown.
@@ -79,7 +86,8 @@ impl Plan {
             let (methods, sizes, globals) = (METHODS.iter().collect(), vec![self.size], vec![GLOSSY]);
             self.time(gpu, scene, view, methods, sizes, globals)
         };
-        scenes.iter().flat_map(|s| self.shown(s).into_iter().map(move |v| spec(s, v))).collect()
+        let timed = scenes.iter().take(self.timed_scenes);
+        timed.flat_map(|s| self.shown(s).into_iter().map(move |v| spec(s, v))).collect()
     }
 
     /// Table 5.8 on the atrium's view `hall`.
@@ -125,7 +133,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let table_spec = plan.table_5_8(&gpu, &scenes)?;
     let cells = plan.errors(&scenes);
     let frames = view_specs.iter().chain(&table_spec).map(TimeSpec::frames).sum::<usize>();
-    bar.inc_length((view_specs.len() * METHODS.len() + frames) as u64);
+    let shown = scenes.iter().map(|s| plan.shown(s).len()).sum::<usize>();
+    bar.inc_length((shown * METHODS.len() + frames) as u64);
     bar.inc_length(cells.as_ref().map_or(0, ErrorPlan::cells) as u64);
 
     let measure = |journal: &mut Journal| -> anyhow::Result<(Vec<Gallery>, Vec<Picture>)> {
@@ -162,6 +171,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         device: gpu.info(),
         command: plan.command.clone(),
         times: Times {
+            settings: time_settings(&plan),
             table: compare(&table_records),
             table_records: &table_records,
             view_records: &view_records,
@@ -234,9 +244,8 @@ fn pictures(
         }
         galleries.push(Gallery {
             title: format!("{}, {}", scene.name, view.name),
-            pictures,
+            strips: vec![Strip::Plain(pictures)],
             compared: [LIT.into(), METHODS[0].name.into()],
-            rows_of_three: false,
         });
     }
     Ok(galleries)
@@ -292,17 +301,30 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
     Ok(pictures)
 }
 
+fn time_settings(plan: &Plan) -> String {
+    let [width, height] = plan.size;
+    let which = match (plan.timed_scenes, plan.views) {
+        (usize::MAX, usize::MAX) => "every view of every scene",
+        _ => "the first view of the rooms and of the atrium (ssct study --full times every view of every scene)",
+    };
+    format!(
+        "Medians of {} frames of every method on {which}, at {width} × {height}, roughness and normal deviation 0.1;          only the stages after the scene passes.",
+        plan.samples
+    )
+}
+
 fn error_settings(plan: &Plan) -> String {
     let [width, height] = QUICK_SIZE;
     format!(
         "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
          one (0.1); references of {} rays a pixel, medians of {} frames. Errors are of the reflection colour before fade \
-         and reflectivity. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
+         and reflectivity. Black is where nothing is found: billboard, for one, shows impostors alone. In a FLIP \
+         map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
         plan.rays, plan.samples
     )
 }
 
-/// Each cell: method, its reference and FLIP map in a row, then the world reference.
+/// Each cell: every method with its FLIP map beside what its errors are against.
 fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
@@ -319,22 +341,33 @@ fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
         };
         let reflection =
             |name: &str, caption: &str| picture(error_report::picture_file(&stem, name), name, caption.into());
-        let mut pictures = Vec::new();
-        // Each beside what its errors are against.
-        let screen = reflection(SCREEN_REFERENCE, "screen reference");
-        let world = reflection(WORLD_AND_ENVIRONMENT, "world reference with the sky");
-        let methods = METHODS.iter().map(|m| (m.name, if m.is_screen_space() { &screen } else { &world }));
-        for (name, reference) in methods.chain([(EXACT_HITS, &screen)]) {
+        let pair = |name: &str| {
             let flip = error_report::flip_file(&stem, name);
-            pictures.extend([
-                reflection(name, name),
-                reference.clone(),
-                picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}: dark is right")),
-            ]);
-        }
-        pictures.push(reflection(WORLD_REFERENCE, "world reference"));
-        let compared = [METHODS[0].name.into(), SCREEN_REFERENCE.into()];
-        galleries.push(Gallery { title, pictures, compared, rows_of_three: true });
+            [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
+        };
+        let (screen, more): (Vec<_>, Vec<_>) = METHODS.iter().partition(|m| m.is_screen_space());
+        let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
+            title: title.to_owned(),
+            reference,
+            pairs: names.into_iter().map(pair).collect(),
+        };
+        galleries.push(Gallery {
+            title,
+            strips: vec![
+                beside(
+                    "Against the screen reference",
+                    reflection(SCREEN_REFERENCE, "screen reference"),
+                    screen.iter().map(|m| m.name).chain([EXACT_HITS]).collect(),
+                ),
+                beside(
+                    "Methods that see more than the screen, against the world with its sky",
+                    reflection(WORLD_AND_ENVIRONMENT, "world reference with the sky"),
+                    more.iter().map(|m| m.name).collect(),
+                ),
+                Strip::Plain(vec![reflection(WORLD_REFERENCE, "world reference, black where a ray escapes")]),
+            ],
+            compared: [METHODS[0].name.into(), SCREEN_REFERENCE.into()],
+        });
     }
     galleries
 }

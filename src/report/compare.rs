@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::Pixels;
 use crate::math::display_byte;
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
-use crate::study::compare::{ImageComparison, Side, TOTAL, TimeComparison};
+use crate::study::compare::{ImageComparison, Side, Subject, TOTAL, TimeComparison};
 use std::path::Path;
 
 /// Writes compare.json and compare.txt.
@@ -71,15 +71,25 @@ fn percent(share: f64) -> f64 {
     (share * 1e6).round() / 1e4
 }
 
-fn labels(r: &TimeComparison) -> [String; 6] {
+fn labels(r: &TimeComparison) -> [String; 7] {
     let s = &r.subject;
     let size = format!("{}x{}", s.width, s.height);
-    let roughness = tables::roughness(s.roughness);
-    [format!("{} {}", s.scene, s.view), size, roughness, s.method.clone(), s.preset.clone(), r.pass.clone()]
+    let [roughness, normals] = [s.roughness, s.normal_deviation].map(tables::roughness);
+    let method = method(s);
+    [format!("{} {}", s.scene, s.view), size, roughness, normals, method, s.preset.clone(), r.pass.clone()]
+}
+
+/// A method with what is not as it is without a flag.
+fn method(s: &Subject) -> String {
+    let split = (s.split == Some(true)).then(|| "split".to_owned());
+    let scale = s.resolution_scale.filter(|s| *s != 1.0).map(|s| format!("scale {s}"));
+    let fallback = s.fallback.as_ref().filter(|f| *f != "none").map(|f| format!("before {f}"));
+    let flags: Vec<_> = split.into_iter().chain(scale).chain(fallback).collect();
+    if flags.is_empty() { s.method.clone() } else { format!("{} ({})", s.method, flags.join(", ")) }
 }
 
 fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
-    let header = ["scene view", "size", "roughness", "method", "preset", "pass"];
+    let header = ["scene view", "size", "roughness", "normals", "method", "preset", "pass"];
     let figures = ["A ms", "B ms", "B/A", "low", "high", "n", "verdict"];
     let mut rows = vec![[&header[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
     let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));

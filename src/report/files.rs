@@ -40,22 +40,30 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
 /// Raw samples of time records as CSV: one row a sample and pass.
 pub fn samples_csv(records: &[TimeRecord]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let header =
-        ["scene", "view", "method", "preset", "width", "height", "roughness", "sample", "pass", "counted", "ms"];
+    let subject = ["scene", "view", "method", "preset", "width", "height", "roughness"];
+    let settings = ["normal_deviation", "resolution_scale", "split", "fallback"];
+    let header = [&subject[..], &settings, &["sample", "pass", "counted", "ms"]].concat();
     // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
     let _ = writer.write_record(header);
+    let text = |value: serde_json::Result<serde_json::Value>| {
+        value.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
+    };
+    let number = |value: Option<f32>| value.map(|v| v.to_string()).unwrap_or_default();
     for r in records {
         for (n, sample) in r.samples.iter().enumerate() {
             for (pass, ms) in r.passes.iter().zip(sample) {
-                let preset = serde_json::to_value(r.head.preset).ok().and_then(|v| v.as_str().map(str::to_owned));
                 let _ = writer.write_record([
                     r.head.scene.clone(),
                     r.head.view.clone(),
                     r.head.method.clone(),
-                    preset.unwrap_or_default(),
+                    text(serde_json::to_value(r.head.preset)),
                     r.head.width.to_string(),
                     r.head.height.to_string(),
-                    r.head.roughness.map(|v| v.to_string()).unwrap_or_default(),
+                    number(r.head.roughness),
+                    number(r.head.normal_deviation),
+                    r.head.resolution_scale.to_string(),
+                    r.split.to_string(),
+                    text(serde_json::to_value(r.fallback)),
                     n.to_string(),
                     pass.name.clone(),
                     pass.counted.to_string(),

@@ -3,9 +3,10 @@
 use crate::study::TimeRecord;
 use crate::study::sweep::Point;
 use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Colours of the stages, in the order in which they first appear.
-pub(super) const STAGE_COLORS: [RGBColor; 8] = [
+pub(super) const STAGE_COLORS: [RGBColor; 10] = [
     RGBColor(0x4c, 0x78, 0xa8),
     RGBColor(0x72, 0xb7, 0xb2),
     RGBColor(0x54, 0xa2, 0x4b),
@@ -14,6 +15,8 @@ pub(super) const STAGE_COLORS: [RGBColor; 8] = [
     RGBColor(0xb2, 0x79, 0xa2),
     RGBColor(0x9d, 0x75, 0x5d),
     RGBColor(0xba, 0xb0, 0xac),
+    RGBColor(0xf5, 0x85, 0x18),
+    RGBColor(0xff, 0x9d, 0xa6),
 ];
 
 /// Width of a plot in pixels: small enough that its text can still be read on a phone.
@@ -84,7 +87,14 @@ fn label(record: &TimeRecord) -> String {
 
 fn stage_color(stages: &[String], name: &str) -> RGBColor {
     let index = stages.iter().position(|s| s == name).unwrap_or(0);
-    STAGE_COLORS[index % STAGE_COLORS.len()]
+    let RGBColor(r, g, b) = STAGE_COLORS[index % STAGE_COLORS.len()];
+    // All methods together have more stages than there are colours that can be told apart: dark, then light ones.
+    let shade = |v: u8| match index / STAGE_COLORS.len() {
+        0 => v,
+        1 => (u16::from(v) * 11 / 20) as u8,
+        _ => 255 - (255 - v) / 2,
+    };
+    RGBColor(shade(r), shade(g), shade(b))
 }
 
 /// Names of a line of the legend.
@@ -103,7 +113,7 @@ fn legend_height(stages: &[String]) -> u32 {
 pub struct Named {
     /// What it is called.
     pub name: String,
-    /// Cost and error, both above 0.
+    /// Cost, above 0, and error, at least 0.
     pub at: [f64; 2],
     /// Whether nothing beats it in both.
     pub on_front: bool,
@@ -115,13 +125,20 @@ pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, 
     against(&points.iter().map(named).collect::<Vec<_>>(), ["milliseconds, median", error_axis])
 }
 
-/// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected.
+/// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected. A point without
+/// an error has no place on a log axis, and stands at its foot, at a tick that says 0.
 pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
     let bounds = |values: &dyn Fn(&Named) -> f64| {
-        let (least, most) = points.iter().map(values).fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
-        (least / 1.3, most * 1.3)
+        let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
+        let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
+        if least <= most { (least / 1.3, most * 1.3) } else { (0.1, 1.0) }
     };
-    let (x, y) = (bounds(&|p| p.at[0]), bounds(&|p| p.at[1]));
+    let (x, mut y) = (bounds(&|p| p.at[0]), bounds(&|p| p.at[1]));
+    let least_tick = y.0;
+    let zeros = points.iter().any(|p| p.at[1] <= 0.0);
+    if zeros {
+        y.0 /= (y.1 / y.0).powf(0.12);
+    }
     // Names stand in a column of their own, as wide as the longest needs.
     let longest = points.iter().map(|p| p.name.chars().count()).max().unwrap_or(0);
     let name_width = 40 + 8 * longest as i32;
@@ -155,17 +172,19 @@ pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
             let (low, high) =
                 (chart.backend_coord(&(tick.log10(), y.0.log10())), chart.backend_coord(&(tick.log10(), y.1.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            root.draw(&Text::new(format!("{tick}"), (low.0 - 8, low.1 + 5), ("sans-serif", TEXT))).map_err(failed)?;
+            let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
+            root.draw(&Text::new(format!("{tick}"), (low.0, low.1 + 5), style)).map_err(failed)?;
         }
-        for tick in log_ticks(y) {
+        let floor = zeros.then_some((y.0, "0".to_owned()));
+        let named = |tick| (tick, if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") });
+        for (tick, label) in log_ticks((least_tick, y.1)).into_iter().map(named).chain(floor) {
             let (low, high) =
                 (chart.backend_coord(&(x.0.log10(), tick.log10())), chart.backend_coord(&(x.1.log10(), tick.log10())));
             root.draw(&PathElement::new([low, high], grid)).map_err(failed)?;
-            let label = if tick < 1e-3 { format!("{tick:e}") } else { format!("{tick}") };
-            let at = (low.0 - 10 - 8 * label.len() as i32, low.1 - 6);
-            root.draw(&Text::new(label, at, ("sans-serif", TEXT))).map_err(failed)?;
+            let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Right, VPos::Center));
+            root.draw(&Text::new(label, (low.0 - 8, low.1), style)).map_err(failed)?;
         }
-        let place = |p: &Named| (p.at[0].log10(), p.at[1].log10());
+        let place = |p: &Named| (p.at[0].log10(), p.at[1].max(y.0).log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
@@ -209,5 +228,28 @@ mod tests {
     fn ticks_are_round_and_inside() {
         assert_eq!(log_ticks((0.8, 60.0)), [1.0, 2.0, 5.0, 10.0, 20.0, 50.0]);
         assert_eq!(log_ticks((0.025, 0.045)), [0.03, 0.04]);
+    }
+
+    #[test]
+    fn a_point_without_an_error_stands_at_the_foot() {
+        let point = |name: &str, at, on_front| Named { name: name.into(), at, on_front };
+        let points = [point("exact", [5.0, 0.0], true), point("wrong", [9.0, 0.2], false)];
+        let svg = against(&points, ["ms", "error"]).unwrap_or_default();
+        let circles: Vec<_> =
+            svg.split("<circle").skip(1).filter_map(|c| c.split("cy=\"").nth(1)?.split('"').next()).collect();
+        let lowest = |n: usize| circles[n].parse::<i32>().unwrap_or_default();
+        assert!(circles.len() == 2 && lowest(0) > lowest(1), "{circles:?}");
+        assert!(svg.contains(">\n0\n<"), "a tick says 0");
+        assert!(!against(&points[1..], ["ms", "error"]).unwrap_or_default().contains(">\n0\n<"));
+        assert!(against(&points[..1], ["ms", "error"]).is_ok());
+    }
+
+    #[test]
+    fn stages_of_one_method_and_of_thirty_differ_in_colour() {
+        let names: Vec<String> = (0..30).map(|n| n.to_string()).collect();
+        let mut colors: Vec<_> = names.iter().map(|n| stage_color(&names, n)).map(|c| (c.0, c.1, c.2)).collect();
+        colors.sort();
+        colors.dedup();
+        assert_eq!(colors.len(), 30);
     }
 }

@@ -38,14 +38,12 @@ fn plots(records: &[PrecisionRecord]) -> std::result::Result<Vec<Plot>, String> 
     };
     for method in methods(records) {
         let rungs = rungs(records, method);
-        // Half a pixel stands for none, which a log axis can't show.
-        let half_a_pixel = 0.5 / records.iter().map(|r| r.hits.pixels).max().unwrap_or(0).max(1) as f64;
-        let wrong = rungs.iter().filter_map(|r| Some((r.storage, r.wrong_hits?.max(half_a_pixel))));
+        let wrong = rungs.iter().filter_map(|r| Some((r.storage, r.wrong_hits?)));
         let title = format!("{method}: share of wrong hits against the oracle (roughness 0)");
         add(format!("precision-hits-{method}"), title, wrong.collect())?;
         for (n, roughness) in roughness_values(records).into_iter().enumerate() {
             let roughness = tables::roughness(roughness);
-            let rmse = rungs.iter().filter_map(|r| Some((r.storage, r.rmse.get(n).copied().filter(|e| *e > 0.0)?)));
+            let rmse = rungs.iter().filter_map(|r| Some((r.storage, r.rmse.get(n).copied()?)));
             let title = format!("{method}: RMSE of the reflection colour, roughness {roughness}");
             add(format!("precision-rmse-{method}-r{roughness}"), title, rmse.collect())?;
         }

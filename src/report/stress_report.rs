@@ -153,7 +153,7 @@ fn summary(r: &StressRecord) -> String {
             .filter(|(_, n)| *n > 0)
             .map(|(what, n)| format!("{what} {}", share(n)))
             .collect();
-    words.extend(r.hit_agreement.map(|h| format!("agrees {:.2} %", 100.0 * h)));
+    words.extend(r.hit_agreement.map(|h| format!("{:.2} %", 100.0 * h)));
     if words.is_empty() { "sound".into() } else { words.join(", ") }
 }
 
@@ -161,6 +161,10 @@ const MOTION_RULE: &str = "Mean absolute change of the reflection from frame to 
     surface a frame before, over the screen reference's own on the same frames: the median over the views. Columns name \
     the camera's motion and the roughness; 1 is as still as the truth. Behind it, how far the change itself is off the \
     reference's, in the same unit: 0 is the truth, 1 shows nothing.";
+
+const CASES_RULE: &str = "What each method made of it: the share of the compared hits that are the oracle's, before it \
+    the shares of the image's pixels that are NaN, infinite (inf), negative (neg) or of exhausted rays (exh). Where no hits \
+    are compared and no such pixel is, it is sound.";
 
 fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> String {
     let rule = format!(
@@ -178,9 +182,13 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
         command,
         &[
             ("Method × failure", &rule, &methods(records)),
-            ("Violations", "Cases that the judged method does not pass.", &failures(records)),
+            (
+                "Violations",
+                "Cases that the judged method does not pass. A frame that takes seconds counts as runaway, and does not pass either.",
+                &failures(records),
+            ),
             ("Stability in motion", MOTION_RULE, &motion(motions)),
-            ("Every case", "What each method made of it, as shares of the image's pixels.", &cases(records)),
+            ("Every case", CASES_RULE, &cases(records)),
         ],
     )
 }

@@ -32,6 +32,19 @@ pub struct TimeSample {
     pub height: u32,
     /// Global roughness; none where the materials keep theirs.
     pub roughness: Option<f32>,
+    /// Global normal deviation; none where the materials keep theirs. A file from before there were this and the next
+    /// three columns has none of them, and every later one says whether it is `split`.
+    #[serde(default)]
+    pub normal_deviation: Option<f32>,
+    /// Traced pixels a side over pixels.
+    #[serde(default)]
+    pub resolution_scale: Option<f32>,
+    /// Whether ray trace and cone trace were two passes.
+    #[serde(default)]
+    pub split: Option<bool>,
+    /// What is behind the method; "none" for nothing.
+    #[serde(default)]
+    pub fallback: Option<String>,
     /// Number of the frame among those of its method, size and roughness.
     pub sample: u64,
     /// Label.
@@ -59,12 +72,22 @@ pub struct Subject {
     pub height: u32,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
+    /// Global normal deviation; null where the materials keep theirs, or this and the next three are not known.
+    pub normal_deviation: Option<f32>,
+    /// Traced pixels a side over pixels.
+    pub resolution_scale: Option<f32>,
+    /// Whether ray trace and cone trace were two passes.
+    pub split: Option<bool>,
+    /// What is behind the method; "none" for nothing.
+    pub fallback: Option<String>,
 }
 
 impl TimeSample {
     fn is_of(&self, s: &Subject) -> bool {
         (&self.scene, &self.view, &self.method, &self.preset) == (&s.scene, &s.view, &s.method, &s.preset)
             && (self.width, self.height, self.roughness) == (s.width, s.height, s.roughness)
+            && (self.normal_deviation, self.resolution_scale) == (s.normal_deviation, s.resolution_scale)
+            && (self.split, &self.fallback) == (s.split, &s.fallback)
     }
 
     fn subject(&self) -> Subject {
@@ -76,7 +99,16 @@ impl TimeSample {
             width: self.width,
             height: self.height,
             roughness: self.roughness,
+            normal_deviation: self.normal_deviation,
+            resolution_scale: self.resolution_scale,
+            split: self.split,
+            fallback: self.fallback.clone(),
         }
+    }
+
+    /// Without what older files don't say.
+    fn bare(&self) -> Self {
+        Self { normal_deviation: None, resolution_scale: None, split: None, fallback: None, ..self.clone() }
     }
 }
 
@@ -89,6 +121,13 @@ pub struct Run {
     pub device: Option<DeviceInfo>,
     /// Raw samples, those of a frame one after the other.
     pub samples: Vec<TimeSample>,
+}
+
+impl Run {
+    /// Whether its file has the columns that older ones lack.
+    fn tells_settings(&self) -> bool {
+        self.samples.iter().all(|s| s.split.is_some())
+    }
 }
 
 /// How an interval was found, and what it was held against.
@@ -190,10 +229,14 @@ struct Samples {
 type Group = (Subject, Vec<Samples>);
 
 /// Compares every pass and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
+/// Where a run's file has no columns for a setting, frames of both are matched without them, and the warning says so.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let warning = warning(a, b);
     let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
-    let [groups_a, groups_b] = [a, b].map(|run| groups(&run.samples));
+    let told = [a, b].iter().all(|run| run.tells_settings());
+    let [groups_a, groups_b] = [a, b].map(|run| {
+        if told { groups(&run.samples) } else { groups(&run.samples.iter().map(TimeSample::bare).collect::<Vec<_>>()) }
+    });
     let compared = |subject: &Subject, of_a: Option<&Samples>, of_b: Option<&Samples>| {
         let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
@@ -237,7 +280,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
 /// Why two runs may be no fair pair.
 fn warning(a: &Run, b: &Run) -> Option<String> {
     let only = "times compare only on one device";
-    match (&a.device, &b.device) {
+    let device = match (&a.device, &b.device) {
         (Some(a), Some(b)) if a == b => None,
         (Some(a), Some(b)) => {
             Some(format!("A ran on {} ({}), B on {} ({}): {only}", a.name, a.driver, b.name, b.driver))
@@ -245,7 +288,14 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         (None, None) => Some(format!("no time.json says on which devices A and B ran: {only}")),
         (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
         (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
-    }
+    };
+    let untold: Vec<_> = [("A", a), ("B", b)].into_iter().filter(|(_, run)| !run.tells_settings()).collect();
+    let settings = untold.first().map(|(name, _)| {
+        let who = if untold.len() == 2 { "A's and B's samples do" } else { &format!("{name}'s samples do") };
+        format!("{who} not say normal deviation, resolution scale, split and fallback: these are not told apart")
+    });
+    let all: Vec<_> = device.into_iter().chain(settings).collect();
+    (!all.is_empty()).then(|| all.join("; "))
 }
 
 fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Samples> {
@@ -338,92 +388,4 @@ pub fn images(reference: (&str, &LinearImage), test: (&str, &LinearImage)) -> Op
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
-        TimeSample {
-            scene: "rooms".into(),
-            view: "hall".into(),
-            method: method.into(),
-            preset: "published".into(),
-            width: 8,
-            height: 4,
-            roughness: None,
-            sample,
-            pass: pass.into(),
-            counted,
-            ms,
-        }
-    }
-
-    /// Six frames of a method: an uncounted pass and two counted ones.
-    fn run(method: &str, scale: f64) -> Run {
-        let frame = |n| {
-            [("lit", false, 5.0), ("trace", true, 2.0 * scale), ("composite", true, 1.0)]
-                .map(|(pass, counted, ms)| row(method, n, pass, counted, ms))
-        };
-        Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
-    }
-
-    #[test]
-    fn totals_are_sums_of_counted_passes_frame_by_frame() {
-        let records = times(&run("ssct", 1.0), &run("ssct", 2.0), 0.05);
-        let found: Vec<_> = records.iter().map(|r| (r.pass.as_str(), r.ratio, r.verdict)).collect();
-        let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
-        assert_eq!(
-            found,
-            [
-                ("lit", Some(1.0), same),
-                ("trace", Some(2.0), slower),
-                ("composite", Some(1.0), same),
-                (TOTAL, Some(5.0 / 3.0), slower)
-            ]
-        );
-        assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
-    }
-
-    #[test]
-    fn what_one_run_lacks_is_listed_without_a_verdict() {
-        let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
-        assert_eq!(records.len(), 8);
-        assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.method == "ssct"));
-        assert!(records[4..].iter().all(|r| r.only_in == Some(Side::B) && r.subject.method == "hzct"));
-        assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
-    }
-
-    #[test]
-    fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
-        let mut twice = run("ssct", 1.0);
-        twice.samples.extend(twice.samples.clone());
-        let records = times(&twice, &run("ssct", 1.0), 0.05);
-        assert_eq!(records.iter().map(|r| (r.samples_a, r.median_a_ms)).next_back(), Some((12, Some(3.0))));
-        let mut few = run("ssct", 9.0);
-        few.samples.truncate(4 * 3);
-        let records = times(&run("ssct", 1.0), &few, 0.05);
-        assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
-    }
-
-    #[test]
-    fn devices_that_differ_or_are_not_known_warn() {
-        let device = |name: &str| {
-            let text = |s: &str| s.to_owned();
-            Some(DeviceInfo { name: text(name), driver: text("1"), api: text("1.3"), kind: text("CPU") })
-        };
-        let of = |name: &str| Run { device: device(name), ..run("ssct", 1.0) };
-        assert_eq!(warning(&of("x"), &of("x")), None);
-        assert!(warning(&of("x"), &of("y")).is_some_and(|w| w.contains("A ran on x (1), B on y (1)")));
-        assert!(warning(&of("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
-    }
-
-    #[test]
-    fn images_are_held_against_the_first() {
-        let flat = |v: f32| LinearImage { width: 8, height: 8, rgb: vec![[v; 3]; 64] };
-        let found = images(("a", &flat(0.5)), ("b", &flat(0.25))).expect("one size");
-        assert_eq!((found.rmse, found.rel_mse), (0.25, Some(0.25)));
-        assert!(found.flip > 0.1 && found.rmse_map == vec![0.25; 64]);
-        assert_eq!(images(("a", &flat(0.5)), ("b", &flat(0.5))).map(|c| (c.rmse, c.flip)), Some((0.0, 0.0)));
-        let wide = LinearImage { width: 16, height: 4, rgb: vec![[0.0; 3]; 64] };
-        assert_eq!(images(("a", &flat(0.5)), ("b", &wide)), None);
-    }
-}
+mod tests;

@@ -102,7 +102,7 @@ fn error(record: &ErrorRecord) -> Option<f64> {
 }
 
 /// One point a variant against a reference, over some records, in order of time. A variant with an
-/// error that is not finite has no place on log axes and is left out.
+/// error that is not finite is left out.
 pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
     let mut all: Vec<(String, Vec<f64>, Vec<f64>)> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
@@ -124,7 +124,7 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
             error: errors.iter().sum::<f64>() / errors.len() as f64,
             on_front: false,
         })
-        .filter(|p| p.error.is_finite() && p.error > 0.0 && p.time_ms > 0.0)
+        .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
         .collect();
     for index in pareto::front(&points.iter().map(|p| (p.time_ms, p.error)).collect::<Vec<_>>()) {
         points[index].on_front = true;

@@ -9,8 +9,8 @@ use image::{RgbImage, imageops};
 use std::path::Path;
 
 /// Quality of the page's JPEGs, of 100: differences between methods stay visible, and a picture
-/// takes about a fifth of its PNG.
-pub const JPEG_QUALITY: u8 = 88;
+/// takes about an eighth of its PNG.
+pub const JPEG_QUALITY: u8 = 80;
 
 /// A picture as the page holds it.
 pub struct Embedded {

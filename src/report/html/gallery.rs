@@ -6,6 +6,10 @@ use crate::error::Result;
 use maud::{Markup, html};
 use std::path::Path;
 
+/// Pixels that an embedded picture is wide at most: about what the divider's stage is shown at, and half the bytes of
+/// the study's pictures.
+pub const WIDEST: u32 = 720;
+
 /// A picture of the page.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Picture {
@@ -17,43 +21,72 @@ pub struct Picture {
     pub caption: String,
 }
 
+/// Pictures beside each other.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Strip {
+    /// As many in a row as there is room for.
+    Plain(Vec<Picture>),
+    /// A reference, and what is held against it in pairs: a picture and its error map. The reference stands between
+    /// the two of a pair, and goes along as the page is scrolled.
+    Beside {
+        /// What the strip is of.
+        title: String,
+        /// The picture in the middle.
+        reference: Picture,
+        /// Pictures and error maps.
+        pairs: Vec<[Picture; 2]>,
+    },
+}
+
 /// Pictures of the same pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Gallery {
     /// Scene and view.
     pub title: String,
-    /// The pictures; one of the same name as an earlier one is the same picture.
-    pub pictures: Vec<Picture>,
+    /// The pictures, each of another name.
+    pub strips: Vec<Strip>,
     /// Names of the two that the divider stands between at first.
     pub compared: [String; 2],
-    /// Whether each three pictures make a row.
-    pub rows_of_three: bool,
 }
 
 /// A gallery with its divider.
 pub fn gallery(gallery: &Gallery, folder: &Path) -> Result<Markup> {
-    let class = if gallery.rows_of_three { "strip three" } else { "strip" };
+    let strips = gallery.strips.iter().map(|s| strip(&gallery.title, s, folder)).collect::<Result<Vec<_>>>()?;
     Ok(html! {
         section data-compare=(gallery.compared.join(",")) {
             h3 { (gallery.title) }
-            (strip(&gallery.title, &gallery.pictures, class, folder)?)
+            @for strip in strips { (strip) }
         }
     })
 }
 
-/// Pictures beside each other.
-pub fn strip(title: &str, pictures: &[Picture], class: &str, folder: &Path) -> Result<Markup> {
-    // Where pictures stand below each other, one of them is enough.
-    let again = |n: usize| pictures[..n].iter().any(|p| p.name == pictures[n].name);
-    let figures =
-        pictures.iter().enumerate().map(|(n, p)| figure(title, p, again(n), folder)).collect::<Result<Vec<_>>>()?;
-    Ok(html! { div class=(class) { @for figure in figures { (figure) } } })
+fn strip(title: &str, strip: &Strip, folder: &Path) -> Result<Markup> {
+    match strip {
+        Strip::Plain(pictures) => {
+            let figures = figures(title, pictures, folder)?;
+            Ok(html! { div.strip { (figures) } })
+        }
+        Strip::Beside { title: held, reference, pairs } => {
+            let reference = figures(title, [reference], folder)?;
+            let figures = figures(title, pairs.iter().flatten(), folder)?;
+            Ok(html! {
+                h4 { (held) }
+                div.strip.beside style={ "--rows: " (pairs.len()) } { (reference) (figures) }
+            })
+        }
+    }
 }
 
-fn figure(title: &str, picture: &Picture, again: bool, folder: &Path) -> Result<Markup> {
-    let embedded = embed(&folder.join(&picture.file), u32::MAX)?;
+/// Pictures in their order.
+pub fn figures<'p>(title: &str, pictures: impl IntoIterator<Item = &'p Picture>, folder: &Path) -> Result<Markup> {
+    let figures = pictures.into_iter().map(|p| figure(title, p, folder)).collect::<Result<Vec<_>>>()?;
+    Ok(html! { @for figure in figures { (figure) } })
+}
+
+fn figure(title: &str, picture: &Picture, folder: &Path) -> Result<Markup> {
+    let embedded = embed(&folder.join(&picture.file), WIDEST)?;
     Ok(html! {
-        figure.again[again] data-name=(picture.name) {
+        figure data-name=(picture.name) {
             a href=(picture.file) {
                 img src=(embedded.uri) alt={ (title) ": " (picture.caption) }
                     width=(embedded.width) height=(embedded.height) decoding="async";

@@ -9,7 +9,7 @@ mod sections;
 
 pub use embed::data_uri;
 pub use figures::{Entry, FiguresPage, Group, Panel};
-pub use gallery::{Gallery, Picture};
+pub use gallery::{Gallery, Picture, Strip};
 
 use super::error_report::ErrorPlot;
 use crate::error::Result;
@@ -41,6 +41,8 @@ pub struct Page<'a> {
 
 /// What was timed.
 pub struct Times<'a> {
+    /// One sentence: which views were timed, and how.
+    pub settings: String,
     /// Rows of table 5.8.
     pub table: Vec<Compared>,
     /// The measurements behind the table.
@@ -65,11 +67,11 @@ pub struct Errors<'a> {
 
 /// Parts of the page: id and title.
 const PARTS: [(&str, &str); 7] = [
+    ("views", "Pictures"),
+    ("figures", "Figures of the thesis"),
     ("table", "Table 5.8"),
     ("stages", "Where the time goes"),
     ("error", "Run time against error"),
-    ("views", "Pictures"),
-    ("figures", "Figures of the thesis"),
     ("passes", "Every pass"),
     ("records", "Raw records"),
 ];
@@ -77,22 +79,23 @@ const PARTS: [(&str, &str); 7] = [
 impl Page<'_> {
     /// The whole page; its pictures are read from the folder that it will lie in.
     pub fn render(&self, folder: &Path) -> Result<String> {
-        let [table, stages, error, views, figures, passes, records] = PARTS.map(heading);
+        let [views, figures, table, stages, error, passes, records] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
         let body = html! {
+            (views)
+            p {
+                "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
+                (embed::JPEG_QUALITY) ", at most " (gallery::WIDEST) " pixels wide; each links to its lossless PNG at "
+                "full size."
+            }
+            (galleries(&self.views, folder)?)
+            (figures) div.strip { (gallery::figures("Thesis", &self.figures, folder)?) }
             (table) (sections::table_5_8(&self.times))
-            (stages)
+            (stages) p { (self.times.settings) }
             (sections::inline_svg(&self.times.plot, "Median time of each stage by view and method; \
                 the tables under “Every pass” have the same times"))
             (error) (sections::errors(&self.errors))
             (galleries(&self.errors.pictures, folder)?)
-            (views)
-            p {
-                "Drag the divider, or move it with the arrow keys. Pictures are embedded as JPEG of quality "
-                (embed::JPEG_QUALITY) "; each links to its lossless PNG."
-            }
-            (galleries(&self.views, folder)?)
-            (figures) (gallery::strip("Thesis", &self.figures, "strip", folder)?)
             (passes)
             p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
             (sections::passes(self.times.view_records))

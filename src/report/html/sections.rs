@@ -78,7 +78,7 @@ pub fn grid(cells: &[Vec<String>]) -> Markup {
                     @for row in rows {
                         tr {
                             @for (n, c) in row.iter().enumerate() {
-                                @if n == 0 { th scope="row" { (c) } } @else { td { (c) } }
+                                @if n == 0 { th scope="row" { (c) } } @else { td { (unbroken(c)) } }
                             }
                         }
                     }
@@ -86,6 +86,11 @@ pub fn grid(cells: &[Vec<String>]) -> Markup {
             }
         }
     }
+}
+
+/// A cell that breaks after commas alone: no number stands apart from its unit.
+fn unbroken(cell: &str) -> String {
+    cell.replace(' ', "\u{a0}").replace(",\u{a0}", ", ")
 }
 
 /// Every pass of each record, one table a record.

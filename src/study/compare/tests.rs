@@ -1,0 +1,124 @@
+//! Comparisons of small made-up runs and images.
+
+use super::*;
+
+fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
+    TimeSample {
+        scene: "rooms".into(),
+        view: "hall".into(),
+        method: method.into(),
+        preset: "published".into(),
+        width: 8,
+        height: 4,
+        roughness: None,
+        normal_deviation: None,
+        resolution_scale: Some(1.0),
+        split: Some(false),
+        fallback: Some("none".into()),
+        sample,
+        pass: pass.into(),
+        counted,
+        ms,
+    }
+}
+
+/// Six frames of a method: an uncounted pass and two counted ones.
+fn run(method: &str, scale: f64) -> Run {
+    let frame = |n| {
+        [("lit", false, 5.0), ("trace", true, 2.0 * scale), ("composite", true, 1.0)]
+            .map(|(pass, counted, ms)| row(method, n, pass, counted, ms))
+    };
+    Run { name: method.into(), device: None, samples: (0..6).flat_map(frame).collect() }
+}
+
+#[test]
+fn totals_are_sums_of_counted_passes_frame_by_frame() {
+    let records = times(&run("ssct", 1.0), &run("ssct", 2.0), 0.05);
+    let found: Vec<_> = records.iter().map(|r| (r.pass.as_str(), r.ratio, r.verdict)).collect();
+    let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
+    assert_eq!(
+        found,
+        [
+            ("lit", Some(1.0), same),
+            ("trace", Some(2.0), slower),
+            ("composite", Some(1.0), same),
+            (TOTAL, Some(5.0 / 3.0), slower)
+        ]
+    );
+    assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
+}
+
+#[test]
+fn what_one_run_lacks_is_listed_without_a_verdict() {
+    let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
+    assert_eq!(records.len(), 8);
+    assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.method == "ssct"));
+    assert!(records[4..].iter().all(|r| r.only_in == Some(Side::B) && r.subject.method == "hzct"));
+    assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
+}
+
+#[test]
+fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
+    let mut twice = run("ssct", 1.0);
+    twice.samples.extend(twice.samples.clone());
+    let records = times(&twice, &run("ssct", 1.0), 0.05);
+    assert_eq!(records.iter().map(|r| (r.samples_a, r.median_a_ms)).next_back(), Some((12, Some(3.0))));
+    let mut few = run("ssct", 9.0);
+    few.samples.truncate(4 * 3);
+    let records = times(&run("ssct", 1.0), &few, 0.05);
+    assert!(records.iter().all(|r| r.samples_b == 4 && r.verdict == Some(Verdict::Undecided)));
+}
+
+#[test]
+fn a_setting_that_differs_is_another_subject_unless_a_run_does_not_say_it() {
+    let plain = run("ssct", 1.0);
+    let changed = |change: fn(&mut TimeSample)| {
+        let mut run = plain.clone();
+        run.samples.iter_mut().for_each(change);
+        run
+    };
+    let changes: [fn(&mut TimeSample); 4] = [
+        |s| s.split = Some(true),
+        |s| s.normal_deviation = Some(0.1),
+        |s| s.resolution_scale = Some(0.5),
+        |s| s.fallback = Some("pccm".into()),
+    ];
+    for change in changes {
+        let records = times(&plain, &changed(change), 0.05);
+        assert_eq!(
+            records.iter().map(|r| r.only_in).collect::<Vec<_>>(),
+            [[Some(Side::A); 4], [Some(Side::B); 4]].concat()
+        );
+    }
+    let older = changed(|s| *s = s.bare());
+    for (a, b, who) in
+        [(&plain, &older, "B's samples"), (&older, &plain, "A's samples"), (&older, &older, "A's and B's")]
+    {
+        let records = times(a, b, 0.05);
+        assert!(records.len() == 4 && records.iter().all(|r| r.only_in.is_none()), "{records:?}");
+        assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("not told apart")));
+    }
+}
+
+#[test]
+fn devices_that_differ_or_are_not_known_warn() {
+    let device = |name: &str| {
+        let text = |s: &str| s.to_owned();
+        Some(DeviceInfo { name: text(name), driver: text("1"), api: text("1.3"), kind: text("CPU") })
+    };
+    let of = |name: &str| Run { device: device(name), ..run("ssct", 1.0) };
+    assert_eq!(warning(&of("x"), &of("x")), None);
+    assert!(warning(&of("x"), &of("y")).is_some_and(|w| w.contains("A ran on x (1), B on y (1)")));
+    assert!(warning(&of("x"), &run("ssct", 1.0)).is_some_and(|w| w.contains("device B")));
+}
+
+#[test]
+fn images_are_held_against_the_first() {
+    let flat = |v: f32| LinearImage { width: 8, height: 8, rgb: vec![[v; 3]; 64] };
+    let found = images(("a", &flat(0.5)), ("b", &flat(0.25))).expect("one size");
+    assert_eq!((found.rmse, found.rel_mse), (0.25, Some(0.25)));
+    assert!(found.flip > 0.1 && found.rmse_map == vec![0.25; 64]);
+    assert_eq!(images(("a", &flat(0.5)), ("b", &flat(0.5))).map(|c| (c.rmse, c.flip)), Some((0.0, 0.0)));
+    let wide = LinearImage { width: 16, height: 4, rgb: vec![[0.0; 3]; 64] };
+    assert_eq!(images(("a", &flat(0.5)), ("b", &wide)), None);
+}
