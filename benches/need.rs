@@ -2,7 +2,9 @@
 //!
 //! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
 //! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
-//! [`FRAMES`] frames on the device's own timestamps, in turns.
+//! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the growth stands that of the walk: cells of the
+//! pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2 pixels, which
+//! is what eight threads in step wait for.
 
 #![allow(clippy::expect_used)]
 
@@ -12,6 +14,7 @@ use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
 use ssct::methods::{Effect, Input, Setup, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::{GBuffer, Reflectors};
+use ssct::reference::unified::Traversal;
 use ssct::scene::{Camera, GBufferData, library};
 use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
@@ -51,6 +54,22 @@ fn masked(data: &GBufferData, share: f64) -> GBufferData {
     masked
 }
 
+/// Cells that the mirror rays look at: the mean over the rays, and over blocks of 4 × 2 pixels the mean of the most.
+fn cells(data: &GBufferData) -> [f64; 2] {
+    let (traversal, reflects) = (Traversal::new(data), data.reflecting());
+    let steps = |x: u32, y: u32| {
+        let ray = traversal.mirror_ray(x, y).filter(|_| reflects[data.index(x, y)]);
+        ray.map_or(0, |(ray, _)| traversal.traverse(&ray).steps)
+    };
+    let (mut sum, mut most) = (0.0, 0.0);
+    for (top, left) in (0..data.height / 2).flat_map(|y| (0..data.width / 4).map(move |x| (2 * y, 4 * x))) {
+        let of_block: [i32; 8] = std::array::from_fn(|i| steps(left + i as u32 % 4, top + i as u32 / 4));
+        sum += of_block.iter().map(|n| f64::from(*n)).sum::<f64>() / 8.0;
+        most += f64::from(of_block.into_iter().max().unwrap_or(0));
+    }
+    [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
+}
+
 fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
     let mut frame = context.begin(Mode::Timed).expect("a frame");
     frame.begin_effect();
@@ -66,7 +85,10 @@ fn main() {
     println!(
         "# need: what a tenth costs beyond its pyramid, over the full frame; growth: time a pixel, large over small"
     );
-    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,growth");
+    println!(
+        "# cells, block_cells: the same ratio of the cells that mirror rays look at, on average and in step by eight"
+    );
+    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,growth,cells,block_cells");
     for roughness in ROUGHNESS {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let mut rows = Vec::new();
@@ -90,6 +112,12 @@ fn main() {
                 Shot::new(&mut stage, &unified::INFO, &setup(size), seen, materials()).expect("a shot")
             });
 
+            let walked = shots.each_ref().map(|shot| {
+                stage.run(shot, Mode::Plain).expect("a frame");
+                cells(&gbuffer::read(&mut stage.context, shot).expect("the G-buffer"))
+            });
+            let [mean, in_step] = [0, 1].map(|i| walked[1][i] / walked[0][i]);
+
             let (mut need, mut growth) = ([vec![], vec![], vec![]], [vec![], vec![]]);
             for frame in 0..=FRAMES {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
@@ -112,11 +140,11 @@ fn main() {
             let pyramid = median(need[1].iter().map(|(t, _)| t[1]));
             let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
             let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
-            let row = [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, growth];
+            let row = [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, growth, mean, in_step];
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }
-        let medians: Vec<_> = (0..6).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
+        let medians: Vec<_> = (0..8).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
         println!("{roughness},median,{}", medians.join(","));
     }
 }
