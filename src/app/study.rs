@@ -308,7 +308,8 @@ fn time_settings(plan: &Plan) -> String {
         _ => "the first view of the rooms and of the atrium (ssct study --full times every view of every scene)",
     };
     format!(
-        "Medians of {} frames of every method on {which}, at {width} × {height}, roughness and normal deviation 0.1;          only the stages after the scene passes.",
+        "Medians of {} frames of every method on {which}, at {width} × {height}, roughness and normal deviation \
+         0.1; only the stages after the scene passes.",
         plan.samples
     )
 }
@@ -319,7 +320,8 @@ fn error_settings(plan: &Plan) -> String {
         "Every method as published on two views of the rooms at {width} × {height}, a mirror (roughness 0) and a glossy \
          one (0.1); references of {} rays a pixel, medians of {} frames. Errors are of the reflection colour before fade \
          and reflectivity. Black is where nothing is found: billboard, for one, shows impostors alone. In a FLIP \
-         map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the tables) is beaten by none in both time and error.",
+         map black is no difference, and the brighter the more. A point on the Pareto front (red, and * in the \
+         tables) is beaten by none in both time and error.",
         plan.rays, plan.samples
     )
 }
