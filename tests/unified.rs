@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{check_validation, clutter, clutter_camera, expected_failures, gpu, is_gpu_assisted, shared_scenes};
+use common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
@@ -306,7 +306,6 @@ fn every_way_to_draw_makes_the_same_image() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let extent = [127, 61];
     let camera = timing::camera(&scene, view, extent);
-    let differ = expected_failures("gpu-assisted images", &gpu);
     for roughness in [0.0, 0.1, 0.5] {
         let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
         let images = |stage: &mut Stage, split: bool, known: bool| {
@@ -325,12 +324,10 @@ fn every_way_to_draw_makes_the_same_image() {
         };
         let whole = images(&mut stage, false, true);
         assert!(whole[1].values.iter().any(|v| *v > 0.1));
-        let expected = is_gpu_assisted() && differ.contains(&format!("over lists, roughness {roughness}"));
         for (split, known, how) in
             [(true, true, "with hits"), (false, false, "over lists"), (true, false, "over lists with hits")]
         {
-            let same = images(&mut stage, split, known) == whole;
-            assert_eq!(same, !expected, "{roughness} {how}");
+            assert!(images(&mut stage, split, known) == whole, "{roughness} {how}");
         }
         // Without a reflection of its own, the image is the same.
         let mut composite = |reflection: bool| {

@@ -1,7 +1,8 @@
 #version 460
-// One triangle that covers the viewport; drawn with three vertices and no buffer.
+// Half of a viewport, cut from corner to corner, whose upper left quarter is the target; drawn with three
+// vertices and no buffer.
 
 void main() {
     vec2 corner = vec2((gl_VertexIndex << 1) & 2, gl_VertexIndex & 2);
-    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = vec4(corner - 1.0, 0.0, 1.0);
 }

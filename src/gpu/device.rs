@@ -220,10 +220,13 @@ impl Gpu {
         self.shared.largest_point
     }
 
-    /// The largest width and height of an image.
+    /// The largest width and height of an image; viewports are up to twice as large.
     pub fn max_image_size(&self) -> u32 {
         let l = &self.shared.limits;
-        l.max_image_dimension2_d.min(l.max_framebuffer_width).min(l.max_framebuffer_height)
+        let [width, height] = l.max_viewport_dimensions;
+        [l.max_framebuffer_width, l.max_framebuffer_height, width / 2, height / 2]
+            .into_iter()
+            .fold(l.max_image_dimension2_d, u32::min)
     }
 
     /// The largest width, height and depth of a volume.

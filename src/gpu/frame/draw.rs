@@ -1,6 +1,7 @@
 //! The passes that draw or dispatch: shaders over whole targets, over as much as a buffer says, over
 //! meshes, and compute.
 
+use super::target::View;
 use super::{Frame, Resource, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
@@ -72,7 +73,8 @@ impl Frame<'_> {
             if settles {
                 frame.take_in(pipeline, resources, push)?;
             }
-            frame.rendering(targets, depth, false, |frame| {
+            let view = if matches!(vertices, Vertices::Triangle) { View::Twice } else { View::Down };
+            frame.rendering(targets, depth, view, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
                 if settles {
                     // SAFETY: a pipeline is bound, and what it reads was pushed.
@@ -104,7 +106,7 @@ impl Frame<'_> {
         draw: impl FnOnce(&mut Raster) -> Result<()>,
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.rendering(targets, Some(depth), true, |frame| {
+            frame.rendering(targets, Some(depth), View::Up, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
                 draw(&mut Raster { frame, pipeline })
             })
@@ -142,7 +144,7 @@ impl Frame<'_> {
         draw: impl FnOnce(vk::CommandBuffer) -> Result<()>,
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.rendering(&[Target::kept(slice)], None, false, |frame| draw(frame.context.commands))
+            frame.rendering(&[Target::kept(slice)], None, View::Down, |frame| draw(frame.context.commands))
         })
     }
 }

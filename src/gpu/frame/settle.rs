@@ -6,6 +6,7 @@
 //! the copy is no better, and then keeps to one shader for good. So a pipeline whose vertices its shader makes is once
 //! made to draw none, after another took in what was pushed. Meshes and compute shaders here have no such control flow.
 
+use super::target::View;
 use super::{Frame, Resource};
 use crate::error::Result;
 use crate::gpu::device::Gpu;
@@ -48,7 +49,7 @@ impl Frame<'_> {
         push: &[u8],
     ) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.handle) else { return Ok(()) };
-        self.rendering(&[], None, false, |frame| {
+        self.rendering(&[], None, View::Down, |frame| {
             frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
             frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: a pipeline that reads nothing is bound.

@@ -62,13 +62,37 @@ impl Load {
     }
 }
 
+/// Where clip space lies on a target.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum View {
+    /// On all of it, y down.
+    Down,
+    /// On all of it, y up.
+    Up,
+    /// On twice its width and height: half of that covers the target, a triangle that no edge of the screen cuts.
+    /// One that reaches beyond the screen is cut in two by drivers that clip (lavapipe), and the blocks of
+    /// 2 x 2 pixels along their common edge are shaded twice.
+    Twice,
+}
+
+impl View {
+    fn viewport(self, width: f32, height: f32) -> vk::Viewport {
+        let (y, width, height) = match self {
+            Self::Down => (0.0, width, height),
+            Self::Up => (height, width, -height),
+            Self::Twice => (0.0, 2.0 * width, 2.0 * height),
+        };
+        vk::Viewport { x: 0.0, y, width, height, min_depth: 0.0, max_depth: 1.0 }
+    }
+}
+
 impl Frame<'_> {
     /// Begins and ends dynamic rendering around `draw`.
     pub(super) fn rendering(
         &mut self,
         targets: &[Target],
         depth: Option<Target>,
-        y_up: bool,
+        view: View,
         draw: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
         for target in targets {
@@ -115,12 +139,7 @@ impl Frame<'_> {
         if let Some(stencil) = &stencil_attachment {
             info = info.stencil_attachment(stencil);
         }
-        let (w, h) = (width as f32, height as f32);
-        let viewport = if y_up {
-            vk::Viewport { x: 0.0, y: h, width: w, height: -h, min_depth: 0.0, max_depth: 1.0 }
-        } else {
-            vk::Viewport { x: 0.0, y: 0.0, width: w, height: h, min_depth: 0.0, max_depth: 1.0 }
-        };
+        let viewport = view.viewport(width as f32, height as f32);
         let commands = self.context.commands;
         // SAFETY: the attachments are in the layouts named, by the barriers above; rendering is
         // ended below whatever `draw` returns.
