@@ -3,7 +3,8 @@
 #
 #   scripts/bars.sh OUT [SCENES]     SCENES holds ssct-rooms/ and sponza/; without it, the built-in scenes alone
 #
-# SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES and RAYS may be set in the environment; WHAT=time or WHAT=error does one half.
+# SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES, RAYS and ORACLE may be set in the environment; WHAT=time or WHAT=error
+# does one half.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -15,7 +16,8 @@ mkdir -p "$out"
 views() { # scene, name, views...
     local scene=$1 name=$2 view
     shift 2
-    local common=(--scene "$scene" --method ssct,hzct,unified --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}" --json)
+    local common=(--scene "$scene" --method ssct,hzct,unified --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}" --json
+        --oracle "${ORACLE:-1}")
     for view in "$@"; do
         if [ "${WHAT:-time}" = time ]; then # both, unless WHAT says which
             "$ssct" time "${common[@]}" --view "$view" --size "${SIZES:-960x540,641x479}" \

@@ -8,6 +8,7 @@ mod common;
 use common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
+use ssct::math::OracleVersion;
 use ssct::methods::{self, Setup};
 use ssct::metrics::image::masked_rmse;
 use ssct::reference::screen::{Sampling, ScreenReference};
@@ -44,7 +45,8 @@ fn mask(data: &GBufferData) -> Vec<bool> {
 }
 
 fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
-    let image = ScreenReference::render(data, &mask(data), Sampling { samples, seed: 1 }, &|| ());
+    let image =
+        ScreenReference::render(data, &mask(data), Sampling { samples, seed: 1, oracle: OracleVersion::V1 }, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }
 

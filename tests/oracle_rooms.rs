@@ -10,6 +10,7 @@ use common::{gpu, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
+use ssct::math::OracleVersion;
 use ssct::methods::{self, Preset, Setup};
 use ssct::metrics::HitAgreement;
 use ssct::metrics::image::{masked_relative_mse, masked_rmse};
@@ -121,7 +122,12 @@ fn every_view_with_gloss() {
                 render(&gpu, &scene, &view.name, [480, 270], "ssct", roughness);
             let mask = g.reflecting();
             let start = Instant::now();
-            let truth = ScreenReference::render(&g, &mask, Sampling { samples: 32, seed: 1 }, &|| ());
+            let truth = ScreenReference::render(
+                &g,
+                &mask,
+                Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1 },
+                &|| (),
+            );
             let seconds = start.elapsed().as_secs_f64();
             let truth_rgb: Vec<[f32; 3]> = truth.color.iter().map(|c| c.to_array()).collect();
             let rgb: Vec<[f32; 3]> = reflection.texels().map(|t| [t[0], t[1], t[2]]).collect();

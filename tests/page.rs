@@ -8,6 +8,7 @@ mod common;
 use common::folder::Folder;
 use common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
+use ssct::math::OracleVersion;
 use ssct::methods::{Fallback, Preset};
 use ssct::metrics::HitAgreement;
 use ssct::passes::color_chain::ChainFilter;
@@ -41,6 +42,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
         preset: Preset::Published,
         width: 640,
         resolution_scale: 1.0,
+        oracle: OracleVersion::V1,
         height: 480,
         roughness: Some(roughness),
         normal_deviation: Some(roughness),

@@ -83,8 +83,6 @@ struct Seen {
     vec4 color;     // of the hit, and its fade in a; a miss is 0
 };
 
-#define LOG_DENSITY_BIAS 64.0 // makes the logarithm of any density positive
-
 // The logarithm to base 2 of the density (alpha + 1) cos^alpha, without the 2 pi that all have, plus the bias,
 // of a direction with a cos^(alpha + 1) whose logarithm is given.
 float LogDensity(float power, float log_rest) {

@@ -13,7 +13,10 @@ void Add(inout Sum sum, float weight, bool hit, vec4 color) {
     sum.hits += hits;
 }
 
-// Reflection colour, and its fade in a.
+// Reflection colour, and its fade in a. What rays missed is black. Over another reflection it is not: what the
+// rays hit has its own colour, and fades by how many miss; the product is the same.
 vec4 Reflection(Sum sum) {
-    return sum.hits > 0.0 ? vec4(sum.color.rgb / sum.weight, sum.color.a / sum.hits) : vec4(0.0);
+    float colors = unified.over != 0 ? sum.hits : sum.weight;
+    float fades = unified.over != 0 ? sum.weight : sum.hits;
+    return sum.hits > 0.0 ? vec4(sum.color.rgb / colors, sum.color.a / fades) : vec4(0.0);
 }

@@ -33,10 +33,14 @@ vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
         float off = dot(normal, there - point) / (PLANE_TOLERANCE * point.z);
         float same = Overlap(normal, surface.xyz, power);
         float weight = surface.w > 0.0 ? max(same / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
-        sum += weight * imageLoad(cell_reflection, at);
+        vec4 reflection = imageLoad(cell_reflection, at);
+        // Over another reflection, a cell shows its colour only as far as it is there.
+        reflection.rgb *= unified.over != 0 ? reflection.a : 1.0;
+        sum += weight * reflection;
         weights += weight;
     }
-    return weights > 0.0 ? sum / weights : vec4(0.0);
+    float colors = unified.over != 0 ? sum.a : weights;
+    return colors > 0.0 ? vec4(sum.rgb / colors, sum.a / weights) : vec4(0.0);
 }
 
 // Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they

@@ -11,7 +11,7 @@
 // MaxSteps bounds them all, so that no ray is ever cut off.
 
 struct Hit {
-    int code;        // HIT_*
+    int code;        // HIT_* or MISS_BEHIND
     ivec2 pixel;     // that was hit
     vec2 position;   // continuous pixel coordinates, within that pixel
     float depth;     // reversed, of the ray there
@@ -26,11 +26,19 @@ struct Hit {
 #define MISS_SCREEN    8 // it left by a side of the screen,
 #define MISS_NEAR      9 // the near plane
 #define MISS_SKY      10 // or the far plane, with nothing before it,
-#define MISS_BEHIND   11 // or wherever, behind the back of a block
+#define MISS_BEHIND   11 // or wherever, behind the back of a block; with oracle 2 also at a block, from behind
 
 // Forward: a pixel each at least, over both axes. Down: no more often than up.
 int MaxSteps() {
     return 2 * (unified.size.x + unified.size.y);
+}
+
+// The front of the block that the ray comes from as it enters a pixel: across the boundary that it crossed last.
+float FrontBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
+    precise vec2 entries = (vec2(pixel + 1 - ahead) - (vec2(ray.pixel) + 0.5)) * ray.inverse;
+    ivec2 back = 1 - 2 * ahead;
+    ivec2 before = pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
+    return imageLoad(pyramid, before).x;
 }
 
 Hit Traverse(Ray ray) {
@@ -110,6 +118,9 @@ Hit Traverse(Ray ray) {
         hit.pixel = pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
+        // Behind this front and the one before, it has not come from in front of either (reference::oracle).
+        if (unified.oracle == 2 && entry_depth < front && entry_depth < FrontBefore(ray, pixel, ahead))
+            hit.code = MISS_BEHIND;
     }
     return hit;
 }

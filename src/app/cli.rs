@@ -1,6 +1,7 @@
 //! The flags, each declared once. What they mean together is decided in `resolve`.
 
 use super::view::ViewOptions;
+use crate::math::OracleVersion;
 use crate::methods::{Fallback, Preset};
 use crate::passes::PosterFilter;
 use crate::passes::billboard::{Occlusion, Order};
@@ -163,6 +164,10 @@ pub struct MethodOptions {
     /// What is seen behind a screen-space method where its reflection fades out.
     #[arg(long, value_enum, default_value_t)]
     pub fallback: Fallback,
+    /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
+    /// those that it meets from in front.
+    #[arg(long, value_enum, default_value_t)]
+    pub oracle: OracleVersion,
 }
 
 /// Which device, and whether it is watched.

@@ -172,5 +172,6 @@ pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
         composite: true,
         reflection: true,
         fallback: options.fallback,
+        oracle: options.oracle,
     }
 }

@@ -1,9 +1,13 @@
-//! Pure functions: colour encoding, projection, cones and the Phong lobe.
+//! Pure functions: colour encoding, projection, cones and the Phong lobe. And what references and methods must
+//! mean alike.
 
 pub mod cone;
 pub mod frustum;
+pub mod oracle_version;
 pub mod phong;
 pub mod projection;
+
+pub use oracle_version::OracleVersion;
 
 /// sRGB's transfer function, encoded to linear, for 0…1 (IEC 61966-2-1).
 pub fn srgb_to_linear(v: f32) -> f32 {

@@ -21,6 +21,7 @@ pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::math::OracleVersion;
 use crate::passes::billboard::Billboards;
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
@@ -64,6 +65,8 @@ pub struct Setup {
     pub reflection: bool,
     /// What is seen behind a screen-space method's reflection where that fades out.
     pub fallback: Fallback,
+    /// What `unified` hits, and the oracle that every method is held against.
+    pub oracle: OracleVersion,
 }
 
 /// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
@@ -113,6 +116,7 @@ impl Setup {
             composite: true,
             reflection: true,
             fallback: Fallback::None,
+            oracle: OracleVersion::default(),
         }
     }
 

@@ -70,6 +70,7 @@ use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
+use crate::math::OracleVersion;
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::pyramid::{self, PyramidPass};
@@ -84,7 +85,12 @@ pub const INFO: MethodInfo = MethodInfo {
     summary: "one exact Hi-Z traversal for every direction; only what the scene needs",
     source: "this project",
     sees: Sees::Screen,
-    settings: super::full_and_half,
+    settings: |base| {
+        // From in front alone, beside what the base says.
+        let from_in_front = Setup { oracle: OracleVersion::V2, ..base };
+        let more = (base.oracle != OracleVersion::V2).then_some(from_in_front);
+        super::full_and_half(base).into_iter().chain(more).collect()
+    },
     create: |gpu, setup| Ok(Box::new(UnifiedMethod::new(gpu, setup)?)),
 };
 
@@ -130,7 +136,7 @@ impl Method for UnifiedMethod {
             }
             return Ok(Traced::nothing(gbuffer));
         }
-        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.setup.fade);
+        let parameters = parameters(input.camera, gbuffer.depth.extent(), &self.setup);
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
         let pyramid = self.pyramid.record(frame, gbuffer, &parameters)?;
         if reflectors.glossy() {
@@ -163,9 +169,9 @@ impl Method for UnifiedMethod {
     }
 }
 
-/// The parameters of a camera for a size in pixels. What of the projection is needed is computed in
+/// The parameters of a camera and a setup for a size in pixels. What of the projection is needed is computed in
 /// f64 and rounded once.
-pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock {
+pub fn parameters(camera: &Camera, extent: [u32; 2], setup: &Setup) -> UnifiedBlock {
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let to_clip = [projection.x_axis.x, projection.y_axis.y];
     let side = extent.map(f64::from);
@@ -179,7 +185,9 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
         depth_offset: -projection.z_axis.z as f32,
         fade_start: 0.8,
         fade_end: 1.0,
-        fade: i32::from(fade),
+        fade: i32::from(setup.fade),
+        oracle: u32::from(setup.oracle) as i32,
+        over: i32::from(!setup.fallback.is_none()),
         ..UnifiedBlock::default()
     }
 }

@@ -10,8 +10,10 @@
 //! are monotonic expressions evaluated at the same boundaries on every level.
 
 use super::Level;
+use super::oracle::comes_from_behind;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
 use super::thickness::{self, Block};
+use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
 
@@ -21,13 +23,19 @@ pub struct Hierarchy<'a> {
     rays: RaySetup<'a>,
     /// Level 0 has the pixels, the last level one cell.
     levels: Vec<Level<Block>>,
+    version: OracleVersion,
 }
 
 impl<'a> Hierarchy<'a> {
-    /// Builds the pyramid.
+    /// Builds the pyramid. Finds what version 1 of the oracle finds.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let levels = std::iter::successors(Some(thickness::blocks(gbuffer)), coarser).collect();
-        Self { rays: RaySetup::new(gbuffer), levels }
+        Self { rays: RaySetup::new(gbuffer), levels, version: OracleVersion::V1 }
+    }
+
+    /// The same for another version of the oracle.
+    pub fn of_version(self, version: OracleVersion) -> Self {
+        Self { version, ..self }
     }
 
     /// Rays of the same G-buffer.
@@ -74,6 +82,11 @@ impl<'a> Hierarchy<'a> {
                 if level > 0 {
                     level -= 1;
                     continue;
+                }
+                let before = lanes.map(|lane| lane.before(entry));
+                let before = self.cell(&before, 0).unwrap_or(Block::EMPTY);
+                if self.version == OracleVersion::V2 && comes_from_behind(segment.depth_at(entry), before, cell) {
+                    return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
             }

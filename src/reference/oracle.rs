@@ -1,9 +1,16 @@
-//! The oracle, version 1 (DEFINITIONS, "Oracle"): what a reflection ray truly meets in a G-buffer,
-//! found by looking at every pixel on its way, in f64. Slow, short and meant to be read.
+//! The oracle (DEFINITIONS, "Oracle"): what a reflection ray truly meets in a G-buffer, found by looking
+//! at every pixel on its way, in f64. Slow, short and meant to be read.
+//!
+//! Version 2 adds one thing to version 1. A block's thickness is a guess that keeps rays from slipping
+//! through surfaces; a ray that comes from behind meets it as well, where in the world it passes behind the
+//! object or ends on a side of it that the screen does not show. So a ray hits only if it comes from in
+//! front: where it enters the pixel, it lies in front of this block's front, and crosses it, or in front of
+//! the front of the pixel that it comes from, and passes between the two. Else it misses, behind.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
 use super::thickness::{self, Block};
+use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
 
@@ -12,12 +19,18 @@ use glam::DVec3;
 pub struct Oracle<'a> {
     rays: RaySetup<'a>,
     blocks: Level<Block>,
+    version: OracleVersion,
 }
 
 impl<'a> Oracle<'a> {
-    /// Works out each pixel's block.
+    /// Works out each pixel's block. Version 1.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
-        Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer) }
+        Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer), version: OracleVersion::V1 }
+    }
+
+    /// The same in another version.
+    pub fn of_version(self, version: OracleVersion) -> Self {
+        Self { version, ..self }
     }
 
     /// The mirror ray of a pixel.
@@ -53,6 +66,10 @@ impl<'a> Oracle<'a> {
             steps += 1;
             let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
             if let Some(s) = meets(segment, block, entry, exit) {
+                let before = self.block(last).unwrap_or(Block::EMPTY);
+                if self.version == OracleVersion::V2 && comes_from_behind(segment.depth_at(entry), before, block) {
+                    return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
+                }
                 let outcome = Outcome::Hit { pixel: pixel.map(|p| p as u32), position: segment.at(s) };
                 return Trace { outcome, steps };
             }
@@ -89,6 +106,11 @@ fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<f64> 
         return Some(((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit));
     }
     Some(entry)
+}
+
+/// Whether a ray that enters a block's pixel at a depth lies behind the front of the block and of the one before.
+pub(super) fn comes_from_behind(entry_depth: f64, before: Block, block: Block) -> bool {
+    entry_depth < block.front && entry_depth < before.front
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
 use super::random::Stream;
-use crate::math::phong;
+use crate::math::{OracleVersion, phong};
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -20,6 +20,8 @@ pub struct Sampling {
     pub samples: u32,
     /// Another seed gives an independent image.
     pub seed: u64,
+    /// What rays hit.
+    pub oracle: OracleVersion,
 }
 
 /// The reflection colour, before fade, reflectivity and composite, with its error.
@@ -47,7 +49,7 @@ impl ScreenReference {
     /// If the mask has another size than the G-buffer.
     pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling, progress: &(dyn Fn() + Sync)) -> Self {
         assert_eq!(mask.len(), gbuffer.depth.len(), "a mask of the G-buffer's size");
-        let hierarchy = Hierarchy::new(gbuffer);
+        let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let rows: Vec<Vec<Estimate>> = (0..gbuffer.height)
             .into_par_iter()
             .map(|y| {

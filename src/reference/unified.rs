@@ -6,6 +6,7 @@
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
 use super::Level;
+use crate::math::OracleVersion;
 use crate::scene::{Camera, GBufferData};
 use glam::{IVec2, Vec2, Vec3};
 
@@ -90,6 +91,8 @@ pub enum Code {
     Nothing = 3,
     /// Out of steps, which cannot be.
     Unfinished = 7,
+    /// It met a block from behind (version 2 of the oracle).
+    Behind = 11,
 }
 
 /// `Hit` of `traverse.glsl`.
@@ -140,10 +143,11 @@ pub struct Traversal<'a> {
     pub parameters: Parameters,
     /// Level n has padded >> n cells.
     pub levels: Vec<Level<Block>>,
+    version: OracleVersion,
 }
 
 impl<'a> Traversal<'a> {
-    /// Builds the pyramid.
+    /// Builds the pyramid. Hits are of version 1 of the oracle.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let parameters = Parameters::new(&gbuffer.camera, [gbuffer.width, gbuffer.height]);
         let [width, height] = parameters.padded.as_uvec2().to_array();
@@ -156,7 +160,12 @@ impl<'a> Traversal<'a> {
                 at(0, 0).union(at(1, 0)).union(at(0, 1).union(at(1, 1)))
             }));
         }
-        Self { gbuffer, parameters, levels }
+        Self { gbuffer, parameters, levels, version: OracleVersion::V1 }
+    }
+
+    /// The same for another version of the oracle.
+    pub fn of_version(self, version: OracleVersion) -> Self {
+        Self { version, ..self }
     }
 
     /// The mirror ray of a pixel; `None` for sky or without a normal. Whether the pixel is seen from
@@ -263,6 +272,12 @@ impl<'a> Traversal<'a> {
                 let s = if crosses { crossing.max(entry).min(entry.max(last)) } else { entry };
                 let low = (pixel - ray.pixel).as_vec2();
                 let offset = (s * slope + 0.5).max(low).min(low + 1.0);
+                if self.version == OracleVersion::V2
+                    && entry_depth < block.front
+                    && entry_depth < self.front_before(pixel, ahead, (start, ray.inverse))
+                {
+                    return Hit { code: Code::Behind, ..hit };
+                }
                 return Hit {
                     code: Code::Surface,
                     pixel,
@@ -292,6 +307,18 @@ impl<'a> Traversal<'a> {
             }
         }
         Hit { code: Code::Unfinished, ..hit }
+    }
+
+    /// `FrontBefore`.
+    fn front_before(&self, pixel: IVec2, ahead: IVec2, (start, inverse): (Vec2, Vec2)) -> f32 {
+        let entries = ((pixel + 1 - ahead).as_vec2() - start) * inverse;
+        let back = 1 - 2 * ahead;
+        let before = pixel
+            + IVec2::new(
+                if entries.x >= entries.y { back.x } else { 0 },
+                if entries.y >= entries.x { back.y } else { 0 },
+            );
+        self.levels[0].at_clamped(before.x as u32, before.y as u32).front
     }
 }
 

@@ -4,7 +4,7 @@ use super::images::{Rgb, write_exr};
 use super::{files, tables};
 use crate::error::Result;
 use crate::gpu::Pixels;
-use crate::math::display_byte;
+use crate::math::{OracleVersion, display_byte};
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
 use crate::study::compare::{ImageComparison, Side, Subject, TOTAL, TimeComparison};
 use std::path::Path;
@@ -84,7 +84,8 @@ fn method(s: &Subject) -> String {
     let split = (s.split == Some(true)).then(|| "split".to_owned());
     let scale = s.resolution_scale.filter(|s| *s != 1.0).map(|s| format!("scale {s}"));
     let fallback = s.fallback.as_ref().filter(|f| *f != "none").map(|f| format!("before {f}"));
-    let flags: Vec<_> = split.into_iter().chain(scale).chain(fallback).collect();
+    let oracle = (s.oracle == OracleVersion::V2).then(|| "oracle 2".to_owned());
+    let flags: Vec<_> = split.into_iter().chain(scale).chain(fallback).chain(oracle).collect();
     if flags.is_empty() { s.method.clone() } else { format!("{} ({})", s.method, flags.join(", ")) }
 }
 

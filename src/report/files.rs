@@ -41,7 +41,7 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
 pub fn samples_csv(records: &[TimeRecord]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let subject = ["scene", "view", "method", "preset", "width", "height", "roughness"];
-    let settings = ["normal_deviation", "resolution_scale", "split", "fallback"];
+    let settings = ["normal_deviation", "resolution_scale", "split", "fallback", "oracle"];
     let header = [&subject[..], &settings, &["sample", "pass", "counted", "ms"]].concat();
     // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
     let _ = writer.write_record(header);
@@ -64,6 +64,7 @@ pub fn samples_csv(records: &[TimeRecord]) -> String {
                     r.head.resolution_scale.to_string(),
                     r.split.to_string(),
                     text(serde_json::to_value(r.fallback)),
+                    u32::from(r.head.oracle).to_string(),
                     n.to_string(),
                     pass.name.clone(),
                     pass.counted.to_string(),

@@ -4,6 +4,7 @@
 use super::error::display;
 use super::record::{DEFINITIONS, Head, Stats};
 use crate::gpu::DeviceInfo;
+use crate::math::OracleVersion;
 use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES, Verdict, ratio_of_medians};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
@@ -45,6 +46,9 @@ pub struct TimeSample {
     /// What is behind the method; "none" for nothing.
     #[serde(default)]
     pub fallback: Option<String>,
+    /// Version of the oracle that says what `unified` hits; 1 in a file that does not say.
+    #[serde(default)]
+    pub oracle: OracleVersion,
     /// Number of the frame among those of its method, size and roughness.
     pub sample: u64,
     /// Label.
@@ -80,6 +84,8 @@ pub struct Subject {
     pub split: Option<bool>,
     /// What is behind the method; "none" for nothing.
     pub fallback: Option<String>,
+    /// Version of the oracle that says what `unified` hits.
+    pub oracle: OracleVersion,
 }
 
 impl TimeSample {
@@ -87,7 +93,7 @@ impl TimeSample {
         (&self.scene, &self.view, &self.method, &self.preset) == (&s.scene, &s.view, &s.method, &s.preset)
             && (self.width, self.height, self.roughness) == (s.width, s.height, s.roughness)
             && (self.normal_deviation, self.resolution_scale) == (s.normal_deviation, s.resolution_scale)
-            && (self.split, &self.fallback) == (s.split, &s.fallback)
+            && (self.split, &self.fallback, self.oracle) == (s.split, &s.fallback, s.oracle)
     }
 
     fn subject(&self) -> Subject {
@@ -103,6 +109,7 @@ impl TimeSample {
             resolution_scale: self.resolution_scale,
             split: self.split,
             fallback: self.fallback.clone(),
+            oracle: self.oracle,
         }
     }
 

@@ -9,6 +9,7 @@ use super::timing::camera;
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
+use crate::math::OracleVersion;
 use crate::math::display_byte;
 use crate::methods::ssct::ThesisMethod;
 use crate::methods::{Fallback, MethodInfo, Setup, Tuning};
@@ -85,10 +86,10 @@ fn is_default<T: Default + PartialEq>(value: &T) -> bool {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Against {
-    /// Hits against oracle 1; mirrors only.
+    /// Hits against the oracle, in the record's version; mirrors only.
     Oracle,
-    /// The image against the screen reference, in which a miss is black; not for what shows the
-    /// environment there.
+    /// The image against the screen reference of that version, in which a miss is black; not for what
+    /// shows the environment there.
     Screen,
     /// Hits (mirrors only) and the image against the triangles; what escapes is black, or the
     /// environment for what shows it ([`Variant::escape`]).
@@ -192,18 +193,30 @@ struct Truth {
     mask: Vec<bool>,
     /// Whether every one of them is a mirror; only then do hits compare.
     mirrors: bool,
-    /// Hits of the mirror rays by the oracle: pixel x, pixel y and reversed depth.
-    oracle: Vec<Option<DVec3>>,
+    /// What the screen shows, by each version of the oracle that a variant is held against.
+    screens: Vec<ScreenTruth>,
     /// Where the screen shows the ends of the mirror rays in the world.
     world_hits: Vec<Option<[f64; 2]>>,
-    screen: Reference,
     /// With nothing where a ray escapes.
     world: Reference,
     /// With the environment there, if a variant shows it.
     world_and_environment: Option<Reference>,
 }
 
+/// The references in screen space, by a version of the oracle.
+struct ScreenTruth {
+    version: OracleVersion,
+    /// Hits of the mirror rays: pixel x, pixel y and reversed depth.
+    hits: Vec<Option<DVec3>>,
+    image: Reference,
+}
+
 impl Truth {
+    /// What the screen shows by a version; one that no variant is held against is the first one's.
+    fn screen(&self, version: OracleVersion) -> &ScreenTruth {
+        self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
+    }
+
     /// The world that a variant is held against.
     fn world(&self, escape: Escape) -> &Reference {
         match (escape, &self.world_and_environment) {
@@ -243,7 +256,10 @@ pub fn measure(
     let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment, go_on)?;
 
-    cell.strips.push(Strip { name: SCREEN_REFERENCE.into(), color: truth.screen.color.clone(), error: None });
+    for screen in &truth.screens {
+        let name = strip_name(SCREEN_REFERENCE, screen.version);
+        cell.strips.push(Strip { name, color: screen.image.color.clone(), error: None });
+    }
     cell.strips.push(Strip { name: WORLD_REFERENCE.into(), color: truth.world.color.clone(), error: None });
     if let Some(world) = &truth.world_and_environment {
         cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
@@ -269,7 +285,7 @@ pub fn measure(
         }
         let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_deref()));
-        cell.strips.push(method_strip(variant.method.name, &color, &truth, variant.escape(), spec.extent));
+        cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
@@ -277,9 +293,13 @@ pub fn measure(
         let color = exact_hits_with_cone(spec, &truth, &setup)?;
         let head = Record::new(spec, EXACT_HITS, &setup, None);
         cell.records.extend(head.against_all(&truth, Escape::Black, &color, None));
-        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, Escape::Black, spec.extent));
-        let head = Record::new(spec, SCREEN_REFERENCE, &setup, None);
-        cell.records.push(head.image(Against::World, &truth, &truth.world, &truth.screen.color));
+        let exact = Variant { setup, ..variant.clone() };
+        cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
+        for screen in &truth.screens {
+            let setup = Setup { oracle: screen.version, ..setup };
+            let head = Record::new(spec, SCREEN_REFERENCE, &setup, None);
+            cell.records.push(head.image(Against::World, &truth, &truth.world, &screen.image.color));
+        }
     }
     Ok(cell)
 }
@@ -341,14 +361,15 @@ impl Record {
         hits: Option<&[Option<[f64; 2]>]>,
     ) -> Vec<ErrorRecord> {
         let hits = hits.filter(|_| truth.mirrors);
+        let screen = truth.screen(self.0.head.oracle);
         let mut records = Vec::new();
         if let Some(hits) = hits {
-            let oracle: Vec<_> = truth.oracle.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
+            let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
             let hits = HitAgreement::new(&truth.mask, hits, &oracle);
             records.push(ErrorRecord { against: Against::Oracle, hits, ..self.0.clone() });
         }
         if escape == Escape::Black {
-            records.push(self.image(Against::Screen, truth, &truth.screen, color));
+            records.push(self.image(Against::Screen, truth, &screen.image, color));
         }
         let mut world = self.image(Against::World, truth, truth.world(escape), color);
         if let Some(hits) = hits {
@@ -367,13 +388,19 @@ impl Record {
     }
 }
 
-fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, escape: Escape, [width, height]: [u32; 2]) -> Strip {
-    let reference = if escape == Escape::Black { &truth.screen } else { truth.world(escape) };
+/// A picture's name: of the second version of the oracle it says so.
+fn strip_name(name: &str, version: OracleVersion) -> String {
+    if version.is_first() { name.to_owned() } else { format!("{name}-oracle-{}", u32::from(version)) }
+}
+
+fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [width, height]: [u32; 2]) -> Strip {
+    let (escape, version) = (of.escape(), of.setup.oracle);
+    let reference = if escape == Escape::Black { &truth.screen(version).image } else { truth.world(escape) };
     let error = ErrorMaps {
         rmse: error_map(&reference.color, color, &truth.mask),
         flip: FlipMap::new(&reference.display, &display(color), width, height),
     };
-    Strip { name: name.to_owned(), color: color.to_vec(), error: Some(error) }
+    Strip { name: strip_name(name, version), color: color.to_vec(), error: Some(error) }
 }
 
 /// The thesis's cone at the oracle's hits: the method's error without its ray tracing's.
@@ -382,7 +409,8 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
     let mut context = FrameContext::new(spec.gpu)?;
     let images = GBufferImages::upload(&mut context, &truth.data)?;
     let texels: Vec<[f32; 4]> = truth
-        .oracle
+        .screen(setup.oracle)
+        .hits
         .iter()
         .map(|p| match p {
             Some(p) => [p.x / f64::from(width), p.y / f64::from(height), 1.0 - p.z, 1.0].map(|v| v as f32),
@@ -439,10 +467,21 @@ fn truth(
 ) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
     let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
-    let hierarchy = Hierarchy::new(&data);
-    let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
-    let oracle = (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect();
-    let screen = ScreenReference::render(&data, &mask, Sampling { samples: spec.rays, seed: 1 }, &|| ());
+    let screen = |version| {
+        let hierarchy = Hierarchy::new(&data).of_version(version);
+        let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
+        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version };
+        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
+        ScreenTruth {
+            version,
+            hits: (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect(),
+            image: Reference::new(&image.color, image.overall_standard_error),
+        }
+    };
+    let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.oracle).collect();
+    versions.sort_by_key(|v| u32::from(*v));
+    versions.dedup();
+    let screens = versions.into_iter().map(screen).collect();
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
@@ -460,9 +499,8 @@ fn truth(
         if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
     Ok(Truth {
         mirrors,
-        oracle,
+        screens,
         world_hits,
-        screen: Reference::new(&screen.color, screen.overall_standard_error),
         world: world(Escape::Black)?,
         world_and_environment: with_environment.then(|| world(Escape::Environment)).transpose()?,
         data,

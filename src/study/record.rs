@@ -4,6 +4,7 @@
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
+use crate::math::OracleVersion;
 use crate::methods::{Fallback, Preset, Setup};
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Scene, View};
@@ -85,6 +86,9 @@ pub struct Head {
     /// Traced pixels a side over pixels.
     #[serde(default = "full_resolution")]
     pub resolution_scale: f32,
+    /// What `unified` hits, and what hits and the screen reference are of; left out where it is 1.
+    #[serde(default, skip_serializing_if = "OracleVersion::is_first")]
+    pub oracle: OracleVersion,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
     /// Global normal deviation; null where the materials keep theirs.
@@ -121,6 +125,7 @@ impl Head {
             width: setup.extent[0],
             height: setup.extent[1],
             resolution_scale: setup.resolution_scale(),
+            oracle: setup.oracle,
             roughness: globals.roughness,
             normal_deviation: globals.normal_deviation,
             device: gpu.info().clone(),

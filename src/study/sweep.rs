@@ -2,6 +2,7 @@
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
+use crate::math::OracleVersion;
 use crate::methods::{MethodInfo, Preset, Setup, Tuning};
 use crate::metrics::pareto;
 use crate::passes::PosterFilter;
@@ -48,6 +49,9 @@ pub fn name(record: &ErrorRecord) -> String {
     }
     if record.head.resolution_scale != 1.0 {
         name += &format!(" scale {}", record.head.resolution_scale);
+    }
+    if record.head.oracle == OracleVersion::V2 {
+        name += " oracle 2";
     }
     match record.params.billboards.order {
         Order::Printed => {}

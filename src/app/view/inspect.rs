@@ -3,6 +3,7 @@
 
 use super::state::Side;
 use crate::gpu::Pixels;
+use crate::math::OracleVersion;
 use crate::methods::thesis::{self, Variant};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
@@ -23,6 +24,7 @@ pub struct Inspection {
     /// Where the method's rays ended, if it says so.
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
+    oracle: OracleVersion,
 }
 
 /// How the method's ray trace is done again on the CPU.
@@ -85,6 +87,8 @@ pub enum WalkEnd {
     Hit,
     /// Where the ray leaves what is seen.
     Left,
+    /// At a block, from behind.
+    Behind,
     /// Out of iterations.
     Exhausted,
 }
@@ -140,6 +144,7 @@ impl Walk {
         let end = match hit.code {
             Code::Surface => WalkEnd::Hit,
             Code::Nothing => WalkEnd::Left,
+            Code::Behind => WalkEnd::Behind,
             Code::Unfinished => WalkEnd::Exhausted,
         };
         if end == WalkEnd::Hit {
@@ -215,7 +220,7 @@ impl Inspection {
             "unified" => Some(Twin::Unified),
             _ => None,
         };
-        Self { gbuffer, hits, twin }
+        Self { gbuffer, hits, twin, oracle: side.setup.oracle }
     }
 
     /// Rays by how they ended, with their number.
@@ -300,7 +305,7 @@ impl Inspection {
                 Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
             }
             Twin::Unified => {
-                let traversal = Traversal::new(&self.gbuffer);
+                let traversal = self.traversal();
                 let steps = |(x, y)| {
                     let ray = traversal.mirror_ray(x, y).filter(|_| self.gbuffer.reflects(self.gbuffer.index(x, y)));
                     ray.map_or(0, |(ray, _)| traversal.traverse(&ray).steps.max(0) as u32)
@@ -331,6 +336,10 @@ impl Inspection {
         (ray.z > *direction_epsilon).then(|| hi_z_ray_trace::trace(chain, pixel, ray, constants))
     }
 
+    fn traversal(&self) -> Traversal<'_> {
+        Traversal::new(&self.gbuffer).of_version(self.oracle)
+    }
+
     /// The walk of a pixel's mirror ray.
     fn walk(&self, x: u32, y: u32) -> Option<Walk> {
         let g = &self.gbuffer;
@@ -339,7 +348,7 @@ impl Inspection {
                 let size = Vec2::new(g.width as f32, g.height as f32);
                 self.hi_z(x, y).map(|trace| Walk::of_thesis(&trace, size))
             }
-            Twin::Unified if g.reflects(g.index(x, y)) => Walk::of_unified(&Traversal::new(g), x, y),
+            Twin::Unified if g.reflects(g.index(x, y)) => Walk::of_unified(&self.traversal(), x, y),
             Twin::Unified => None,
         }
     }
@@ -361,7 +370,7 @@ impl Inspection {
             segment: setup.mirror(x, y).and_then(|direction| setup.segment(x, y, direction)),
             method,
             walk: self.walk(x, y),
-            oracle: Oracle::new(&self.gbuffer).trace(x, y),
+            oracle: Oracle::new(&self.gbuffer).of_version(self.oracle).trace(x, y),
         })
     }
 }

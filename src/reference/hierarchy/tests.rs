@@ -36,12 +36,14 @@ fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
     }
 }
 
-/// Traces about `rays` rays of a random G-buffer both ways; returns how many, and how many hit.
+/// Traces about `rays` rays of a random G-buffer both ways, by one version or the other; returns how many, and how
+/// many hit.
 fn compare(case: u64, rays: u64) -> [u64; 2] {
     let random = Random::new(7, case);
     let (kind, g) = awkward(case, &random);
     let size = [g.width, g.height];
-    let (oracle, hierarchy) = (Oracle::new(&g), Hierarchy::new(&g));
+    let version = if case.is_multiple_of(2) { OracleVersion::V1 } else { OracleVersion::V2 };
+    let (oracle, hierarchy) = (Oracle::new(&g).of_version(version), Hierarchy::new(&g).of_version(version));
     let mut hits = 0;
     for ray in 0..rays {
         let (x, y) = (random.below(size[0]), random.below(size[1]));

@@ -163,3 +163,34 @@ fn one_pixel_hits_nothing() {
         assert_eq!((trace.outcome, trace.steps), (miss(reason, behind), 0), "{direction}");
     }
 }
+
+/// Three pixels in a row, the middle one near, a ray past it: what it hits by each version.
+fn ends_of(depths_m: &[f64], start_m: f64, end_m: f64) -> [Outcome; 2] {
+    let g = row(depths_m);
+    let last = depths_m.len() as f64 - 0.5;
+    let at = |m: f64| f64::from(depth_of(m));
+    let segment = Segment {
+        start: DVec3::new(0.5, 0.5, at(start_m)),
+        delta: DVec3::new(last, 0.0, at(end_m) - at(start_m)),
+        end: MissReason::LeftScreen,
+    };
+    [OracleVersion::V1, OracleVersion::V2].map(|v| Oracle::new(&g).of_version(v).trace_segment(&segment).outcome)
+}
+
+#[test]
+fn the_second_version_hits_only_from_in_front() {
+    let hits = |outcome: Outcome, pixel: u32| matches!(outcome, Outcome::Hit { pixel: p, .. } if p == [pixel, 0]);
+    // A ray at 2.004 m meets the block of 2 m (T = 0.008 m) either way. From the far wall it comes in front of that.
+    let [first, second] = ends_of(&[9.0, 2.0, 9.0], 2.004, 2.004);
+    assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
+    // Behind something nearer, it comes from behind: it passes.
+    let [first, second] = ends_of(&[1.0, 2.0, 9.0], 2.004, 2.004);
+    assert!(hits(first, 1), "{first:?}");
+    assert_eq!(second, miss(MissReason::LeftScreen, true));
+    // What it crosses from front to back it hits, whatever was before.
+    let [first, second] = ends_of(&[1.0, 2.0, 9.0], 1.9, 2.4);
+    assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
+    // Sky is in front of nothing.
+    let [first, second] = ends_of(&[SKY, 2.0, 9.0], 2.004, 2.004);
+    assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
+}

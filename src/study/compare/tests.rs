@@ -15,6 +15,7 @@ fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSam
         resolution_scale: Some(1.0),
         split: Some(false),
         fallback: Some("none".into()),
+        oracle: OracleVersion::V1,
         sample,
         pass: pass.into(),
         counted,
@@ -77,11 +78,12 @@ fn a_setting_that_differs_is_another_subject_unless_a_run_does_not_say_it() {
         run.samples.iter_mut().for_each(change);
         run
     };
-    let changes: [fn(&mut TimeSample); 4] = [
+    let changes: [fn(&mut TimeSample); 5] = [
         |s| s.split = Some(true),
         |s| s.normal_deviation = Some(0.1),
         |s| s.resolution_scale = Some(0.5),
         |s| s.fallback = Some("pccm".into()),
+        |s| s.oracle = OracleVersion::V2,
     ];
     for change in changes {
         let records = times(&plain, &changed(change), 0.05);

@@ -13,6 +13,7 @@ use super::timing::camera;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu};
+use crate::math::OracleVersion;
 use crate::methods::{Effect, Input, MethodInfo, Setup};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
@@ -171,7 +172,7 @@ impl Truth {
 
 /// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
 fn screen(data: &GBufferData, mask: &[bool], rays: u32) -> ScreenReference {
-    ScreenReference::render(data, mask, Sampling { samples: rays, seed: 3 }, &|| ())
+    ScreenReference::render(data, mask, Sampling { samples: rays, seed: 3, oracle: OracleVersion::V1 }, &|| ())
 }
 
 fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {

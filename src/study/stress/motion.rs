@@ -4,6 +4,7 @@
 use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu};
+use crate::math::OracleVersion;
 use crate::methods::MethodInfo;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
@@ -126,7 +127,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         }
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
-    let sampling = Sampling { samples: spec.rays, seed: 3 };
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1 };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();

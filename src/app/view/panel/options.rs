@@ -22,6 +22,7 @@ pub fn reads(method: &MethodInfo, flag: &str) -> bool {
         "iterations" | "start-level" | "cone-samples" => ["ssct", "hzct"].contains(&method.name),
         "chain-filter" => ["ssct", "hzct", "ssr-fast"].contains(&method.name),
         "march-stride" => ["ssct", "linear", "poster"].contains(&method.name),
+        "oracle" => method.name == "unified",
         "march" => method.name == "linear",
         "poster-filter" => method.name == "poster",
         "pixel-step" => ["ssr", "ssr-fast"].contains(&method.name),

@@ -90,6 +90,7 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
             ui.label(match walk.end {
                 WalkEnd::Hit => format!("met level 0 {}, after {steps} steps", at(end.x, end.y)),
                 WalkEnd::Left => format!("left the screen after {steps} steps"),
+                WalkEnd::Behind => format!("met a block from behind after {steps} steps"),
                 WalkEnd::Exhausted => format!("out of iterations after {steps} steps"),
             });
             ui.end_row();

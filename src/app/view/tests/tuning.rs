@@ -39,6 +39,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("split", ""),
         ("fade", "off"),
         ("fallback", "environment"),
+        ("oracle", "2"),
     ];
     let flags = Side::flags();
     assert!(flags.iter().all(|f| another.iter().any(|(flag, _)| flag == f)), "{flags:?}");
@@ -138,7 +139,7 @@ fn the_drawn_walk_is_the_shaders() {
                     }
                     (PathCode::Exhausted, Some((WalkEnd::Exhausted, _)))
                     | (PathCode::None | PathCode::Linear | PathCode::LinearMiss, None) => true,
-                    (code, Some((WalkEnd::Left, _))) => !code.is_hit(),
+                    (code, Some((WalkEnd::Left | WalkEnd::Behind, _))) => !code.is_hit(),
                     _ => false,
                 };
                 rays += 1;
