@@ -174,8 +174,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
 fn the_parameters_are_the_twins() {
     for extent in SIZES {
         let camera = clutter_camera(extent);
-        let (gpu, twin) =
-            (unified::parameters(&camera, extent, &Setup::new(extent)), Parameters::new(&camera, extent));
+        let (gpu, twin) = (unified::parameters(&camera, extent, &Setup::new(extent)), Parameters::new(&camera, extent));
         assert_eq!(gpu.view_to_clip, twin.view_to_clip.to_array());
         assert_eq!(gpu.pixel_to_clip, twin.pixel_to_clip.to_array());
         assert_eq!(gpu.pixel_to_view, twin.pixel_to_view.to_array());
@@ -347,6 +346,51 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
         }
         assert!(pixels > 2000, "{roughness}: {pixels}");
         assert_eq!(partly > pixels / 20, roughness > 0.0, "{roughness}: {partly} of {pixels}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+/// Images keep what the frame before left where no tile is drawn.
+#[test]
+fn over_tiles_nothing_of_an_earlier_frame_shows() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let extent = [127, 61];
+    let camera = timing::camera(&scene, view, extent);
+    for roughness in [0.1, 0.5] {
+        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), camera, materials).unwrap();
+        stage.run(&shot, Mode::Plain).unwrap();
+        let all = gbuffer::read(&mut stage.context, &shot).unwrap();
+        // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.
+        let mut part = all.clone();
+        for (i, reflectivity) in part.reflectivity.iter_mut().enumerate() {
+            let (x, y) = (i % 127, i / 127);
+            let inside = (x / 16 + y / 16) % 2 == 0 || (x, y) == (71, 40);
+            *reflectivity *= f32::from(u8::from(inside));
+        }
+        // Whatever an earlier frame saw is bright.
+        let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
+        let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
+        let run = |context: &mut FrameContext, frames: &[usize]| {
+            let method = (unified::INFO.create)(&gpu, &Setup::new(extent)).unwrap();
+            let mut read = None;
+            for i in frames {
+                let mut frame = context.begin(Mode::Plain).unwrap();
+                let gbuffer = images[*i].gbuffer();
+                let output = method.record(&mut frame, &Input { gbuffer, camera: &camera, scene: None }).unwrap();
+                frame.finish().unwrap();
+                let made = [output.composite.unwrap(), output.reflection.unwrap().0];
+                read = Some(made.map(|image| context.read(image.all()).unwrap()));
+            }
+            read.unwrap()
+        };
+        let alone = run(&mut stage.context, &[1]);
+        assert!(alone[1].values.iter().any(|v| *v > 0.01));
+        assert!(run(&mut stage.context, &[0, 1]) == alone, "{roughness}");
     }
     check_validation(&gpu).unwrap();
 }

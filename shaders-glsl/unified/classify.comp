@@ -14,6 +14,9 @@ layout(std430, binding = 2) buffer Counts {
 layout(std430, binding = 3) writeonly buffer Tiles {
     uint tiles[]; // for each list, room for every tile
 };
+layout(std430, binding = 4) writeonly buffer Listed {
+    uint listed[]; // for each tile, a bit for each list that it stands on
+};
 
 void main() {
     ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
@@ -32,6 +35,7 @@ void main() {
             found |= Reflects(material) ? 1u << ListOf(material) : 0u;
         }
     }
+    listed[tile.y * tile_count.x + tile.x] = found;
     int room = tile_count.x * tile_count.y;
     for (int list = 0; list < LISTS; ++list) {
         if ((found >> list & 1u) != 0u)

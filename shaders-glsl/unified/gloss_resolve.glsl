@@ -5,6 +5,7 @@
 #include "unified/ray.glsl"
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
+#include "unified/listed.glsl"
 
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
@@ -24,16 +25,18 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted
 // lies in the pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
 vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
     ivec2 last = (unified.size - 1) >> 1;
+    LISTED_AROUND(pixel >> 1, ivec2(1));
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = min((pixel + ivec2(i & 1, i >> 1)) >> 1, last);
-        vec4 surface = imageLoad(cell_surface, at);
+        bool is_drawn = IS_DRAWN(at);
+        vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
         vec3 there = ViewPoint(vec2(2 * at) + 0.5, surface.w - unified.depth_offset);
         float off = dot(normal, there - point) / (PLANE_TOLERANCE * point.z);
         float same = Overlap(normal, surface.xyz, power);
         float weight = surface.w > 0.0 ? max(same / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
-        vec4 reflection = imageLoad(cell_reflection, at);
+        vec4 reflection = is_drawn ? imageLoad(cell_reflection, at) : vec4(0.0);
         // Over another reflection, a cell shows its colour only as far as it is there.
         reflection.rgb *= unified.over != 0 ? reflection.a : 1.0;
         sum += weight * reflection;

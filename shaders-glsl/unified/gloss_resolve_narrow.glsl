@@ -32,9 +32,15 @@ Record AcrossY(Record r, float side) {
                   r.color + side * dFdyFine(r.color));
 }
 
-// One outside the block.
+// One outside the block. Where no tile is drawn the image holds anything; a pixel with a narrow lobe is in one.
 Record Load(ivec2 pixel) {
-    return Unpack(imageLoad(seen_image, clamp(pixel, ivec2(0), unified.size - 1)));
+    ivec2 at = clamp(pixel, ivec2(0), unified.size - 1);
+    uvec4 words = imageLoad(seen_image, at);
+#ifndef WHOLE
+    vec2 material = texelFetch(material_buffer, at, 0).rg;
+    words = Reflects(material) && ListOf(material) == NARROW_LIST ? words : NO_RECORD;
+#endif
+    return Unpack(words);
 }
 
 void Gather(inout Sum sum, Record own, Record r) {

@@ -13,6 +13,7 @@ use ash::vk;
 pub struct ClassifyPass {
     pipeline: ComputePipeline,
     lists: Buffer,
+    listed: Buffer,
     arguments: Buffer,
 }
 
@@ -24,6 +25,7 @@ impl ClassifyPass {
         Ok(Self {
             pipeline: ComputePipeline::new(gpu, &UNIFIED_CLASSIFY_COMP)?,
             lists: Buffer::new(gpu, "tiles", LISTS * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
+            listed: Buffer::new(gpu, "listed tiles", 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
             arguments: Buffer::new(
                 gpu,
                 "tile counts",
@@ -46,10 +48,11 @@ impl ClassifyPass {
                 ("material_buffer", Resource::nearest(gbuffer.material.all())),
                 ("Counts", Resource::Buffer(&self.arguments)),
                 ("Tiles", Resource::Buffer(&self.lists)),
+                ("Listed", Resource::Buffer(&self.listed)),
             ],
             &[],
             [x, y, 1],
         )?;
-        Ok(Tiles { lists: &self.lists, arguments: &self.arguments })
+        Ok(Tiles { lists: &self.lists, listed: &self.listed, arguments: &self.arguments })
     }
 }

@@ -6,8 +6,9 @@ use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG,
-    UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG, UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
+    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_CELLS_WHOLE_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_FRAG,
+    UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG,
+    UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
 };
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
@@ -43,16 +44,16 @@ impl UnifiedGlossPass {
         };
         let pipeline =
             |list, tiles, whole, formats: &[vk::Format]| TiledPipeline::new(gpu, list, tiles, Some(whole), formats);
-        let cell = |shader, formats: &[vk::Format]| pipeline(TileList::Wide, shader, shader, formats);
         let cells = extent.map(|n| n.div_ceil(2));
         let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
         let [narrow, narrow_whole] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG];
+        let [cells_over_tiles, cells_whole] = [&UNIFIED_GLOSS_CELLS_FRAG, &UNIFIED_GLOSS_CELLS_WHOLE_FRAG];
         let [resolve, resolve_whole] = [&UNIFIED_GLOSS_RESOLVE_FRAG, &UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG];
         Ok(Self {
             narrow: pipeline(TileList::Narrow, &UNIFIED_GLOSS_NARROW_FRAG, &UNIFIED_GLOSS_NARROW_FRAG, &[RECORD])?,
             resolve_narrow: pipeline(TileList::Narrow, narrow, narrow_whole, drawn)?,
-            wide: cell(&UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
-            cells: cell(&UNIFIED_GLOSS_CELLS_FRAG, &[LIT_COLOR; 2])?,
+            wide: pipeline(TileList::Wide, &UNIFIED_GLOSS_WIDE_FRAG, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
+            cells: pipeline(TileList::Wide, cells_over_tiles, cells_whole, &[LIT_COLOR; 2])?,
             resolve: pipeline(TileList::Wide, resolve, resolve_whole, drawn)?,
             records: image("seen", RECORD, extent)?,
             seen: [image("seen place", PLACE, cells)?, image("seen color", LIT_COLOR, cells)?],
@@ -81,14 +82,13 @@ impl UnifiedGlossPass {
         let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];
         let shown = [block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
         let loaded = |name, image: &'a Image| (name, Resource::Loaded(image.all()));
-        // Where no tile is drawn there is no ray, which neighbours on a listed tile must see.
-        let into =
-            |images: &'a [Image; 2]| [0, 1].map(|i| TiledTarget { image: &images[i], elsewhere: Some([0.0; 4]) });
-        let canvas: Vec<_> = canvas.images().map(|image| TiledTarget { image, elsewhere: None }).collect();
+        // Where no tile is drawn, images hold anything: neighbours on a listed tile ask for more than they hold.
+        let into = |image: &'a Image| TiledTarget { image, elsewhere: None };
+        let canvas: Vec<_> = canvas.images().map(into).collect();
+        let listed = tiles.map(|t| ("Listed", Resource::ReadBuffer(t.listed)));
 
         if gbuffer.reflectors.narrow {
-            let records = TiledTarget { image: &self.records, elsewhere: Some([0.0; 4]) };
-            self.narrow.draw(frame, "trace/narrow", &[records], &traced, tiles, false)?;
+            self.narrow.draw(frame, "trace/narrow", &[into(&self.records)], &traced, tiles, false)?;
             let [block, _, _, material, color] = shown;
             let resources = [block, material, color, loaded("seen_image", &self.records)];
             self.resolve_narrow.draw(frame, "resolve/narrow", &canvas, &resources, tiles, false)?;
@@ -99,13 +99,13 @@ impl UnifiedGlossPass {
         }
         if gbuffer.reflectors.wide {
             let resources: Vec<_> = traced.into_iter().chain([depth]).collect();
-            self.wide.draw(frame, "trace/wide", &into(&self.seen), &resources, tiles, true)?;
+            self.wide.draw(frame, "trace/wide", &self.seen.each_ref().map(into), &resources, tiles, true)?;
             let seen = [loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])];
-            let resources: Vec<_> = [block, depth, normal, material].into_iter().chain(seen).collect();
-            self.cells.draw(frame, "cells", &into(&self.resolved), &resources, tiles, true)?;
+            let resources: Vec<_> = [block, depth, normal, material].into_iter().chain(seen).chain(listed).collect();
+            self.cells.draw(frame, "cells", &self.resolved.each_ref().map(into), &resources, tiles, true)?;
             let [reflection, surface] = &self.resolved;
             let cells = [loaded("cell_reflection", reflection), loaded("cell_surface", surface)];
-            let resources: Vec<_> = shown.into_iter().chain(cells).collect();
+            let resources: Vec<_> = shown.into_iter().chain(cells).chain(listed).collect();
             self.resolve.draw(frame, "resolve/wide", &canvas, &resources, tiles, false)?;
         } else {
             for pass in ["trace/wide", "cells", "resolve/wide"] {
