@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Ratios of unified to ssct and hzct over the records of scripts/bars.sh: median, least and greatest over
-the views, for each roughness and size. Writes times.csv, errors.csv and bars.txt beside the records."""
+the views, for each roughness and size. Writes times.csv, errors.csv and bars.txt beside the records. A second
+folder's errors.csv gives unified's error against the world over what it is there."""
 
 import csv
 import json
@@ -32,18 +33,30 @@ def main():
 
     lines = []
     groups = sorted({(c[4], c[2], c[3]) for c in times})
+    if records:
+        first = records[0]
+        device, oracle = first["device"], first.get("oracle", 1)
+        lines += [f"{device['name']} ({device['driver']}), version {first['version']}, {first['commit']}, oracle {oracle}", ""]
     if times:
-        first = next(r for r in records if r["kind"] == "time")
-        lines += [f"{first['device']['name']} ({first['device']['driver']}), version {first['version']}, {first['commit']}", ""]
         lines += ["time of the effect, unified over ssct and over hzct: median over the views (least … greatest)", ""]
     for roughness, width, height in groups:
         here = [t for c, t in times.items() if c[4] == roughness and c[2:4] == (width, height)]
         over = [ratios([t["unified"]["median_ms"] / t[m]["median_ms"] for t in here]) for m in ("ssct", "hzct")]
         lines.append(f"roughness {roughness:<5} {width}x{height}  {len(here):2} views  ssct {over[0]}  hzct {over[1]}")
+    if times and errors:
+        lines.append("")
+
+    world_there = {}
+    if len(sys.argv) > 2:
+        with open(Path(sys.argv[2]) / "errors.csv", newline="") as file:
+            for r in csv.DictReader(file):
+                if (r["method"], r["against"]) == ("unified", "world"):
+                    size = int(r["width"]), int(r["height"])
+                    world_there[r["scene"], r["view"], *size, round(float(r["roughness"]), 4)] = float(r["rmse"])
 
     groups = sorted({(c[4], c[2], c[3]) for c in errors})
     if errors:
-        lines += ["", "error: unified over ssct; RMSE with the reference's own variance taken off; and unified over the screen reference, both against the world", ""]
+        lines += ["error: unified over ssct; RMSE with the reference's own variance taken off; and unified over the screen reference, both against the world", ""]
     for roughness, width, height in groups:
         here = [e for c, e in errors.items() if c[4] == roughness and c[2:4] == (width, height)]
 
@@ -58,6 +71,10 @@ def main():
             hits = [e["unified", "oracle"]["hit_agreement"] for e in here]
             wrong = [(1 - e["unified", "world"]["hit_agreement"]) / (1 - e["ssct", "world"]["hit_agreement"]) for e in here]
             line += f"  hits at least {min(hits):.6f}  wrong in the world {ratios(wrong)}"
+        cells = [c for c in errors if c[4] == roughness and c[2:4] == (width, height)]
+        both = [errors[c]["unified", "world"]["rmse"] / world_there[c] for c in cells if c in world_there]
+        if both:
+            line += f"  world over {sys.argv[2]} {ratios(both)}"
         lines.append(line)
 
     text = "\n".join(lines) + "\n"

@@ -89,7 +89,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let pass = PyramidPass::new(gpu, extent).unwrap();
     let method = (methods::find("unified").unwrap().create)(gpu, &Setup { oracle, ..setup(extent) }).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
-    let parameters = unified::parameters(&data.camera, extent, &Setup { oracle, ..setup(extent) });
+    let parameters = unified::parameters(&data.camera, extent, true);
     let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
     let input = Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None };
     let output = method.record(&mut frame, &input).unwrap();
@@ -174,7 +174,7 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
 fn the_parameters_are_the_twins() {
     for extent in SIZES {
         let camera = clutter_camera(extent);
-        let (gpu, twin) = (unified::parameters(&camera, extent, &Setup::new(extent)), Parameters::new(&camera, extent));
+        let (gpu, twin) = (unified::parameters(&camera, extent, true), Parameters::new(&camera, extent));
         assert_eq!(gpu.view_to_clip, twin.view_to_clip.to_array());
         assert_eq!(gpu.pixel_to_clip, twin.pixel_to_clip.to_array());
         assert_eq!(gpu.pixel_to_view, twin.pixel_to_view.to_array());

@@ -38,11 +38,11 @@ vec4 Wide(ivec2 pixel, vec3 point, vec3 normal, float power) {
         float weight = surface.w > 0.0 ? max(same / (1.0 + off * off * off * off), LEAST_WEIGHT) : 0.0;
         vec4 reflection = is_drawn ? imageLoad(cell_reflection, at) : vec4(0.0);
         // Over another reflection, a cell shows its colour only as far as it is there.
-        reflection.rgb *= unified.over != 0 ? reflection.a : 1.0;
+        reflection.rgb *= OVER != 0 ? reflection.a : 1.0;
         sum += weight * reflection;
         weights += weight;
     }
-    float colors = unified.over != 0 ? sum.a : weights;
+    float colors = OVER != 0 ? sum.a : weights;
     return colors > 0.0 ? vec4(sum.rgb / colors, sum.a / weights) : vec4(0.0);
 }
 

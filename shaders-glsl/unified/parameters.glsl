@@ -11,9 +11,10 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     float fade_start;    // I_start and I_end of Eq. 4.7
     float fade_end;
     int fade;            // 0: no fade at all
-    int oracle;          // 1, 2: which version of it says what is hit
-    int over;            // 1: another reflection shows where this one misses
 } unified;
+
+layout(constant_id = 0) const int ORACLE = 1; // which version of it says what is hit
+layout(constant_id = 1) const int OVER = 0;   // 1: another reflection shows where this one misses
 
 // "A pixel reflects if its reflectivity exceeds 1e-4" (DEFINITIONS, "Surfaces").
 #define REFLECTS_ABOVE 1e-4

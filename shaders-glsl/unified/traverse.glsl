@@ -119,7 +119,7 @@ Hit Traverse(Ray ray) {
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
         // Behind this front and the one before, it has not come from in front of either (reference::oracle).
-        if (unified.oracle == 2 && entry_depth < front && entry_depth < FrontBefore(ray, pixel, ahead))
+        if (ORACLE == 2 && entry_depth < front && entry_depth < FrontBefore(ray, pixel, ahead))
             hit.code = MISS_BEHIND;
     }
     return hit;

@@ -165,17 +165,30 @@ impl Drop for Layout {
 impl GraphicsPipeline {
     /// A fragment shader over the whole of its targets.
     pub fn fullscreen(gpu: &Gpu, fragment: &'static Shader, targets: &[vk::Format]) -> Result<Self> {
-        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, Geometry::Triangles(None), targets, None)
+        Self::fullscreen_with(gpu, fragment, targets, &[])
     }
 
-    /// Points, that is squares of pixels, which a vertex shader makes from nothing but their number.
+    /// The same with values of the fragment shader's specialization constants 0, 1 and so on.
+    pub fn fullscreen_with(
+        gpu: &Gpu,
+        fragment: &'static Shader,
+        targets: &[vk::Format],
+        constants: &[i32],
+    ) -> Result<Self> {
+        let shaders = Shaders { vertex: &super::shader::COMMON_FULLSCREEN_VERT, fragment, constants };
+        Self::new(gpu, shaders, Geometry::Triangles(None), targets, None)
+    }
+
+    /// Points, that is squares of pixels, which a vertex shader makes from nothing but their number. Constants
+    /// are as of [`Self::fullscreen_with`].
     pub fn points(
         gpu: &Gpu,
         vertex: &'static Shader,
         fragment: &'static Shader,
         targets: &[vk::Format],
+        constants: &[i32],
     ) -> Result<Self> {
-        Self::new(gpu, vertex, fragment, Geometry::Points, targets, None)
+        Self::new(gpu, Shaders { vertex, fragment, constants }, Geometry::Points, targets, None)
     }
 
     /// Triangles, both sides, with reversed depth (greater wins) where there is a depth format.
@@ -190,7 +203,13 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        Self::new(gpu, vertex, fragment, Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::new(
+            gpu,
+            Shaders { vertex, fragment, constants: &[] },
+            Geometry::Triangles(Some(input)),
+            targets,
+            Some(depth),
+        )
     }
 
     /// As [`Self::mesh`], but draws only where a [`Self::marking`] pipeline marked the stencil; the
@@ -204,20 +223,26 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        Self::new(gpu, vertex, fragment, Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::new(
+            gpu,
+            Shaders { vertex, fragment, constants: &[] },
+            Geometry::Triangles(Some(input)),
+            targets,
+            Some(depth),
+        )
     }
 
     /// A fragment shader over the whole of a depth target with stencil that marks every pixel that it
     /// doesn't discard, and writes nothing else.
     pub fn marking(gpu: &Gpu, fragment: &'static Shader, depth: vk::Format) -> Result<Self> {
         let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
-        Self::new(gpu, &super::shader::COMMON_FULLSCREEN_VERT, fragment, Geometry::Triangles(None), &[], Some(depth))
+        let shaders = Shaders { vertex: &super::shader::COMMON_FULLSCREEN_VERT, fragment, constants: &[] };
+        Self::new(gpu, shaders, Geometry::Triangles(None), &[], Some(depth))
     }
 
     fn new(
         gpu: &Gpu,
-        vertex: &'static Shader,
-        fragment: &'static Shader,
+        Shaders { vertex, fragment, constants }: Shaders,
         geometry: Geometry,
         targets: &[vk::Format],
         depth: Option<DepthState>,
@@ -225,7 +250,15 @@ impl GraphicsPipeline {
         let layout =
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
-        let stages = [modules[0].stage(vk::ShaderStageFlags::VERTEX), modules[1].stage(vk::ShaderStageFlags::FRAGMENT)];
+        let size = size_of::<i32>();
+        let entries: Vec<_> = (0..constants.len())
+            .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: (size * i) as u32, size })
+            .collect();
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let stages = [
+            modules[0].stage(vk::ShaderStageFlags::VERTEX),
+            modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
+        ];
         let (topology, input) = match geometry {
             Geometry::Triangles(input) => (vk::PrimitiveTopology::TRIANGLE_LIST, input),
             Geometry::Points => (vk::PrimitiveTopology::POINT_LIST, None),
@@ -301,6 +334,14 @@ impl GraphicsPipeline {
         gpu.name(handle, fragment.name);
         Ok(Self { layout, handle, name: fragment.name, settled: Rc::default() })
     }
+}
+
+/// The stages of a graphics pipeline.
+struct Shaders<'c> {
+    vertex: &'static Shader,
+    fragment: &'static Shader,
+    /// Values of the fragment shader's specialization constants 0, 1 and so on.
+    constants: &'c [i32],
 }
 
 impl Stencil {

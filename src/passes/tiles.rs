@@ -59,7 +59,8 @@ pub struct TiledTarget<'a> {
 }
 
 impl TiledPipeline {
-    /// From the shaders of both ways to draw; they have the same bindings.
+    /// From the shaders of both ways to draw; they have the same bindings, and the same specialization constants
+    /// (of [`GraphicsPipeline::fullscreen_with`]).
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
@@ -69,6 +70,7 @@ impl TiledPipeline {
         tiles: &'static Shader,
         whole: Option<&'static Shader>,
         formats: &[vk::Format],
+        constants: &[i32],
     ) -> Result<Self> {
         if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
@@ -78,8 +80,10 @@ impl TiledPipeline {
         }
         Ok(Self {
             list,
-            tiles: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, tiles, formats)?,
-            whole: whole.map(|shader| GraphicsPipeline::fullscreen(gpu, shader, formats)).transpose()?,
+            tiles: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, tiles, formats, constants)?,
+            whole: whole
+                .map(|shader| GraphicsPipeline::fullscreen_with(gpu, shader, formats, constants))
+                .transpose()?,
         })
     }
 

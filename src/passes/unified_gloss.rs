@@ -32,18 +32,20 @@ pub struct UnifiedGlossPass {
 }
 
 impl UnifiedGlossPass {
-    /// For images of a size in pixels; `reflection` says whether the canvases will have one.
+    /// For images of a size in pixels; `reflection` says whether the canvases will have one, `constants` are those
+    /// of `parameters.glsl`.
     ///
     /// # Errors
     /// As [`TiledPipeline::new`].
-    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, constants: &[i32]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
             let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let pipeline =
-            |list, tiles, whole, formats: &[vk::Format]| TiledPipeline::new(gpu, list, tiles, Some(whole), formats);
+        let pipeline = |list, tiles, whole, formats: &[vk::Format]| {
+            TiledPipeline::new(gpu, list, tiles, Some(whole), formats, constants)
+        };
         let cells = extent.map(|n| n.div_ceil(2));
         let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
         let [narrow, narrow_whole] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG];

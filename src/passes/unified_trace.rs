@@ -29,11 +29,11 @@ pub struct UnifiedTraceInput<'a> {
 
 impl UnifiedTracePass {
     /// For images of a size in pixels. `reflection` says whether the canvases will have one; `hits`, which
-    /// need it, asks for them beside the image.
+    /// need it, asks for them beside the image; `constants` are those of `parameters.glsl`.
     ///
     /// # Errors
     /// As [`TiledPipeline::new`].
-    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool, constants: &[i32]) -> Result<Self> {
         let (shader, whole, formats) = if hits {
             (&UNIFIED_MIRROR_HITS_FRAG, None, &[LIT_COLOR, LIT_COLOR, HITS][..])
         } else {
@@ -41,7 +41,7 @@ impl UnifiedTracePass {
             (&UNIFIED_MIRROR_FRAG, Some(&UNIFIED_MIRROR_WHOLE_FRAG), drawn)
         };
         Ok(Self {
-            mirrors: TiledPipeline::new(gpu, TileList::Mirrors, shader, whole, formats)?,
+            mirrors: TiledPipeline::new(gpu, TileList::Mirrors, shader, whole, formats, constants)?,
             hits: hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
         })
     }
