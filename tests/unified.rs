@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::math::OracleVersion;
-use ssct::methods::{self, Fallback, Input, Setup, unified};
+use ssct::methods::{self, Fallback, Input, Method, Setup, unified};
 use ssct::metrics::hits::HitAgreement;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::PyramidPass;
@@ -19,7 +19,7 @@ use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct::reference::random::Stream;
 use ssct::reference::unified::{Code, Parameters, Traversal};
 use ssct::reference::{Hierarchy, MissReason, Outcome};
-use ssct::scene::{Camera, GBufferData, Lens, Scene, View, library, scene_file};
+use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, View, library, scene_file};
 use ssct::study::{Globals, Shot, Stage, gbuffer, timing};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
@@ -313,28 +313,53 @@ fn a_frame_records_what_its_materials_need() {
     check_validation(&gpu).unwrap();
 }
 
+/// The corridor of the built-in rooms at a size that is odd both ways.
+struct Corridor {
+    scene: Scene,
+    view: View,
+    extent: [u32; 2],
+    camera: Camera,
+}
+
+impl Corridor {
+    fn new() -> Self {
+        let scene = library::scene("rooms").unwrap();
+        let view = scene.view("corridor").unwrap().clone();
+        let extent = [127, 61];
+        let camera = timing::camera(&scene, &view, extent);
+        Self { scene, view, extent, camera }
+    }
+
+    fn materials(&self, roughness: f32) -> Vec<Material> {
+        Globals { roughness: Some(roughness), ..Globals::default() }.materials(&self.scene, &self.view)
+    }
+
+    /// The method alone in a frame: its reflection, and the composite if it makes one.
+    fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let output = method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None }).unwrap();
+        frame.finish().unwrap();
+        let reflection = context.read(output.reflection.unwrap().0.all()).unwrap();
+        (reflection, output.composite.map(|image| context.read(image.all()).unwrap()))
+    }
+}
+
 #[test]
 fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
     let gpu = gpu();
     let _compiled = compiled(&gpu);
-    let scene = library::scene("rooms").unwrap();
-    let view = scene.view("corridor").unwrap();
-    let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let extent = [127, 61];
-    let camera = timing::camera(&scene, view, extent);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
-        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let materials = corridor.materials(roughness);
         let plain = Setup { fade: false, ..Setup::new(extent) };
         let shot = Shot::new(&mut stage, &unified::INFO, &plain, camera, materials).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         // The method alone: it knows that something is behind, and leaves showing it to others.
         let [alone, over] = [Fallback::None, Fallback::Environment].map(|fallback| {
             let method = (unified::INFO.create)(&gpu, &Setup { fallback, ..plain }).unwrap();
-            let mut frame = stage.context.begin(Mode::Plain).unwrap();
-            let input = Input { gbuffer: shot.gbuffer.gbuffer(), camera: &camera, scene: None };
-            let output = method.record(&mut frame, &input).unwrap();
-            frame.finish().unwrap();
-            stage.context.read(output.reflection.unwrap().0.all()).unwrap()
+            corridor.made(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
         });
         let (mut pixels, mut partly) = (0, 0);
         for (a, o) in alone.texels().zip(over.texels()).filter(|(a, _)| a[3] > 0.999) {
@@ -355,13 +380,11 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
 fn over_tiles_nothing_of_an_earlier_frame_shows() {
     let gpu = gpu();
     let _compiled = compiled(&gpu);
-    let scene = library::scene("rooms").unwrap();
-    let view = scene.view("corridor").unwrap();
-    let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let extent = [127, 61];
-    let camera = timing::camera(&scene, view, extent);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.1, 0.5] {
-        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let materials = corridor.materials(roughness);
         let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), camera, materials).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         let all = gbuffer::read(&mut stage.context, &shot).unwrap();
@@ -377,19 +400,10 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
             let method = (unified::INFO.create)(&gpu, &Setup::new(extent)).unwrap();
-            let mut read = None;
-            for i in frames {
-                let mut frame = context.begin(Mode::Plain).unwrap();
-                let gbuffer = images[*i].gbuffer();
-                let output = method.record(&mut frame, &Input { gbuffer, camera: &camera, scene: None }).unwrap();
-                frame.finish().unwrap();
-                let made = [output.composite.unwrap(), output.reflection.unwrap().0];
-                read = Some(made.map(|image| context.read(image.all()).unwrap()));
-            }
-            read.unwrap()
+            frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
         };
         let alone = run(&mut stage.context, &[1]);
-        assert!(alone[1].values.iter().any(|v| *v > 0.01));
+        assert!(alone.0.values.iter().any(|v| *v > 0.01) && alone.1.is_some());
         assert!(run(&mut stage.context, &[0, 1]) == alone, "{roughness}");
     }
     check_validation(&gpu).unwrap();
@@ -400,13 +414,11 @@ fn every_way_to_draw_makes_the_same_image() {
     // Whole, where all that reflects does so in one way; over lists, if nothing is known; with hits beside.
     let gpu = gpu();
     let _compiled = compiled(&gpu);
-    let scene = library::scene("rooms").unwrap();
-    let view = scene.view("corridor").unwrap();
-    let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let extent = [127, 61];
-    let camera = timing::camera(&scene, view, extent);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
-        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let materials = corridor.materials(roughness);
         let images = |stage: &mut Stage, split: bool, known: bool| {
             let setup = Setup { split, ..Setup::new(extent) };
             let shot = Shot::new(stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
@@ -416,10 +428,8 @@ fn every_way_to_draw_makes_the_same_image() {
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
             let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
-            let mut frame = stage.context.begin(Mode::Plain).unwrap();
-            let output = method.record(&mut frame, &Input { gbuffer, camera: &camera, scene: None }).unwrap();
-            frame.finish().unwrap();
-            [output.composite.unwrap(), output.reflection.unwrap().0].map(|i| stage.context.read(i.all()).unwrap())
+            let (reflection, composite) = corridor.made(&mut stage.context, &*method, gbuffer);
+            [composite.unwrap(), reflection]
         };
         let whole = images(&mut stage, false, true);
         assert!(whole[1].values.iter().any(|v| *v > 0.1));

@@ -203,13 +203,8 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        Self::new(
-            gpu,
-            Shaders { vertex, fragment, constants: &[] },
-            Geometry::Triangles(Some(input)),
-            targets,
-            Some(depth),
-        )
+        let shaders = Shaders { vertex, fragment, constants: &[] };
+        Self::new(gpu, shaders, Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// As [`Self::mesh`], but draws only where a [`Self::marking`] pipeline marked the stencil; the
@@ -223,13 +218,8 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        Self::new(
-            gpu,
-            Shaders { vertex, fragment, constants: &[] },
-            Geometry::Triangles(Some(input)),
-            targets,
-            Some(depth),
-        )
+        let shaders = Shaders { vertex, fragment, constants: &[] };
+        Self::new(gpu, shaders, Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// A fragment shader over the whole of a depth target with stencil that marks every pixel that it

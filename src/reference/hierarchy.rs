@@ -10,7 +10,6 @@
 //! are monotonic expressions evaluated at the same boundaries on every level.
 
 use super::Level;
-use super::oracle::comes_from_behind;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
 use super::thickness::{self, Block};
 use crate::math::OracleVersion;
@@ -83,9 +82,7 @@ impl<'a> Hierarchy<'a> {
                     level -= 1;
                     continue;
                 }
-                let before = lanes.map(|lane| lane.before(entry));
-                let before = self.cell(&before, 0).unwrap_or(Block::EMPTY);
-                if self.version == OracleVersion::V2 && comes_from_behind(segment.depth_at(entry), before, cell) {
+                if self.version == OracleVersion::V2 && self.is_behind(&lanes, segment, entry, cell) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
@@ -113,6 +110,13 @@ impl<'a> Hierarchy<'a> {
             let cells = &self.levels[level];
             cells.texels[(y >> level) as usize * cells.width as usize + (x >> level) as usize]
         })
+    }
+
+    /// Whether a ray that enters a pixel's block at `entry` lies behind its front and that of the pixel before.
+    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: Block) -> bool {
+        let depth = segment.depth_at(entry);
+        let before = lanes.map(|lane| lane.before(entry));
+        depth < block.front && self.cell(&before, 0).is_some_and(|before| depth < before.front)
     }
 
     /// A ray that ends at `end` in the pixel that it is in just before.

@@ -66,14 +66,19 @@ impl<'a> Oracle<'a> {
             steps += 1;
             let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
             if let Some(s) = meets(segment, block, entry, exit) {
-                let before = self.block(last).unwrap_or(Block::EMPTY);
-                if self.version == OracleVersion::V2 && comes_from_behind(segment.depth_at(entry), before, block) {
+                if self.version == OracleVersion::V2 && self.comes_from_behind(segment.depth_at(entry), last, block) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 let outcome = Outcome::Hit { pixel: pixel.map(|p| p as u32), position: segment.at(s) };
                 return Trace { outcome, steps };
             }
         }
+    }
+
+    /// Whether a ray that enters a block's pixel at a depth lies behind the fronts of the block and of the pixel
+    /// that it comes from.
+    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: Block) -> bool {
+        entry_depth < block.front && self.block(last).is_some_and(|before| entry_depth < before.front)
     }
 
     /// The block of a pixel; `None` off screen.
@@ -106,11 +111,6 @@ fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<f64> 
         return Some(((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit));
     }
     Some(entry)
-}
-
-/// Whether a ray that enters a block's pixel at a depth lies behind the front of the block and of the one before.
-pub(super) fn comes_from_behind(entry_depth: f64, before: Block, block: Block) -> bool {
-    entry_depth < block.front && entry_depth < before.front
 }
 
 #[cfg(test)]

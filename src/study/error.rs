@@ -1,16 +1,18 @@
 //! Run time against error: some variants of methods on one view, size and roughness, timed in turn
 //! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
 
+mod truth;
+
+use self::truth::{Reference, Truth, truth};
 use super::gbuffer;
 use super::journal::{Journal, digest};
 use super::record::{Head, Stats};
 use super::stage::{Globals, Shot, Stage};
 use super::timing::camera;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
-use crate::math::OracleVersion;
-use crate::math::display_byte;
+use crate::math::{OracleVersion, display_byte};
 use crate::methods::ssct::ThesisMethod;
 use crate::methods::{Fallback, MethodInfo, Setup, Tuning};
 use crate::metrics::flip::FlipMap;
@@ -23,15 +25,8 @@ use crate::passes::gbuffer::GBufferImages;
 use crate::passes::linear_trace::March;
 use crate::passes::planar::Mirrors;
 use crate::passes::{Hits, PosterFilter};
-use crate::reference::first_hits::FirstHits;
-use crate::reference::hierarchy::Hierarchy;
-use crate::reference::screen::{Sampling, ScreenReference};
-use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
-use crate::reference::world_hits::{WorldHit, world_hits};
-use crate::scene::{GBufferData, Material, Scene, View};
-use glam::{DVec3, Vec3};
-use rayon::prelude::*;
+use crate::reference::world::Escape;
+use crate::scene::{Scene, View};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -181,56 +176,6 @@ impl ErrorSpec<'_> {
         let what = format!("{:?} {:?}", self.view, self.globals);
         digest(self.gpu, &json!([self.scene_digest, what, self.extent, variants, self.warmup]))
     }
-}
-
-/// Rays a pixel of the world reference between two chances to stop.
-const RAYS_AT_ONCE: u32 = 8;
-
-/// The references of a cell.
-struct Truth {
-    data: GBufferData,
-    /// Reflecting pixels.
-    mask: Vec<bool>,
-    /// Whether every one of them is a mirror; only then do hits compare.
-    mirrors: bool,
-    /// What the screen shows, by each version of the oracle that a variant is held against.
-    screens: Vec<ScreenTruth>,
-    /// Where the screen shows the ends of the mirror rays in the world.
-    world_hits: Vec<Option<[f64; 2]>>,
-    /// With nothing where a ray escapes.
-    world: Reference,
-    /// With the environment there, if a variant shows it.
-    world_and_environment: Option<Reference>,
-}
-
-/// The references in screen space, by a version of the oracle.
-struct ScreenTruth {
-    version: OracleVersion,
-    /// Hits of the mirror rays: pixel x, pixel y and reversed depth.
-    hits: Vec<Option<DVec3>>,
-    image: Reference,
-}
-
-impl Truth {
-    /// What the screen shows by a version; one that no variant is held against is the first one's.
-    fn screen(&self, version: OracleVersion) -> &ScreenTruth {
-        self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
-    }
-
-    /// The world that a variant is held against.
-    fn world(&self, escape: Escape) -> &Reference {
-        match (escape, &self.world_and_environment) {
-            (Escape::Environment, Some(reference)) => reference,
-            _ => &self.world,
-        }
-    }
-}
-
-/// A reference image.
-struct Reference {
-    color: Vec<[f32; 3]>,
-    display: Vec<u8>,
-    standard_error: f64,
 }
 
 /// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
@@ -456,63 +401,6 @@ fn totals(
     }
     let all = |m: usize| (0..spec.samples).filter_map(|n| journal.get::<f64>(&key(m, n))).collect::<Vec<_>>();
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
-}
-
-fn truth(
-    spec: &ErrorSpec,
-    data: GBufferData,
-    materials: &[Material],
-    with_environment: bool,
-    go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<Truth> {
-    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
-    let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
-    let screen = |version| {
-        let hierarchy = Hierarchy::new(&data).of_version(version);
-        let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
-        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version };
-        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
-        ScreenTruth {
-            version,
-            hits: (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect(),
-            image: Reference::new(&image.color, image.overall_standard_error),
-        }
-    };
-    let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.oracle).collect();
-    versions.sort_by_key(|v| u32::from(*v));
-    versions.dedup();
-    let screens = versions.into_iter().map(screen).collect();
-
-    let triangles = World::new(spec.scene, materials);
-    let first_hits = FirstHits::from_gbuffer(&data);
-    let mut world = |escape| {
-        let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape, seed: 2 };
-        let mut state = reference.start();
-        for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
-            go_on()?;
-            reference.add(&mut state, RAYS_AT_ONCE.min(spec.rays - begun));
-        }
-        Ok::<_, Error>(Reference::new(&reference.image(&state).reflection, state.overall_standard_error()))
-    };
-    let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
-    let world_hits =
-        if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
-    Ok(Truth {
-        mirrors,
-        screens,
-        world_hits,
-        world: world(Escape::Black)?,
-        world_and_environment: with_environment.then(|| world(Escape::Environment)).transpose()?,
-        data,
-        mask,
-    })
-}
-
-impl Reference {
-    fn new(color: &[Vec3], standard_error: f64) -> Self {
-        let color: Vec<[f32; 3]> = color.iter().map(Vec3::to_array).collect();
-        Self { display: display(&color), color, standard_error }
-    }
 }
 
 /// The display image: 3 bytes a pixel.

@@ -1,0 +1,122 @@
+//! The references of a cell: hits and image of the screen by each version of the oracle, and of the world.
+
+use super::{ErrorSpec, display};
+use crate::error::{Error, Result};
+use crate::math::OracleVersion;
+use crate::reference::first_hits::FirstHits;
+use crate::reference::hierarchy::Hierarchy;
+use crate::reference::screen::{Sampling, ScreenReference};
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world_hits::{WorldHit, world_hits};
+use crate::scene::{GBufferData, Material};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Rays a pixel of the world reference between two chances to stop.
+const RAYS_AT_ONCE: u32 = 8;
+
+/// The references of a cell.
+pub(super) struct Truth {
+    pub(super) data: GBufferData,
+    /// Reflecting pixels.
+    pub(super) mask: Vec<bool>,
+    /// Whether every one of them is a mirror; only then do hits compare.
+    pub(super) mirrors: bool,
+    /// What the screen shows, by each version of the oracle that a variant is held against.
+    pub(super) screens: Vec<ScreenTruth>,
+    /// Where the screen shows the ends of the mirror rays in the world.
+    pub(super) world_hits: Vec<Option<[f64; 2]>>,
+    /// With nothing where a ray escapes.
+    pub(super) world: Reference,
+    /// With the environment there, if a variant shows it.
+    pub(super) world_and_environment: Option<Reference>,
+}
+
+/// The references in screen space, by a version of the oracle.
+pub(super) struct ScreenTruth {
+    pub(super) version: OracleVersion,
+    /// Hits of the mirror rays: pixel x, pixel y and reversed depth.
+    pub(super) hits: Vec<Option<DVec3>>,
+    pub(super) image: Reference,
+}
+
+impl Truth {
+    /// What the screen shows by a version; one that no variant is held against is the first one's.
+    pub(super) fn screen(&self, version: OracleVersion) -> &ScreenTruth {
+        self.screens.iter().find(|s| s.version == version).unwrap_or(&self.screens[0])
+    }
+
+    /// The world that a variant is held against.
+    pub(super) fn world(&self, escape: Escape) -> &Reference {
+        match (escape, &self.world_and_environment) {
+            (Escape::Environment, Some(reference)) => reference,
+            _ => &self.world,
+        }
+    }
+}
+
+/// A reference image.
+pub(super) struct Reference {
+    pub(super) color: Vec<[f32; 3]>,
+    pub(super) display: Vec<u8>,
+    pub(super) standard_error: f64,
+}
+
+/// The references of the G-buffer that the variants see. `go_on` is called between two steps, and its error ends it.
+pub(super) fn truth(
+    spec: &ErrorSpec,
+    data: GBufferData,
+    materials: &[Material],
+    with_environment: bool,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<Truth> {
+    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
+    let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
+    let screen = |version| {
+        let hierarchy = Hierarchy::new(&data).of_version(version);
+        let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
+        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version };
+        let image = ScreenReference::render(&data, &mask, sampling, &|| ());
+        ScreenTruth {
+            version,
+            hits: (0..mask.len() as u32).into_par_iter().map(|i| mirror_hit(i).flatten()).collect(),
+            image: Reference::new(&image.color, image.overall_standard_error),
+        }
+    };
+    let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.oracle).collect();
+    versions.sort_by_key(|v| u32::from(*v));
+    versions.dedup();
+    let screens = versions.into_iter().map(screen).collect();
+
+    let triangles = World::new(spec.scene, materials);
+    let first_hits = FirstHits::from_gbuffer(&data);
+    let mut world = |escape| {
+        let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape, seed: 2 };
+        let mut state = reference.start();
+        for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
+            go_on()?;
+            reference.add(&mut state, RAYS_AT_ONCE.min(spec.rays - begun));
+        }
+        Ok::<_, Error>(Reference::new(&reference.image(&state).reflection, state.overall_standard_error()))
+    };
+    let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
+    let world_hits =
+        if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
+    Ok(Truth {
+        mirrors,
+        screens,
+        world_hits,
+        world: world(Escape::Black)?,
+        world_and_environment: with_environment.then(|| world(Escape::Environment)).transpose()?,
+        data,
+        mask,
+    })
+}
+
+impl Reference {
+    fn new(color: &[Vec3], standard_error: f64) -> Self {
+        let color: Vec<[f32; 3]> = color.iter().map(Vec3::to_array).collect();
+        Self { display: display(&color), color, standard_error }
+    }
+}
