@@ -7,9 +7,9 @@
 // was sampled there), a ratio estimator (Stachowiak 2015; Heitz et al. 2018); for narrow lobes it is
 // enough how alike the two lobes are. There is nothing random, and nothing of earlier frames.
 //
-// The gathered neighbourhood of every pixel holds each direction: a cross of 5 pixels with the direction
-// (x + 2 y) mod 5 (and one pixel more), a diamond of 13 with (x + 5 y) mod 13. (Both shapes tile the
-// plane in a lattice.) So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
+// The gathered neighbourhood of every pixel holds each direction once: a square of 3 x 3 pixels with the direction
+// (x + 3 y) mod 9, one of 5 x 5 cells with (x + 5 y) mod 25. So no pixel lacks a part of the lobe, and there are no
+// blocks that could be seen.
 
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
@@ -24,10 +24,8 @@ float LobePower(float roughness) {
     return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
 }
 
-// ln cos of the angle between two unit vectors, from their chord: exact for lobes of any narrowness.
-float LogCos(vec3 a, vec3 b) {
-    vec3 chord = a - b;
-    float x = 0.5 * dot(chord, chord); // 1 - cos
+// ln cos of an angle, of 1 - cos.
+float LogCos(float x) {
     return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
 }
 

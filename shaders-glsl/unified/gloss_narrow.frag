@@ -1,5 +1,5 @@
 #version 460
-// A ray a pixel for narrow lobes: five directions. (One for two pixels, over a chequerboard, takes 0.7 of
+// A ray a pixel for narrow lobes: nine directions. (One for two pixels, over a chequerboard, takes 0.7 of
 // the time; the error is 1.5 times as large, and a third more changes under a moving camera.)
 
 #include "unified/parameters.glsl"
@@ -10,7 +10,8 @@ layout(location = 0) out uvec4 out_record;
 
 // The pattern covers the inner part of the lobe; each ray's footprint reaches into the rest.
 #define PART 0.5
-#define GATHERED 6.0 // rays: gloss_resolve_narrow.glsl
+// Footprints to a lobe, of the nine rays: each reaches into its neighbours', for steadiness under a moving camera.
+#define FOOTPRINTS 4.5
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -23,9 +24,9 @@ void main() {
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, material.g);
-    vec2 u = LatticePoint((pixel.x + 2 * pixel.y) % 5, 2, 5, vec2(0.5));
+    vec2 u = LatticePoint((pixel.x + 3 * pixel.y) % 9, 2, 9, vec2(0.5));
     Hit hit;
-    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * PART, u.y), GATHERED, 1.0, hit);
-    float power = log2(lobe.power);
-    out_record = Pack(Record(lobe.mirror, seen.density > 0.0 ? power : -power, seen.color));
+    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * PART, u.y), FOOTPRINTS, 1.0, hit);
+    float root = sqrt(lobe.power);
+    out_record = Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }

@@ -5,7 +5,7 @@
 
 struct Record {
     vec3 mirror; // the lobe's middle, a unit vector
-    float power; // log2(alpha + 1), which is above 0; negative for a miss; 0 for no ray
+    float root;  // of alpha + 1; negative for a miss; 0 for no ray
     vec4 color;  // of the hit, and its fade in a; a miss is 0
 };
 
@@ -23,7 +23,7 @@ vec3 FromOctahedral(vec2 o) {
 }
 
 uvec4 Pack(Record r) {
-    return uvec4(packSnorm2x16(Octahedral(r.mirror)), floatBitsToUint(r.power), packHalf2x16(r.color.rg),
+    return uvec4(packSnorm2x16(Octahedral(r.mirror)), floatBitsToUint(r.root), packHalf2x16(r.color.rg),
                  packHalf2x16(r.color.ba));
 }
 

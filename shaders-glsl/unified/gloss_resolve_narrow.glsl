@@ -1,9 +1,10 @@
 // The reflection of each pixel with a narrow lobe, from the rays around it, and the composite. Needs
 // parameters.glsl.
 //
-// A pixel gathers its own ray and those of five neighbours: the other three of its block of 2 x 2 pixels, and
-// the two beside it outside of that. The block is what a device shades together, in step: its pixels hand each
-// other what they loaded by the derivatives of the screen, v +- dFdx(v), and load three rays instead of six.
+// A pixel gathers the rays of the 3 x 3 pixels around it. Of these, four are in its block of 2 x 2 pixels, and four
+// beside that block, two of which a pixel of the block has beside it as well; the ninth is at its corner. The block
+// is what a device shades together, in step: its pixels hand each other what they loaded by the derivatives of the
+// screen, v +- dFdx(v), and load four rays instead of nine.
 //
 // A neighbour's ray weighs as much as its lobe has in common with this one. (A weight by where each ray went,
 // lobe / density as for wide lobes, takes 1.3 times as long; the error is the same, and under a moving camera
@@ -23,12 +24,12 @@ layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // where it is wanted
 
 Record AcrossX(Record r, float side) {
-    return Record(r.mirror + side * dFdxFine(r.mirror), r.power + side * dFdxFine(r.power),
+    return Record(r.mirror + side * dFdxFine(r.mirror), r.root + side * dFdxFine(r.root),
                   r.color + side * dFdxFine(r.color));
 }
 
 Record AcrossY(Record r, float side) {
-    return Record(r.mirror + side * dFdyFine(r.mirror), r.power + side * dFdyFine(r.power),
+    return Record(r.mirror + side * dFdyFine(r.mirror), r.root + side * dFdyFine(r.root),
                   r.color + side * dFdyFine(r.color));
 }
 
@@ -46,12 +47,12 @@ Record Load(ivec2 pixel) {
 void Gather(inout Sum sum, Record own, Record r) {
     // The root of Overlap, for a power between the two, by mirrors instead of normals, which turn half as far:
     // Overlap itself gives the same error, and more change under a moving camera.
-    float power = exp2(0.5 * (abs(own.power) + abs(r.power)));
+    float power = abs(own.root * r.root);
     vec3 chord = own.mirror - r.mirror;
     float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
-    float weight = r.power != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
+    float weight = r.root != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
     // What was handed on is good to the last bits of the greater of two colours.
-    Add(sum, weight, r.power > 0.0, max(r.color, 0.0));
+    Add(sum, weight, r.root > 0.0, max(r.color, 0.0));
 }
 
 // Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they
@@ -64,9 +65,19 @@ void main() {
     ivec2 outward = 2 * (pixel & 1) - 1;
     vec2 side = -vec2(outward);
     Record across = AcrossX(own, side.x);
-    Record below = AcrossY(own, side.y);
-    Record opposite = AcrossY(across, side.y);
-    bool shows = own.power != 0.0;
+    Record beside = Load(pixel + ivec2(outward.x, 0));
+    Record under = Load(pixel + ivec2(0, outward.y));
+    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+    Add(sum, 1.0, own.root > 0.0, own.color);
+    Gather(sum, own, across);
+    Gather(sum, own, AcrossY(own, side.y));
+    Gather(sum, own, AcrossY(across, side.y));
+    Gather(sum, own, beside);
+    Gather(sum, own, AcrossY(beside, side.y));
+    Gather(sum, own, under);
+    Gather(sum, own, AcrossX(under, side.x));
+    Gather(sum, own, Load(pixel + outward));
+    bool shows = own.root != 0.0;
 #ifndef WHOLE
     if (!shows)
         discard;
@@ -74,13 +85,6 @@ void main() {
     vec4 reflection = vec4(0.0);
     vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
     if (shows) {
-        Sum sum = Sum(vec4(0.0), 0.0, 0.0);
-        Add(sum, 1.0, own.power > 0.0, own.color);
-        Gather(sum, own, across);
-        Gather(sum, own, below);
-        Gather(sum, own, opposite);
-        Gather(sum, own, Load(pixel + ivec2(outward.x, 0)));
-        Gather(sum, own, Load(pixel + ivec2(0, outward.y)));
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         float reflectivity = texelFetch(material_buffer, pixel, 0).r;

@@ -13,12 +13,12 @@ layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear, wi
 #include "unified/sound.glsl"
 #include "unified/gloss.glsl"
 
-// The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of some that neighbours
-// gather, with which it has a part of its lobe in common. The smaller that is, the fewer rays it shares, down
-// to one in the middle that stands for the whole lobe.
-Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float rays, float common_part, out Hit hit) {
+// The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of those that neighbours
+// gather, with which it has a part of its lobe in common. The lobe is covered by so many footprints; the smaller that
+// part is, the fewer, down to one in the middle that stands for the whole lobe.
+Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footprints, float common_part, out Hit hit) {
     hit = Hit(HIT_NONE, pixel, vec2(0.0), 0.0, 0);
-    float share = 1.0 / (1.0 + (rays - 1.0) * common_part);
+    float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
     float log_rest = log2(1.0 - u.x);
