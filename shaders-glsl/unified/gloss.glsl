@@ -96,11 +96,10 @@ float FootprintLevel(vec3 point, vec3 there, float density, float share) {
     return max(0.5 * (log2(2.0 * share * dot(away, away) / (pixel * pixel)) - (density - LOG_DENSITY_BIAS)), 0.0);
 }
 
-// How much two lobes of a power have in common, around the mirror directions of two unit normals: the
-// integral of their product over that of one's square. Normals that are d apart turn the directions by
+// How much two lobes of a power have in common, around the mirror directions of two unit normals that are a chord
+// apart: the integral of their product over that of one's square. Normals that are d apart turn the directions by
 // 2 d, and for Gaussian lobes of variance 1 / alpha that is exp(-alpha d^2).
-float Overlap(vec3 normal, vec3 other, float power) {
-    vec3 chord = normal - other;
+float Overlap(vec3 chord, float power) {
     return exp2(-LOG2_E * power * dot(chord, chord));
 }
 

@@ -44,7 +44,7 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
         vec2 away = vec2(CellPixel(at) - pixel);
         vec2 near = REACH - abs(away);
         float off = (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
-        float same = Overlap(normal, surface.xyz, power);
+        float same = Overlap(normal - surface.xyz, power);
         float squared = off * off;
         float weight = surface.w > 0.0 ? near.x * near.y * max(same / (1.0 + squared * squared), LEAST_WEIGHT) : 0.0;
         vec4 reflection = is_drawn ? imageLoad(cell_reflection, at) : vec4(0.0);

@@ -13,8 +13,6 @@ layout(location = 1) out vec4 out_color;
 
 #include "unified/gloss_cell.glsl"
 
-#define REACH 2 // pixels to the next cell
-
 // Footprints to a lobe, of the 25 rays. (Larger ones, down to 12.5, lower the error where all is flat and raise it
 // where a map turns the normals.)
 #define FOOTPRINTS 40.0
@@ -23,19 +21,6 @@ layout(location = 1) out vec4 out_color;
 // this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
 #define NEAR_HIT 8.0
 #define FAR_AWAY 1e3
-
-// How much of a pixel's lobe those of the cells beside it have in common with it, on average. (For narrow
-// lobes this lowers the error, too, but not the shimmer.)
-float Common(ivec2 pixel, float power) {
-    vec3 unit = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
-    float sum = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        ivec2 step = ivec2(int(i == 0) - int(i == 1), int(i == 2) - int(i == 3)) * REACH;
-        ivec2 at = clamp(pixel + step, ivec2(0), unified.size - 1);
-        sum += Overlap(unit, texelFetch(normal_buffer, at, 0).xyz, power);
-    }
-    return 0.25 * sum;
-}
 
 // The point that was hit (ViewPoint's scale), or the direction of a miss.
 vec3 Place(ivec2 pixel, vec3 point, Seen seen, Hit hit) {
@@ -51,6 +36,10 @@ void main() {
     out_color = vec4(0.0);
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    // How the normal turns from cell to cell: of the two that a device shades with this one, in step.
+    vec3 unit = normal * inversesqrt(max(dot(normal, normal), 1e-30));
+    vec3 turn_x = dFdxFine(unit), turn_y = dFdyFine(unit);
     if (roughness > 0.0) {
         // Cells of one direction in squares side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
@@ -58,9 +47,11 @@ void main() {
         vec2 u = LatticePoint((cell.x + 5 * cell.y) % 25, 7, 25, stratum);
         float depth = texelFetch(depth_buffer, pixel, 0).r;
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-        Lobe lobe = LobeOf(point, texelFetch(normal_buffer, pixel, 0).xyz, roughness);
+        Lobe lobe = LobeOf(point, normal, roughness);
+        // (For narrow lobes what they have in common lowers the error, too, but not the shimmer.)
+        float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         Hit hit;
-        Seen seen = Look(pixel, depth, point, lobe, u, FOOTPRINTS, Common(pixel, lobe.power), hit);
+        Seen seen = Look(pixel, depth, point, lobe, u, FOOTPRINTS, common_part, hit);
         out_place = vec4(Place(pixel, point, seen, hit), seen.density);
         out_color = seen.color;
     }
