@@ -13,9 +13,9 @@ layout(location = 1) out vec4 out_color;
 
 #include "unified/gloss_cell.glsl"
 
-// Footprints to a lobe, of the 25 rays. (Larger ones, down to 12.5, lower the error where all is flat and raise it
-// where a map turns the normals.)
-#define FOOTPRINTS 40.0
+// Footprints to a lobe: one a ray. (Smaller ones, as of 40, lower the error where a map turns the normals and raise
+// it where all is flat; larger ones do the opposite.)
+#define FOOTPRINTS 25.0
 
 // A hit so near, in pixels: what a neighbour sees in this direction is more likely as near to itself than at
 // this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
