@@ -7,9 +7,8 @@
 // was sampled there), a ratio estimator (Stachowiak 2015; Heitz et al. 2018); for narrow lobes it is
 // enough how alike the two lobes are. There is nothing random, and nothing of earlier frames.
 //
-// The gathered neighbourhood of every pixel holds each direction once: a square of 3 x 3 pixels with the direction
-// (x + 3 y) mod 9, one of 5 x 5 cells with (x + 5 y) mod 25. So no pixel lacks a part of the lobe, and there are no
-// blocks that could be seen.
+// The gathered neighbourhood of every pixel holds each direction once: a square of 3 x 3 pixels, or of 5 x 5 cells
+// (LatticePoint). So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
 
 #define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
 #define LOG2_E 1.442695
@@ -103,8 +102,10 @@ float Overlap(vec3 chord, float power) {
     return exp2(-LOG2_E * power * dot(chord, chord));
 }
 
-// How pixels of a direction's index share a pattern of n: point i of the rank-1 lattice with the
-// generator (1, g), at a place in its stratum.
-vec2 LatticePoint(int i, int g, int n, vec2 place) {
+// The point of the pattern that is a pixel's or a cell's: of side x side points, dealt out so that each square of that
+// side holds all; point i of the rank-1 lattice with the generator (1, g), at a place in its stratum.
+vec2 LatticePoint(ivec2 at, int side, int g, vec2 place) {
+    int n = side * side;
+    int i = (at.x + side * at.y) % n;
     return (vec2(i, (i * g) % n) + place) / float(n);
 }

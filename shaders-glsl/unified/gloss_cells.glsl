@@ -12,7 +12,7 @@ layout(binding = 4, rgba32f) uniform readonly image2D place_image;
 layout(binding = 5, rgba16f) uniform readonly image2D seen_image;
 
 layout(location = 0) out vec4 out_reflection;
-layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z; 0: none
+layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z as far as 16 bits go; 0: none
 
 #include "unified/gloss_cell.glsl"
 #include "unified/gloss_gather.glsl"

@@ -24,7 +24,7 @@ void main() {
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, material.g);
-    vec2 u = LatticePoint((pixel.x + 3 * pixel.y) % 9, 2, 9, vec2(0.5));
+    vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     Hit hit;
     Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * PART, u.y), FOOTPRINTS, 1.0, hit);
     float root = sqrt(lobe.power);

@@ -44,7 +44,7 @@ void main() {
         // Cells of one direction in squares side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
-        vec2 u = LatticePoint((cell.x + 5 * cell.y) % 25, 7, 25, stratum);
+        vec2 u = LatticePoint(cell, 5, 7, stratum);
         float depth = texelFetch(depth_buffer, pixel, 0).r;
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);

@@ -203,8 +203,7 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        let shaders = Shaders { vertex, fragment, constants: &[] };
-        Self::new(gpu, shaders, Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::new(gpu, Shaders::plain(vertex, fragment), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// As [`Self::mesh`], but draws only where a [`Self::marking`] pipeline marked the stencil; the
@@ -218,15 +217,14 @@ impl GraphicsPipeline {
         depth: vk::Format,
     ) -> Result<Self> {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        let shaders = Shaders { vertex, fragment, constants: &[] };
-        Self::new(gpu, shaders, Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::new(gpu, Shaders::plain(vertex, fragment), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
     /// A fragment shader over the whole of a depth target with stencil that marks every pixel that it
     /// doesn't discard, and writes nothing else.
     pub fn marking(gpu: &Gpu, fragment: &'static Shader, depth: vk::Format) -> Result<Self> {
         let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
-        let shaders = Shaders { vertex: &super::shader::COMMON_FULLSCREEN_VERT, fragment, constants: &[] };
+        let shaders = Shaders::plain(&super::shader::COMMON_FULLSCREEN_VERT, fragment);
         Self::new(gpu, shaders, Geometry::Triangles(None), &[], Some(depth))
     }
 
@@ -332,6 +330,13 @@ struct Shaders<'c> {
     fragment: &'static Shader,
     /// Values of the fragment shader's specialization constants 0, 1 and so on.
     constants: &'c [i32],
+}
+
+impl Shaders<'static> {
+    /// Without constants.
+    fn plain(vertex: &'static Shader, fragment: &'static Shader) -> Self {
+        Self { vertex, fragment, constants: &[] }
+    }
 }
 
 impl Stencil {
