@@ -1,14 +1,16 @@
 #version 460
 // The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of
-// 64 x 64 pixels and everything above it up to one cell; its threads meet in shared memory, and
-// nothing depends on the subgroup's size. CPU twin: reference::unified.
+// 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone; above,
+// the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
+// (With 4 x 4 pixels a thread, four times as many wait in each barrier and go through the levels above it with
+// nothing to do: a seventh longer on lavapipe. As a loop over the four parts it takes as long as that.)
 //
 // A pixel is a block from its own depth to T behind it (DEFINITIONS, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
 //   |z - z'| / z = |d' - d| / (d' + k),   d(z + T) = (d - k q) / (1 + q),   q = T / z.
 // The differences of nearby depths are exact, so nothing cancels at any distance.
 
-layout(local_size_x = 16, local_size_y = 16) in;
+layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "unified/parameters.glsl"
 #include "unified/pyramid.glsl"
@@ -21,10 +23,10 @@ layout(binding = 2, rg32f) uniform writeonly image2D pyramid;
 
 // The tile's cells, as in the image: level n from row CellRow(n) on. Levels don't share rows, so that one
 // barrier a level is enough.
-shared vec2 cells[32][16];
+shared vec2 cells[16][8];
 
 int CellRow(int level) {
-    return 32 - (128 >> level);
+    return 16 - (128 >> level);
 }
 
 // 1 / (d + k); negative for sky.
@@ -59,7 +61,7 @@ void Store(ivec2 cell, int level, vec2 block) {
         imageStore(pyramid, CellTexel(cell, level), vec4(block, 0.0, 0.0));
 }
 
-// Depth and Reciprocal of the thread's 4 x 4 pixels and those around them.
+// Depth and Reciprocal of 4 x 4 pixels and those around them.
 vec2 at[6][6];
 
 // Two by two of them, the first at (x, y); sky beyond the image.
@@ -91,10 +93,8 @@ vec2 Quad(ivec2 first, int x, int y) {
     return cell;
 }
 
-void main() {
-    ivec2 local = ivec2(gl_LocalInvocationID.xy);
-    ivec2 tile = ivec2(gl_WorkGroupID.xy);
-    ivec2 p = 64 * tile + 4 * local;
+// 4 x 4 pixels from the one at p, and the cell above them.
+vec2 Sixteen(ivec2 p) {
     ivec2 first = p - 1;
     Fetch(first, 0, 0);
     Fetch(first, 2, 0);
@@ -105,16 +105,27 @@ void main() {
     Fetch(first, 0, 4);
     Fetch(first, 2, 4);
     Fetch(first, 4, 4);
-    vec2 cell = Union(Union(Quad(first, 1, 1), Quad(first, 3, 1)), Union(Quad(first, 1, 3), Quad(first, 3, 3)));
+    vec2 top = Union(Quad(first, 1, 1), Quad(first, 3, 1));
+    vec2 cell = Union(top, Union(Quad(first, 1, 3), Quad(first, 3, 3)));
     Store(p >> 2, 2, cell);
+    return cell;
+}
+
+void main() {
+    ivec2 local = ivec2(gl_LocalInvocationID.xy);
+    ivec2 tile = ivec2(gl_WorkGroupID.xy);
+    ivec2 p = 64 * tile + 8 * local;
+    vec2 top = Union(Sixteen(p), Sixteen(p + ivec2(4, 0)));
+    vec2 cell = Union(top, Union(Sixteen(p + ivec2(0, 4)), Sixteen(p + 4)));
+    Store(p >> 3, 3, cell);
     cells[local.y][local.x] = cell;
-    for (int level = 3; level <= unified.top_level; ++level) {
+    for (int level = 4; level <= unified.top_level; ++level) {
         int side = 64 >> level;
         barrier();
         if (all(lessThan(local, ivec2(side)))) {
             ivec2 below = ivec2(2 * local.x, CellRow(level - 1) + 2 * local.y);
-            vec2 top = Union(cells[below.y][below.x], cells[below.y][below.x + 1]);
-            cell = Union(top, Union(cells[below.y + 1][below.x], cells[below.y + 1][below.x + 1]));
+            vec2 upper = Union(cells[below.y][below.x], cells[below.y][below.x + 1]);
+            cell = Union(upper, Union(cells[below.y + 1][below.x], cells[below.y + 1][below.x + 1]));
             cells[CellRow(level) + local.y][local.x] = cell;
             Store(side * tile + local, level, cell);
         }
