@@ -7,7 +7,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #include "unified/parameters.glsl"
 #include "unified/tiles.glsl"
 
-layout(binding = 1) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(std430, binding = 2) buffer Counts {
     uint counts[]; // for each list: vertices (a point a tile), instances, first vertex, first instance
 };
@@ -31,7 +31,7 @@ void main() {
     ivec2 first = tile * TILE, last = min(first + TILE, unified.size) - 1;
     for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
-            vec2 material = texelFetch(material_buffer, ivec2(x, y), 0).xy;
+            vec2 material = imageLoad(material_buffer, ivec2(x, y)).xy;
             found |= Reflects(material) ? 1u << ListOf(material) : 0u;
         }
     }

@@ -1,5 +1,5 @@
 // The cells of 2 x 2 pixels that wide lobes are traced and resolved for. Needs parameters.glsl, tiles.glsl,
-// gloss.glsl, depth_buffer and material_buffer.
+// gloss.glsl, pyramid and material_buffer.
 
 // The pixel that stands for a cell: its first or its last, by turns as on a chequerboard, so that what is a pixel
 // wide and straight is met by some of the cells that it runs through.
@@ -14,8 +14,8 @@ ivec2 WidePixel(ivec2 cell, out float roughness) {
     roughness = 0.0;
     for (int i = 0; i < 4 && !(roughness > 0.0); ++i) {
         ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
-        vec2 material = texelFetch(material_buffer, p, 0).rg;
-        if (Reflects(material) && ListOf(material) == WIDE_LIST && texelFetch(depth_buffer, p, 0).r > 0.0) {
+        vec2 material = imageLoad(material_buffer, p).rg;
+        if (Reflects(material) && ListOf(material) == WIDE_LIST && imageLoad(pyramid, p).r > 0.0) {
             pixel = p;
             roughness = material.g;
         }

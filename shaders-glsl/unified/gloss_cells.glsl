@@ -5,9 +5,9 @@
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
 
-layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
+layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
-layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4, rgba32f) uniform readonly image2D place_image;
 layout(binding = 5, rgba16f) uniform readonly image2D seen_image;
 
@@ -38,7 +38,7 @@ void main() {
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
     if (roughness > 0.0) {
-        float depth = texelFetch(depth_buffer, pixel, 0).r;
+        float depth = imageLoad(pyramid, pixel).r;
         vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);

@@ -16,7 +16,7 @@ layout(location = 0) out uvec4 out_record;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     out_record = NO_RECORD;
-    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    vec2 material = imageLoad(material_buffer, pixel).rg;
     float depth = imageLoad(pyramid, pixel).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;

@@ -7,9 +7,9 @@
 #include "unified/sound.glsl"
 #include "unified/listed.glsl"
 
-layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
+layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
-layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
 layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
 layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
@@ -61,8 +61,8 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
 // hold nothing, all that reflects is of the list, and the other pixels show their lit colour.
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
-    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    vec2 material = imageLoad(material_buffer, pixel).rg;
+    float depth = imageLoad(pyramid, pixel).r;
     bool reflects = Reflects(material) && depth > 0.0;
 #ifndef WHOLE
     if (!reflects || ListOf(material) != WIDE_LIST)

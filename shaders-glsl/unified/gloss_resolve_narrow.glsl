@@ -16,7 +16,7 @@
 #include "unified/gloss_record.glsl"
 #include "unified/gloss_gather.glsl"
 
-layout(binding = 1) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 2) uniform sampler2D color_buffer;    // lit colour, linear
 layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_narrow.frag
 
@@ -38,7 +38,7 @@ Record Load(ivec2 pixel) {
     ivec2 at = clamp(pixel, ivec2(0), unified.size - 1);
     uvec4 words = imageLoad(seen_image, at);
 #ifndef WHOLE
-    vec2 material = texelFetch(material_buffer, at, 0).rg;
+    vec2 material = imageLoad(material_buffer, at).rg;
     words = Reflects(material) && ListOf(material) == NARROW_LIST ? words : NO_RECORD;
 #endif
     return Unpack(words);
@@ -87,7 +87,7 @@ void main() {
     if (shows) {
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
-        float reflectivity = texelFetch(material_buffer, pixel, 0).r;
+        float reflectivity = imageLoad(material_buffer, pixel).r;
         color = min(color + reflectivity * reflection.a * reflection.rgb, GREATEST);
     }
     out_reflection = reflection;

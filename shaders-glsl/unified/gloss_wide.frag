@@ -6,8 +6,6 @@
 #include "unified/parameters.glsl"
 #include "unified/gloss_trace.glsl"
 
-layout(binding = 5) uniform sampler2D depth_buffer; // reversed
-
 layout(location = 0) out vec4 out_place;
 layout(location = 1) out vec4 out_color;
 
@@ -45,7 +43,7 @@ void main() {
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);
-        float depth = texelFetch(depth_buffer, pixel, 0).r;
+        float depth = imageLoad(pyramid, pixel).r;
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);
         // (For narrow lobes what they have in common lowers the error, too, but not the shimmer.)

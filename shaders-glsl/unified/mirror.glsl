@@ -3,7 +3,7 @@
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;          // view space
-layout(binding = 3) uniform sampler2D material_buffer;        // reflectivity, roughness
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer;        // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
 
 #include "unified/tiles.glsl"
@@ -23,7 +23,7 @@ struct Mirror {
 // Over tiles, what is no mirror is discarded: the images already hold what it shows. With WHOLE the images
 // hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
 Mirror TraceMirror(ivec2 pixel) {
-    vec2 material = texelFetch(material_buffer, pixel, 0).xy;
+    vec2 material = imageLoad(material_buffer, pixel).xy;
     float depth = imageLoad(pyramid, pixel).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);

@@ -45,7 +45,7 @@ impl ClassifyPass {
             &self.pipeline,
             &[
                 ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
+                ("material_buffer", Resource::Loaded(gbuffer.material.all())),
                 ("Counts", Resource::Buffer(&self.arguments)),
                 ("Tiles", Resource::Buffer(&self.lists)),
                 ("Listed", Resource::Buffer(&self.listed)),

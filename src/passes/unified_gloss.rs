@@ -77,12 +77,11 @@ impl UnifiedGlossPass {
     ) -> Result<()> {
         let color = gbuffer.color;
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
-        let depth = ("depth_buffer", Resource::nearest(gbuffer.depth.all()));
         let normal = ("normal_buffer", Resource::nearest(gbuffer.normal.all()));
-        let material = ("material_buffer", Resource::nearest(gbuffer.material.all()));
+        let material = ("material_buffer", Resource::Loaded(gbuffer.material.all()));
         let pyramid = ("pyramid", Resource::Loaded(pyramid.0.all()));
         let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];
-        let shown = [block, depth, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
+        let shown = [block, pyramid, normal, material, ("color_buffer", Resource::nearest(color.level(0)))];
         let loaded = |name, image: &'a Image| (name, Resource::Loaded(image.all()));
         // Where no tile is drawn, images hold anything: neighbours on a listed tile ask for more than they hold.
         let into = |image: &'a Image| TiledTarget { image, elsewhere: None };
@@ -100,10 +99,9 @@ impl UnifiedGlossPass {
             }
         }
         if gbuffer.reflectors.wide {
-            let resources: Vec<_> = traced.into_iter().chain([depth]).collect();
-            self.wide.draw(frame, "trace/wide", &self.seen.each_ref().map(into), &resources, tiles, true)?;
+            self.wide.draw(frame, "trace/wide", &self.seen.each_ref().map(into), &traced, tiles, true)?;
             let seen = [loaded("place_image", &self.seen[0]), loaded("seen_image", &self.seen[1])];
-            let resources: Vec<_> = [block, depth, normal, material].into_iter().chain(seen).chain(listed).collect();
+            let resources: Vec<_> = [block, pyramid, normal, material].into_iter().chain(seen).chain(listed).collect();
             self.cells.draw(frame, "cells", &self.resolved.each_ref().map(into), &resources, tiles, true)?;
             let [reflection, surface] = &self.resolved;
             let cells = [loaded("cell_reflection", reflection), loaded("cell_surface", surface)];

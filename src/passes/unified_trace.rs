@@ -58,7 +58,7 @@ impl UnifiedTracePass {
             ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
             ("pyramid", Resource::Loaded(input.pyramid.0.all())),
             ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-            ("material_buffer", Resource::nearest(gbuffer.material.all())),
+            ("material_buffer", Resource::Loaded(gbuffer.material.all())),
             ("color_buffer", Resource::trilinear(gbuffer.color.level(0))),
         ];
         let hits = self.hits.as_ref();
