@@ -14,9 +14,7 @@ layout(std430, binding = 2) buffer Counts {
 layout(std430, binding = 3) writeonly buffer Tiles {
     uint tiles[]; // for each list, room for every tile
 };
-layout(std430, binding = 4) writeonly buffer Listed {
-    uint listed[]; // for each tile, a bit for each list that it stands on
-};
+layout(binding = 4, r32ui) uniform writeonly uimage2D listed_image; // for each tile, a bit for each list it stands on
 
 void main() {
     ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
@@ -35,7 +33,7 @@ void main() {
             found |= Reflects(material) ? 1u << ListOf(material) : 0u;
         }
     }
-    listed[tile.y * tile_count.x + tile.x] = found;
+    imageStore(listed_image, tile, uvec4(found));
     int room = tile_count.x * tile_count.y;
     for (int list = 0; list < LISTS; ++list) {
         if ((found >> list & 1u) != 0u)

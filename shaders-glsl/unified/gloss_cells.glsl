@@ -17,46 +17,94 @@ layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z as far as 
 #include "unified/gloss_cell.glsl"
 #include "unified/gloss_gather.glsl"
 #include "unified/listed.glsl"
+#include "unified/block.glsl"
 
-// Adds a ray by what is seen of it along `to` from here, of any length. Its weight is lobe / density, bounded:
+// What a cell's ray saw (gloss_wide.frag). All is 0 for no ray.
+struct WideRay {
+    vec4 place; // that was hit, or the direction of a miss; and the density
+    vec4 color; // and fade
+};
+
+// Where no tile is drawn the images hold anything.
+WideRay Load(ivec2 cell) {
+    ivec2 at = clamp(cell, ivec2(0), (unified.size - 1) >> 1);
+    bool is_drawn = IsDrawn(at);
+    return WideRay(is_drawn ? imageLoad(place_image, at) : vec4(0.0), is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
+}
+
+WideRay AcrossX(WideRay r, int outward) {
+    return WideRay(AcrossX(r.place, outward), AcrossX(r.color, outward));
+}
+
+WideRay AcrossY(WideRay r, int outward) {
+    return WideRay(AcrossY(r.place, outward), AcrossY(r.color, outward));
+}
+
+struct Here {
+    vec3 point;
+    Lobe lobe;
+    float peak; // LogDensity in the middle of the lobe
+};
+
+// Adds a ray by what is seen of it from here. Its weight is lobe / density, bounded:
 // 2 f / (f + q) is f / q where they agree, and never above 2, however little a neighbour expected what matters
 // here (the balance heuristic between the two pixels; Veach and Guibas 1995). Densities of different roughness
 // compare as they stand. The weight alone keeps foreign surfaces apart: tests of normals and planes changed no
 // figure.
-void Gather(inout Sum sum, Lobe lobe, float peak, vec3 to, float density, vec4 color) {
+void Gather(inout Sum sum, Here here, WideRay ray) {
+    float density = ray.place.w;
+    vec3 to = density > 0.0 ? ray.place.xyz - here.point : ray.place.xyz;
     // For wide lobes the cosine of an angle tells it well enough.
-    float log_cos = LogCos(1.0 - dot(to, lobe.mirror) * inversesqrt(dot(to, to)));
-    float weight = 2.0 / (1.0 + exp2(abs(density) - peak - LOG2_E * (lobe.power - 1.0) * log_cos));
+    float log_cos = LogCos(1.0 - dot(to, here.lobe.mirror) * inversesqrt(dot(to, to)));
+    float weight = 2.0 / (1.0 + exp2(abs(density) - here.peak - LOG2_E * (here.lobe.power - 1.0) * log_cos));
     weight = density != 0.0 ? max(weight, LEAST_WEIGHT) : 0.0;
-    Add(sum, weight, density > 0.0 && dot(to, lobe.normal) > 0.0, color);
+    // What was handed on may be a last bit below 0.
+    Add(sum, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(ray.color, 0.0));
 }
 
+// Five rays of a row, of every second cell and of those between, as the block has them.
+WideRay[5] Row(ivec2 cell, ivec2 outward, int y) {
+    WideRay inner = Load(cell + 2 * outward * ivec2(-1, y));
+    WideRay middle = Load(cell + 2 * outward * ivec2(0, y));
+    WideRay outer = Load(cell + 2 * outward * ivec2(1, y));
+    return WideRay[5](inner, AcrossX(middle, outward.x), middle, AcrossX(inner, outward.x), outer);
+}
+
+void Gather(inout Sum sum, Here here, WideRay row[5]) {
+    Gather(sum, here, row[0]);
+    Gather(sum, here, row[1]);
+    Gather(sum, here, row[2]);
+    Gather(sum, here, row[3]);
+    Gather(sum, here, row[4]);
+}
+
+WideRay[5] AcrossY(WideRay row[5], int outward) {
+    return WideRay[5](AcrossY(row[0], outward), AcrossY(row[1], outward), AcrossY(row[2], outward),
+                      AcrossY(row[3], outward), AcrossY(row[4], outward));
+}
+
+// A cell's square of 5 x 5 is of four kinds, as those of a block of 2 x 2 cells are: 3 x 3 lie two cells apart from
+// itself, and those are loaded. The others are such cells of the three that a device shades in step with it.
 void main() {
-    ivec2 cell = ivec2(gl_FragCoord.xy), last = (unified.size - 1) >> 1;
-    out_reflection = vec4(0.0);
-    out_surface = vec4(0.0);
+    ivec2 cell = ivec2(gl_FragCoord.xy);
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
-    if (roughness > 0.0) {
-        float depth = imageLoad(pyramid, pixel).r;
-        vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
-        vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
-        Lobe lobe = LobeOf(point, normal, roughness);
-        // Of the tiles beside this one, those that a reach of two cells can touch.
-        LISTED_AROUND(cell, 1 - 2 * ivec2(lessThan(cell & (TILE / 2 - 1), ivec2(2))));
-        float peak = LogDensity(lobe.power, 0.0);
-        Sum sum = Sum(vec4(0.0), 0.0, 0.0);
-        for (int y = -2; y <= 2; ++y) {
-            for (int x = -2; x <= 2; ++x) {
-                ivec2 at = clamp(cell + ivec2(x, y), ivec2(0), last);
-                bool is_drawn = IS_DRAWN(at);
-                vec4 place = is_drawn ? imageLoad(place_image, at) : vec4(0.0); // gloss_wide.frag
-                vec4 color = is_drawn ? imageLoad(seen_image, at) : vec4(0.0);
-                vec3 to = place.w > 0.0 ? place.xyz - point : place.xyz;
-                Gather(sum, lobe, peak, to, place.w, color);
-            }
-        }
-        out_reflection = Reflection(sum);
-        out_surface = vec4(normal, min(point.z, GREATEST));
-    }
+    float depth = imageLoad(pyramid, pixel).r;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
+    Lobe lobe = LobeOf(point, normal, roughness);
+    Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));
+    // Of the tiles beside this one, those that a reach of two cells can touch.
+    LookAround(cell, 1 - 2 * ivec2(lessThan(cell & (TILE / 2 - 1), ivec2(2))));
+    ivec2 outward = Outward(cell);
+    WideRay inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
+    Sum sum = Sum(vec4(0.0), 0.0, 0.0);
+    Gather(sum, here, inner);
+    Gather(sum, here, AcrossY(middle, outward.y));
+    Gather(sum, here, middle);
+    Gather(sum, here, AcrossY(inner, outward.y));
+    Gather(sum, here, Row(cell, outward, 1));
+    bool shows = roughness > 0.0;
+    out_reflection = shows ? Reflection(sum) : vec4(0.0);
+    out_surface = shows ? vec4(normal, min(point.z, GREATEST)) : vec4(0.0);
 }

@@ -6,6 +6,7 @@
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
 #include "unified/listed.glsl"
+#include "unified/block.glsl"
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
@@ -29,8 +30,8 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted
 vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
     ivec2 last = (unified.size - 1) >> 1;
     ivec2 cell = pixel >> 1;
-    ivec2 outward = 2 * (pixel & 1) - 1;
-    LISTED_AROUND(cell, outward);
+    ivec2 outward = Outward(pixel);
+    LookAround(cell, outward);
     // Seen `away` pixels from here, a point at view depth z' lies off the pixel's plane by a share of the tolerance
     // that is (facing + dot(turn, away)) z' / z - facing.
     float facing = dot(normal, ViewRay(vec2(pixel) + 0.5)) / PLANE_TOLERANCE;
@@ -39,7 +40,7 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
     float weights = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 at = clamp(cell + outward * ivec2(i & 1, i >> 1), ivec2(0), last);
-        bool is_drawn = IS_DRAWN(at);
+        bool is_drawn = IsDrawn(at);
         vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
         vec2 away = vec2(CellPixel(at) - pixel);
         vec2 near = REACH - abs(away);

@@ -2,9 +2,8 @@
 // parameters.glsl.
 //
 // A pixel gathers the rays of the 3 x 3 pixels around it. Of these, four are in its block of 2 x 2 pixels, and four
-// beside that block, two of which a pixel of the block has beside it as well; the ninth is at its corner. The block
-// is what a device shades together, in step: its pixels hand each other what they loaded by the derivatives of the
-// screen, v +- dFdx(v), and load four rays instead of nine.
+// beside that block, two of which a pixel of the block has beside it as well; the ninth is at its corner. The pixels of
+// the block hand each other what they loaded (block.glsl), and load four rays instead of nine.
 //
 // A neighbour's ray weighs as much as its lobe has in common with this one. (A weight by where each ray went,
 // lobe / density as for wide lobes, takes 1.3 times as long; the error is the same, and under a moving camera
@@ -14,6 +13,7 @@
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
 #include "unified/gloss_record.glsl"
+#include "unified/block.glsl"
 #include "unified/gloss_gather.glsl"
 
 layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
@@ -23,14 +23,12 @@ layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_nar
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // where it is wanted
 
-Record AcrossX(Record r, float side) {
-    return Record(r.mirror + side * dFdxFine(r.mirror), r.root + side * dFdxFine(r.root),
-                  r.color + side * dFdxFine(r.color));
+Record AcrossX(Record r, int outward) {
+    return Record(AcrossX(r.mirror, outward), AcrossX(r.root, outward), AcrossX(r.color, outward));
 }
 
-Record AcrossY(Record r, float side) {
-    return Record(r.mirror + side * dFdyFine(r.mirror), r.root + side * dFdyFine(r.root),
-                  r.color + side * dFdyFine(r.color));
+Record AcrossY(Record r, int outward) {
+    return Record(AcrossY(r.mirror, outward), AcrossY(r.root, outward), AcrossY(r.color, outward));
 }
 
 // One outside the block. Where no tile is drawn the image holds anything; a pixel with a narrow lobe is in one.
@@ -51,7 +49,7 @@ void Gather(inout Sum sum, Record own, Record r) {
     vec3 chord = own.mirror - r.mirror;
     float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
     float weight = r.root != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
-    // What was handed on is good to the last bits of the greater of two colours.
+    // What was handed on may be a last bit below 0.
     Add(sum, weight, r.root > 0.0, max(r.color, 0.0));
 }
 
@@ -62,20 +60,19 @@ void main() {
     // A block at the edge of an odd size reaches beyond it.
     bool inside = all(lessThan(pixel, unified.size));
     Record own = Unpack(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
-    ivec2 outward = 2 * (pixel & 1) - 1;
-    vec2 side = -vec2(outward);
-    Record across = AcrossX(own, side.x);
+    ivec2 outward = Outward(pixel);
+    Record across = AcrossX(own, outward.x);
     Record beside = Load(pixel + ivec2(outward.x, 0));
     Record under = Load(pixel + ivec2(0, outward.y));
     Sum sum = Sum(vec4(0.0), 0.0, 0.0);
     Add(sum, 1.0, own.root > 0.0, own.color);
     Gather(sum, own, across);
-    Gather(sum, own, AcrossY(own, side.y));
-    Gather(sum, own, AcrossY(across, side.y));
+    Gather(sum, own, AcrossY(own, outward.y));
+    Gather(sum, own, AcrossY(across, outward.y));
     Gather(sum, own, beside);
-    Gather(sum, own, AcrossY(beside, side.y));
+    Gather(sum, own, AcrossY(beside, outward.y));
     Gather(sum, own, under);
-    Gather(sum, own, AcrossX(under, side.x));
+    Gather(sum, own, AcrossX(under, outward.x));
     Gather(sum, own, Load(pixel + outward));
     bool shows = own.root != 0.0;
 #ifndef WHOLE

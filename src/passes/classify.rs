@@ -6,14 +6,14 @@ use super::tiles::{self, LISTS, Tiles};
 use crate::error::Result;
 use crate::gpu::memory::Place;
 use crate::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
-use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Resource};
+use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
 
 /// Pipeline and lists of one size.
 pub struct ClassifyPass {
     pipeline: ComputePipeline,
     lists: Buffer,
-    listed: Buffer,
+    listed: Image,
     arguments: Buffer,
 }
 
@@ -21,11 +21,22 @@ impl ClassifyPass {
     /// For images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::BufferUsageFlags as U;
-        let [x, y] = tiles::count(extent).map(u64::from);
+        let tiles = tiles::count(extent);
+        let [x, y] = tiles.map(u64::from);
         Ok(Self {
             pipeline: ComputePipeline::new(gpu, &UNIFIED_CLASSIFY_COMP)?,
             lists: Buffer::new(gpu, "tiles", LISTS * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
-            listed: Buffer::new(gpu, "listed tiles", 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
+            listed: Image::new(
+                gpu,
+                &ImageDesc {
+                    name: "listed tiles",
+                    format: vk::Format::R32_UINT,
+                    extent: tiles,
+                    levels: 1,
+                    layers: 1,
+                    usage: vk::ImageUsageFlags::STORAGE,
+                },
+            )?,
             arguments: Buffer::new(
                 gpu,
                 "tile counts",
@@ -48,7 +59,7 @@ impl ClassifyPass {
                 ("material_buffer", Resource::Loaded(gbuffer.material.all())),
                 ("Counts", Resource::Buffer(&self.arguments)),
                 ("Tiles", Resource::Buffer(&self.lists)),
-                ("Listed", Resource::Buffer(&self.listed)),
+                ("listed_image", Resource::Storage(self.listed.all())),
             ],
             &[],
             [x, y, 1],

@@ -24,7 +24,7 @@ pub struct Tiles<'a> {
     /// The lists: for each of them room for every tile's word.
     pub lists: &'a Buffer,
     /// For each tile a bit for each list that it stands on.
-    pub listed: &'a Buffer,
+    pub listed: &'a Image,
     /// For each list those of a `VkDrawIndirectCommand`.
     pub arguments: &'a Buffer,
 }

@@ -73,7 +73,7 @@ impl UnifiedGlossPass {
         pyramid: Pyramid,
         parameters: &UnifiedBlock,
         canvas: Canvas<'a>,
-        tiles: Option<Tiles>,
+        tiles: Option<Tiles<'a>>,
     ) -> Result<()> {
         let color = gbuffer.color;
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
@@ -86,7 +86,7 @@ impl UnifiedGlossPass {
         // Where no tile is drawn, images hold anything: neighbours on a listed tile ask for more than they hold.
         let into = |image: &'a Image| TiledTarget { image, elsewhere: None };
         let canvas: Vec<_> = canvas.images().map(into).collect();
-        let listed = tiles.map(|t| ("Listed", Resource::ReadBuffer(t.listed)));
+        let listed = tiles.map(|t| loaded("listed_image", t.listed));
 
         if gbuffer.reflectors.narrow {
             self.narrow.draw(frame, "trace/narrow", &[into(&self.records)], &traced, tiles, false)?;
