@@ -2,7 +2,8 @@
 //!
 //! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
 //! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
-//! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the growth stands that of the walk: cells of the
+//! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
+//! pixels reflect: the classification, the canvas and the colour's chain. Beside the growth stands that of the walk: cells of the
 //! pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2 pixels, which
 //! is what eight threads in step wait for.
 
@@ -30,10 +31,13 @@ fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Milliseconds of the effect, and of its pyramid.
-fn times(report: &FrameReport) -> [f64; 2] {
-    let counted = || report.passes.iter().filter(|p| p.counted);
-    [counted().map(|p| p.ms).sum(), counted().filter(|p| p.name == "pyramid").map(|p| p.ms).sum()]
+/// Milliseconds of the effect, of its pyramid, and of what else does not depend on the pixels that reflect.
+fn times(report: &FrameReport) -> [f64; 3] {
+    let of = |passes: &dyn Fn(&str) -> bool| {
+        report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
+    };
+    let is_fixed = |name: &str| ["classify", "composite", "color"].contains(&name.split('/').next().unwrap_or(name));
+    [of(&|_| true), of(&|name| name == "pyramid"), of(&is_fixed)]
 }
 
 fn setup(extent: [u32; 2]) -> Setup {
@@ -83,12 +87,12 @@ fn main() {
     let mut stage = Stage::new(&gpu, &scene).expect("device memory");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!(
-        "# need: what a tenth costs beyond its pyramid, over the full frame; growth: time a pixel, large over small"
+        "# need: what a tenth costs beyond its pyramid, over the full frame, and of that what no number of pixels changes; growth: time a pixel, large over small"
     );
     println!(
         "# cells, block_cells: the same ratio of the cells that mirror rays look at, on average and in step by eight"
     );
-    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,growth,cells,block_cells");
+    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,fixed,growth,cells,block_cells");
     for roughness in ROUGHNESS {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let mut rows = Vec::new();
@@ -137,14 +141,15 @@ fn main() {
             }
             let total = |i: usize| median(need[i].iter().map(|(t, _)| t[0]));
             let (full, tenth) = (total(0), total(1));
-            let pyramid = median(need[1].iter().map(|(t, _)| t[1]));
+            let [pyramid, fixed] = [1, 2].map(|part| median(need[1].iter().map(|(t, _)| t[part])));
             let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
             let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
-            let row = [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, growth, mean, in_step];
+            let row =
+                [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, fixed / full, growth, mean, in_step];
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }
-        let medians: Vec<_> = (0..8).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
+        let medians: Vec<_> = (0..9).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
         println!("{roughness},median,{}", medians.join(","));
     }
 }

@@ -13,6 +13,22 @@ use super::thickness::{self, Block};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
+use std::ops::ControlFlow;
+
+/// A block that a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Meeting {
+    /// The block's pixel.
+    pub pixel: [u32; 2],
+    /// Where: pixel x, pixel y and reversed depth.
+    pub position: DVec3,
+    /// Whether the ray crosses the block's front there. Else it comes in by a side or through the back.
+    pub crosses_front: bool,
+    /// Whether version 2 takes it for a miss.
+    pub from_behind: bool,
+    /// Pixels looked at until then.
+    pub steps: u32,
+}
 
 /// The oracle of one G-buffer.
 #[derive(Debug, Clone)]
@@ -43,16 +59,39 @@ impl<'a> Oracle<'a> {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen. From pixel to pixel by
-    /// the nearer of the next boundaries in x and y; through a corner, at once to the pixel across it.
+    /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
+        let ends = |meeting: Meeting| {
+            let Meeting { pixel, position, from_behind, steps, .. } = meeting;
+            let behind = self.version == OracleVersion::V2 && from_behind;
+            let miss = Outcome::Miss { reason: segment.end, behind };
+            ControlFlow::Break(Trace { outcome: if behind { miss } else { Outcome::Hit { pixel, position } }, steps })
+        };
+        match self.walk(segment, ends) {
+            ControlFlow::Break(trace) | ControlFlow::Continue(trace) => trace,
+        }
+    }
+
+    /// All blocks that a segment meets, in order, as if it passed through each: what any version can choose from.
+    pub fn meetings(&self, segment: &Segment) -> Vec<Meeting> {
+        let mut all = Vec::new();
+        let _: ControlFlow<(), Trace> = self.walk(segment, |meeting| {
+            all.push(meeting);
+            ControlFlow::Continue(())
+        });
+        all
+    }
+
+    /// From pixel to pixel by the nearer of the next boundaries in x and y; through a corner, at once to the pixel
+    /// across it. Asks at each block that is met whether to go on; at the segment's end that is a miss.
+    fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
         let mut pixel = [0, 1].map(|axis| segment.start[axis].floor() as i32);
         let mut steps = 0;
         loop {
             let next = [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
             let entry = next[0].min(next[1]);
             if entry >= 1.0 {
-                return self.miss(pixel, segment, 1.0, steps);
+                return ControlFlow::Continue(self.miss(pixel, segment, 1.0, steps));
             }
             let last = pixel;
             for axis in 0..2 {
@@ -61,16 +100,14 @@ impl<'a> Oracle<'a> {
                 }
             }
             let Some(block) = self.block(pixel) else {
-                return self.miss(last, segment, entry, steps);
+                return ControlFlow::Continue(self.miss(last, segment, entry, steps));
             };
             steps += 1;
             let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
-            if let Some(s) = meets(segment, block, entry, exit) {
-                if self.version == OracleVersion::V2 && self.comes_from_behind(segment.depth_at(entry), last, block) {
-                    return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
-                }
-                let outcome = Outcome::Hit { pixel: pixel.map(|p| p as u32), position: segment.at(s) };
-                return Trace { outcome, steps };
+            if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
+                let from_behind = self.comes_from_behind(segment.depth_at(entry), last, block);
+                let (pixel, position) = (pixel.map(|p| p as u32), segment.at(s));
+                meet(Meeting { pixel, position, crosses_front, from_behind, steps })?;
             }
         }
     }
@@ -100,17 +137,17 @@ fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
 }
 
 /// Where a ray that is inside a pixel from s = `entry` to `exit` meets its block: at the crossing
-/// with the front if it lies inside, else at the entry; `None` if it does not.
-fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<f64> {
+/// with the front if it lies inside, which is said beside it, else at the entry; `None` if it does not.
+fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {
         return None;
     }
     let crosses_front = first.min(last) <= block.front && first.max(last) >= block.front;
     if crosses_front && segment.delta.z != 0.0 {
-        return Some(((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit));
+        return Some((((block.front - segment.start.z) / segment.delta.z).clamp(entry, exit), true));
     }
-    Some(entry)
+    Some((entry, false))
 }
 
 #[cfg(test)]
