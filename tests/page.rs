@@ -317,3 +317,17 @@ fn a_screenshot_shows_words_plots_and_pictures() {
         }
     }
 }
+
+#[test]
+fn medians_by_roughness_are_of_a_method_s_first_variant() {
+    let base = error_record("unified", Against::Screen, 4.0, 0.02);
+    let other = |head: fn(&mut Head)| {
+        let mut record = error_record("unified", Against::Screen, 4.0, 0.08);
+        head(&mut record.head);
+        record
+    };
+    let of_oracle_2 = other(|head| head.oracle = OracleVersion::V2);
+    let records = [base, of_oracle_2.clone(), of_oracle_2.clone(), other(|head| head.resolution_scale = 0.5)];
+    assert_eq!(error_report::source_cells(&records)[1], ["unified, screen", "0.0200"]);
+    assert_eq!(error_report::source_cells(&[of_oracle_2])[1], ["unified, screen", "0.0800"]);
+}

@@ -3,13 +3,14 @@
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::math::OracleVersion;
-use crate::methods::{MethodInfo, Preset, Setup, Tuning};
+use crate::methods::{MethodInfo, Preset, Setup};
 use crate::metrics::pareto;
 use crate::passes::PosterFilter;
 use crate::passes::billboard::{Occlusion, Order};
 use crate::passes::color_chain::ChainFilter;
 use crate::passes::linear_trace::March;
 use crate::passes::planar::Variant as Planar;
+use std::collections::BTreeMap;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
@@ -147,16 +148,13 @@ pub struct Sources {
     pub rmse: Vec<(String, Against, f64)>,
 }
 
-/// Where the error comes from, for each roughness: only the methods' published presets.
+/// Where the error comes from, for each roughness: of each method its base variant, the first in the records.
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
-    let base = |r: &&ErrorRecord| {
-        let t = r.params;
-        let plain = t.chain_filter == ChainFilter::default()
-            && t.march == March::default()
-            && t.poster_filter == PosterFilter::default();
-        let published = r.head.preset == Preset::Published && r.head.resolution_scale == 1.0;
-        published && t.tuning == Tuning::default() && plain
-    };
+    let mut bases = BTreeMap::new();
+    for r in records {
+        bases.entry(method_name(r)).or_insert_with(|| name(r));
+    }
+    let base = |r: &&ErrorRecord| bases.get(&method_name(r)) == Some(&name(r));
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
         if !found.iter().any(|s| s.roughness == r.head.roughness) {
