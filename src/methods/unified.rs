@@ -33,7 +33,7 @@
 //! (`--oracle 2`) a ray hits only if it comes from in front, of the block or of the one before; one more look at
 //! the pyramid, after the walk, tells. What is wrong in the world then falls from 0.28 to 0.21 of what is wrong with
 //! `ssct` (medians of 17 views). But a miss is black, and a wrong hit is often a better guess than that: the error
-//! against the world becomes 1.01 (0.88 to 1.03) of what it was for mirrors and 1.03 (0.83 to 1.07) at roughness 0.6,
+//! against the world becomes 1.01 (0.88 to 1.03) of what it was for mirrors and 1.02 (0.85 to 1.08) at roughness 0.6,
 //! so that it is a choice.
 //!
 //! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
