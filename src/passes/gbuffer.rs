@@ -47,7 +47,8 @@ pub struct Drawn {
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
+/// Reflectivity and roughness, as `unified` loads them.
+pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].

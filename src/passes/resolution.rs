@@ -1,6 +1,7 @@
 //! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
 //! reflection brought back to full size.
 
+use super::gbuffer::MATERIAL;
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{COMMON_DOWNSAMPLE_FRAG, COMMON_UPSAMPLE_FRAG, DownsampleBlock, UpsampleBlock};
@@ -10,7 +11,6 @@ use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 /// Not a depth format: it is written as a colour, and read as a number like any depth.
 const DEPTH: vk::Format = vk::Format::R32_SFLOAT;
 
@@ -35,7 +35,9 @@ impl DownsamplePass {
         use vk::ImageUsageFlags as U;
         let extent = divided(extent, divisor);
         let of = |name, format, levels| {
-            let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+            // Of an image that is loaded as the full one's is.
+            let loaded = if format == MATERIAL { U::STORAGE } else { U::empty() };
+            let usage = loaded | U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
         let targets = [DEPTH, NORMAL, MATERIAL, LIT_COLOR];
