@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, Reflectors, WIDE_ABOVE, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -47,8 +47,6 @@ pub struct Drawn {
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-/// Reflectivity and roughness, as `unified` loads them.
-pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].

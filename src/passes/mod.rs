@@ -46,6 +46,9 @@ pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of [`Hits`].
 pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
+/// Format of materials: reflectivity and roughness, as `unified` loads them.
+pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
+
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]
 pub struct GBuffer<'a> {

@@ -1,8 +1,7 @@
 //! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
 //! reflection brought back to full size.
 
-use super::gbuffer::MATERIAL;
-use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{COMMON_DOWNSAMPLE_FRAG, COMMON_UPSAMPLE_FRAG, DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
