@@ -3,9 +3,9 @@
 //! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
 //! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
 //! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
-//! pixels reflect: the classification, the canvas and the colour's chain. Beside the growth stands that of the walk: cells of the
-//! pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2 pixels, which
-//! is what eight threads in step wait for.
+//! pixels reflect: the classification, the canvas and the colour's chain. Beside the growth stands that of the walk:
+//! cells of the pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2
+//! pixels, which is what eight threads in step wait for.
 
 #![allow(clippy::expect_used)]
 
@@ -149,7 +149,7 @@ fn main() {
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }
-        let medians: Vec<_> = (0..9).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
+        let medians: Vec<_> = (0..rows[0].len()).map(|i| format!("{:.3}", median(rows.iter().map(|r| r[i])))).collect();
         println!("{roughness},median,{}", medians.join(","));
     }
 }

@@ -14,12 +14,12 @@ use rayon::prelude::*;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::math::OracleVersion;
 use ssct::methods::{Setup, ssct as thesis};
-use ssct::metrics::world::{WITHIN_PIXELS, agreement};
+use ssct::metrics::world::{agreement, is_same_place};
 use ssct::reference::oracle::{Meeting, Oracle};
 use ssct::reference::ray::RaySetup;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::world_hits;
-use ssct::scene::{Scene, library, scene_file};
+use ssct::scene::{Scene, View, library, scene_file};
 use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::path::Path;
@@ -28,13 +28,7 @@ const SIZE: [u32; 2] = [480, 270];
 
 type Place = Option<[f64; 2]>;
 
-/// Whether a block on the way lies where the ray ends.
-fn is_right(meeting: &Meeting, end: [f64; 2]) -> bool {
-    (0..2).all(|i| (meeting.position[i] - end[i]).abs() <= WITHIN_PIXELS)
-}
-
-fn print_view(scene: &Scene, name: &str, stage: &mut Stage, view: &str) {
-    let view = scene.view(view).expect("a view of the scene");
+fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
     let setup = Setup { split: true, ..Setup::new(SIZE) };
     let shot = Shot::new(stage, &thesis::INFO, &setup, camera(scene, view, SIZE), materials.clone()).expect("a shot");
@@ -49,27 +43,20 @@ fn print_view(scene: &Scene, name: &str, stage: &mut Stage, view: &str) {
         .collect();
     let (rays, oracle) = (RaySetup::new(&data), Oracle::new(&data));
     let reflects = data.reflecting();
-    let meetings: Vec<Vec<Meeting>> = (0..data.depth.len())
-        .into_par_iter()
-        .map(|i| {
-            let (x, y) = (i as u32 % data.width, i as u32 / data.width);
-            let segment = rays.mirror(x, y).filter(|_| reflects[i]).and_then(|way| rays.segment(x, y, way));
-            segment.map_or(vec![], |segment| oracle.meetings(&segment))
-        })
-        .collect();
-    let pixels = reflects.iter().filter(|r| **r).count() as f64;
-    let share = |count: u64| count as f64 / pixels;
+    let pixels = (0..data.depth.len()).into_par_iter().map(|i| (i as u32 % data.width, i as u32 / data.width));
+    let segment = |x, y| rays.mirror(x, y).and_then(|direction| rays.segment(x, y, direction));
+    let meet = |(x, y)| segment(x, y).map_or(vec![], |segment| oracle.meetings(&segment));
+    let meetings: Vec<Vec<Meeting>> = pixels.clone().map(meet).collect();
+    let count = |is: &dyn Fn(usize) -> bool| (0..reflects.len()).filter(|i| reflects[*i] && is(*i)).count() as u64;
+    let share = |number: u64| number as f64 / count(&|_| true) as f64;
     let wrong = |hits: &[Place]| 1.0 - agreement(&reflects, &ends, hits).fraction().expect("pixels that reflect");
-    let nowhere = |(met, end): (&Vec<Meeting>, &Place)| end.is_some_and(|end| !met.iter().any(|m| is_right(m, end)));
-    let least = meetings.iter().zip(&ends).zip(&reflects).filter(|(pair, r)| **r && nowhere(*pair)).count();
+    let meets = |i: usize, end| meetings[i].iter().any(|m| is_same_place([m.position.x, m.position.y], end));
+    let least = count(&|i| ends[i].is_some_and(|end| !meets(i, end)));
     for version in [OracleVersion::V1, OracleVersion::V2] {
-        let first =
-            |met: &Vec<Meeting>| met.first().copied().filter(|m| !(version == OracleVersion::V2 && m.from_behind));
-        let hit: Vec<Option<Meeting>> = meetings.iter().map(first).collect();
-        let places: Vec<Place> = hit.iter().map(|m| m.map(|m| [m.position.x, m.position.y])).collect();
+        let oracle = oracle.clone().of_version(version);
+        let places: Vec<Place> = pixels.clone().map(|(x, y)| oracle.trace(x, y).position_px()).collect();
         let counts = agreement(&reflects, &ends, &places);
-        let through_front = |(m, end): (&Option<Meeting>, &Place)| end.is_none() && m.is_some_and(|m| m.crosses_front);
-        let front = hit.iter().zip(&ends).zip(&reflects).filter(|(pair, r)| **r && through_front(*pair)).count() as u64;
+        let front = count(&|i| ends[i].is_none() && places[i].is_some() && meetings[i][0].crosses_front);
         let columns = [
             wrong(&hits),
             wrong(&places),
@@ -77,9 +64,15 @@ fn print_view(scene: &Scene, name: &str, stage: &mut Stage, view: &str) {
             share(counts.false_hits - front),
             share(counts.displaced),
             share(counts.missed),
-            share(least as u64),
+            share(least),
         ];
-        println!("{name},{},{},{}", view.name, u32::from(version), columns.map(|v| format!("{v:.4}")).join(","));
+        println!(
+            "{},{},{},{}",
+            scene.name,
+            view.name,
+            u32::from(version),
+            columns.map(|v| format!("{v:.4}")).join(",")
+        );
     }
 }
 
@@ -96,7 +89,7 @@ fn main() {
         let scene = library::scene(&name).unwrap_or_else(from_file);
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         for view in &scene.views {
-            print_view(&scene, &scene.name, &mut stage, &view.name);
+            print_view(&scene, view, &mut stage);
         }
     }
 }

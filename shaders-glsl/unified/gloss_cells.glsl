@@ -19,25 +19,11 @@ layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z as far as 
 #include "unified/listed.glsl"
 #include "unified/block.glsl"
 
-// What a cell's ray saw (gloss_wide.frag). All is 0 for no ray.
-struct WideRay {
-    vec4 place; // that was hit, or the direction of a miss; and the density
-    vec4 color; // and fade
-};
-
-// Where no tile is drawn the images hold anything.
-WideRay Load(ivec2 cell) {
+// What a cell's ray saw, by its place and density (gloss_wide.frag). Where no tile is drawn the images hold anything.
+Gathered Load(ivec2 cell) {
     ivec2 at = clamp(cell, ivec2(0), (unified.size - 1) >> 1);
     bool is_drawn = IsDrawn(at);
-    return WideRay(is_drawn ? imageLoad(place_image, at) : vec4(0.0), is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
-}
-
-WideRay AcrossX(WideRay r, int outward) {
-    return WideRay(AcrossX(r.place, outward), AcrossX(r.color, outward));
-}
-
-WideRay AcrossY(WideRay r, int outward) {
-    return WideRay(AcrossY(r.place, outward), AcrossY(r.color, outward));
+    return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0), is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
 }
 
 struct Here {
@@ -51,9 +37,9 @@ struct Here {
 // here (the balance heuristic between the two pixels; Veach and Guibas 1995). Densities of different roughness
 // compare as they stand. The weight alone keeps foreign surfaces apart: tests of normals and planes changed no
 // figure.
-void Gather(inout Sum sum, Here here, WideRay ray) {
-    float density = ray.place.w;
-    vec3 to = density > 0.0 ? ray.place.xyz - here.point : ray.place.xyz;
+void Gather(inout Sum sum, Here here, Gathered ray) {
+    float density = ray.key.w;
+    vec3 to = density > 0.0 ? ray.key.xyz - here.point : ray.key.xyz;
     // For wide lobes the cosine of an angle tells it well enough.
     float log_cos = LogCos(1.0 - dot(to, here.lobe.mirror) * inversesqrt(dot(to, to)));
     float weight = 2.0 / (1.0 + exp2(abs(density) - here.peak - LOG2_E * (here.lobe.power - 1.0) * log_cos));
@@ -63,14 +49,14 @@ void Gather(inout Sum sum, Here here, WideRay ray) {
 }
 
 // Five rays of a row, of every second cell and of those between, as the block has them.
-WideRay[5] Row(ivec2 cell, ivec2 outward, int y) {
-    WideRay inner = Load(cell + 2 * outward * ivec2(-1, y));
-    WideRay middle = Load(cell + 2 * outward * ivec2(0, y));
-    WideRay outer = Load(cell + 2 * outward * ivec2(1, y));
-    return WideRay[5](inner, AcrossX(middle, outward.x), middle, AcrossX(inner, outward.x), outer);
+Gathered[5] Row(ivec2 cell, ivec2 outward, int y) {
+    Gathered inner = Load(cell + 2 * outward * ivec2(-1, y));
+    Gathered middle = Load(cell + 2 * outward * ivec2(0, y));
+    Gathered outer = Load(cell + 2 * outward * ivec2(1, y));
+    return Gathered[5](inner, AcrossX(middle, outward.x), middle, AcrossX(inner, outward.x), outer);
 }
 
-void Gather(inout Sum sum, Here here, WideRay row[5]) {
+void Gather(inout Sum sum, Here here, Gathered row[5]) {
     Gather(sum, here, row[0]);
     Gather(sum, here, row[1]);
     Gather(sum, here, row[2]);
@@ -78,8 +64,8 @@ void Gather(inout Sum sum, Here here, WideRay row[5]) {
     Gather(sum, here, row[4]);
 }
 
-WideRay[5] AcrossY(WideRay row[5], int outward) {
-    return WideRay[5](AcrossY(row[0], outward), AcrossY(row[1], outward), AcrossY(row[2], outward),
+Gathered[5] AcrossY(Gathered row[5], int outward) {
+    return Gathered[5](AcrossY(row[0], outward), AcrossY(row[1], outward), AcrossY(row[2], outward),
                       AcrossY(row[3], outward), AcrossY(row[4], outward));
 }
 
@@ -97,7 +83,7 @@ void main() {
     // Of the tiles beside this one, those that a reach of two cells can touch.
     LookAround(cell, 1 - 2 * ivec2(lessThan(cell & (TILE / 2 - 1), ivec2(2))));
     ivec2 outward = Outward(cell);
-    WideRay inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
+    Gathered inner[5] = Row(cell, outward, -1), middle[5] = Row(cell, outward, 0);
     Sum sum = Sum(vec4(0.0), 0.0, 0.0);
     Gather(sum, here, inner);
     Gather(sum, here, AcrossY(middle, outward.y));

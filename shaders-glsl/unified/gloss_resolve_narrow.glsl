@@ -23,34 +23,32 @@ layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_nar
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // where it is wanted
 
-Record AcrossX(Record r, int outward) {
-    return Record(AcrossX(r.mirror, outward), AcrossX(r.root, outward), AcrossX(r.color, outward));
-}
-
-Record AcrossY(Record r, int outward) {
-    return Record(AcrossY(r.mirror, outward), AcrossY(r.root, outward), AcrossY(r.color, outward));
+// By the lobe that the ray is of.
+Gathered Unpacked(uvec4 words) {
+    Record r = Unpack(words);
+    return Gathered(vec4(r.mirror, r.root), r.color);
 }
 
 // One outside the block. Where no tile is drawn the image holds anything; a pixel with a narrow lobe is in one.
-Record Load(ivec2 pixel) {
+Gathered Load(ivec2 pixel) {
     ivec2 at = clamp(pixel, ivec2(0), unified.size - 1);
     uvec4 words = imageLoad(seen_image, at);
 #ifndef WHOLE
     vec2 material = imageLoad(material_buffer, at).rg;
     words = Reflects(material) && ListOf(material) == NARROW_LIST ? words : NO_RECORD;
 #endif
-    return Unpack(words);
+    return Unpacked(words);
 }
 
-void Gather(inout Sum sum, Record own, Record r) {
+void Gather(inout Sum sum, Gathered own, Gathered r) {
     // The root of Overlap, for a power between the two, by mirrors instead of normals, which turn half as far:
     // Overlap itself gives the same error, and more change under a moving camera.
-    float power = abs(own.root * r.root);
-    vec3 chord = own.mirror - r.mirror;
+    float power = abs(own.key.w * r.key.w);
+    vec3 chord = own.key.xyz - r.key.xyz;
     float same = exp2(-0.125 * LOG2_E * power * dot(chord, chord));
-    float weight = r.root != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
+    float weight = r.key.w != 0.0 ? max(same, LEAST_WEIGHT) : 0.0;
     // What was handed on may be a last bit below 0.
-    Add(sum, weight, r.root > 0.0, max(r.color, 0.0));
+    Add(sum, weight, r.key.w > 0.0, max(r.color, 0.0));
 }
 
 // Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they
@@ -59,13 +57,13 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     // A block at the edge of an odd size reaches beyond it.
     bool inside = all(lessThan(pixel, unified.size));
-    Record own = Unpack(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
+    Gathered own = Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
     ivec2 outward = Outward(pixel);
-    Record across = AcrossX(own, outward.x);
-    Record beside = Load(pixel + ivec2(outward.x, 0));
-    Record under = Load(pixel + ivec2(0, outward.y));
+    Gathered across = AcrossX(own, outward.x);
+    Gathered beside = Load(pixel + ivec2(outward.x, 0));
+    Gathered under = Load(pixel + ivec2(0, outward.y));
     Sum sum = Sum(vec4(0.0), 0.0, 0.0);
-    Add(sum, 1.0, own.root > 0.0, own.color);
+    Add(sum, 1.0, own.key.w > 0.0, own.color);
     Gather(sum, own, across);
     Gather(sum, own, AcrossY(own, outward.y));
     Gather(sum, own, AcrossY(across, outward.y));
@@ -74,7 +72,7 @@ void main() {
     Gather(sum, own, under);
     Gather(sum, own, AcrossX(under, outward.x));
     Gather(sum, own, Load(pixel + outward));
-    bool shows = own.root != 0.0;
+    bool shows = own.key.w != 0.0;
 #ifndef WHOLE
     if (!shows)
         discard;

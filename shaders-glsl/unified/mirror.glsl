@@ -3,7 +3,7 @@
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
 layout(binding = 2) uniform sampler2D normal_buffer;          // view space
-layout(binding = 3, rg16f) uniform readonly image2D material_buffer;        // reflectivity, roughness
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
 
 #include "unified/tiles.glsl"

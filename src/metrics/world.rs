@@ -27,6 +27,11 @@ impl WorldAgreement {
     }
 }
 
+/// Whether two places are one, in pixel coordinates.
+pub fn is_same_place(a: [f64; 2], b: [f64; 2]) -> bool {
+    (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS)
+}
+
 /// Compares a method's hits with the world's. All slices have one length; per pixel: whether it
 /// reflects, the pixel coordinates of the ray's end in the world if that is visible, and of the
 /// method's hit, if any. A hit that isn't finite is a false hit or a displaced one.
@@ -38,7 +43,7 @@ pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Opti
             (None, None) => counts.agree += 1,
             (None, Some(_)) => counts.false_hits += 1,
             (Some(_), None) => counts.missed += 1,
-            (Some(a), Some(b)) if (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS) => counts.agree += 1,
+            (Some(a), Some(b)) if is_same_place(*a, *b) => counts.agree += 1,
             (Some(_), Some(_)) => counts.displaced += 1,
         }
     }

@@ -33,20 +33,18 @@ impl DownsamplePass {
     pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = divided(extent, divisor);
-        let of = |name, format, levels| {
-            // Of an image that is loaded as the full one's is.
-            let loaded = if format == MATERIAL { U::STORAGE } else { U::empty() };
-            let usage = loaded | U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let of = |name, format, levels, more| {
+            let usage = more | U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
         let targets = [DEPTH, NORMAL, MATERIAL, LIT_COLOR];
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_DOWNSAMPLE_FRAG, &targets)?,
             divisor,
-            depth: of("small depth", DEPTH, 1)?,
-            normal: of("small normal", NORMAL, 1)?,
-            material: of("small material", MATERIAL, 1)?,
-            color: of("small color", LIT_COLOR, image::full_chain(extent))?,
+            depth: of("small depth", DEPTH, 1, U::empty())?,
+            normal: of("small normal", NORMAL, 1, U::empty())?,
+            material: of("small material", MATERIAL, 1, U::STORAGE)?,
+            color: of("small color", LIT_COLOR, image::full_chain(extent), U::empty())?,
         })
     }
 
