@@ -1,7 +1,7 @@
 //! Where screen space is wrong about the world, and what no choice within it could mend: a table on standard output.
 //!
-//! Mirror rays of every view of a scene, 480×270, each held against where it ends among the triangles (DEFINITIONS,
-//! "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the reflecting pixels
+//! Mirror rays of every view of a scene, 960×540 and 641×479, each held against where it ends among the triangles
+//! (DEFINITIONS, "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the reflecting pixels
 //! that are wrong, and how: a hit where the world has none, by crossing a block's front or by its side; a hit
 //! elsewhere; a miss. `least` is the share that stays wrong whichever of the blocks on its way a ray were told to hit:
 //! the screen shows where it ends, but no block there meets it. `ssct` is the share that the thesis's method has wrong.
@@ -24,14 +24,14 @@ use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::path::Path;
 
-const SIZE: [u32; 2] = [480, 270];
+const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 
 type Place = Option<[f64; 2]>;
 
-fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
+fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
-    let setup = Setup { split: true, ..Setup::new(SIZE) };
-    let shot = Shot::new(stage, &thesis::INFO, &setup, camera(scene, view, SIZE), materials.clone()).expect("a shot");
+    let setup = Setup { split: true, ..Setup::new(size) };
+    let shot = Shot::new(stage, &thesis::INFO, &setup, camera(scene, view, size), materials.clone()).expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");
     let hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
     let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));
@@ -56,7 +56,9 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
         let oracle = oracle.clone().of_version(version);
         let places: Vec<Place> = pixels.clone().map(|(x, y)| oracle.trace(x, y).position_px()).collect();
         let counts = agreement(&reflects, &ends, &places);
-        let front = count(&|i| ends[i].is_none() && places[i].is_some() && meetings[i][0].crosses_front);
+        let crosses =
+            |i: usize, place| meetings[i].iter().any(|m| m.crosses_front && [m.position.x, m.position.y] == place);
+        let front = count(&|i| ends[i].is_none() && places[i].is_some_and(|place| crosses(i, place)));
         let columns = [
             wrong(&hits),
             wrong(&places),
@@ -67,9 +69,11 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
             share(least),
         ];
         println!(
-            "{},{},{},{}",
+            "{},{},{}x{},{},{}",
             scene.name,
             view.name,
+            size[0],
+            size[1],
             u32::from(version),
             columns.map(|v| format!("{v:.4}")).join(",")
         );
@@ -83,13 +87,13 @@ fn main() {
     }
     let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
-    println!("scene,view,oracle,ssct,wrong,false_front,false_side,displaced,missed,least");
+    println!("scene,view,size,oracle,ssct,wrong,false_front,false_side,displaced,missed,least");
     for name in names {
         let from_file = || scene_file::load(Path::new(&name), 1.0).expect("a built-in scene or a file of one");
         let scene = library::scene(&name).unwrap_or_else(from_file);
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-        for view in &scene.views {
-            print_view(&scene, view, &mut stage);
+        for (view, size) in scene.views.iter().flat_map(|view| SIZES.map(|size| (view, size))) {
+            print_view(&scene, view, size, &mut stage);
         }
     }
 }

@@ -16,16 +16,18 @@ struct Ray {
     vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
     vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
     float end;      // s at which it leaves the frustum
+    vec3 direction; // in view space, of any length; for version 2 of the oracle
 };
 
 #define NEVER 1e30
 
-// From a pixel along a change of (ndc x, ndc y, depth), of any length. `end` is 0 for a ray that
-// does not move on the screen.
-Ray MakeRay(ivec2 pixel, float depth, vec3 change) {
+// From a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end` is 0 for
+// a ray that does not move on the screen.
+Ray MakeRay(ivec2 pixel, float depth, vec3 direction, vec3 change) {
     Ray ray;
     ray.pixel = pixel;
     ray.depth = depth;
+    ray.direction = direction;
     precise vec2 moved = change.xy * vec2(unified.size) * vec2(0.5, -0.5);
     float fastest = max(abs(moved.x), abs(moved.y));
     if (!(fastest > 1e-30)) {
@@ -67,7 +69,7 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     PixelPoint(pixel, view, ndc);
     precise vec2 change = unified.view_to_clip * direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
-    return MakeRay(pixel, depth, vec3(change, change_z));
+    return MakeRay(pixel, depth, direction, vec3(change, change_z));
 }
 
 // Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
@@ -83,6 +85,7 @@ Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     precise float a = -2.0 * along * (1.0 / squared);
     precise vec2 change = (unified.view_to_clip * normal.xy - ndc * normal.z) * a;
     precise float change_z = -((depth + unified.depth_offset) * (1.0 + a * normal.z));
+    precise vec3 direction = view + a * normal;
     faces = along < 0.0;
-    return MakeRay(pixel, depth, vec3(change, change_z));
+    return MakeRay(pixel, depth, direction, vec3(change, change_z));
 }

@@ -1,5 +1,5 @@
-// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, ray.glsl and
-// the image `pyramid`. CPU twin: reference::unified.
+// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, ray.glsl, the image
+// `pyramid` and the texture `normal_buffer`. CPU twin: reference::unified.
 //
 // The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
 // way it runs; where that misses the cell's [back, front], nothing in the cell can be hit and the
@@ -28,17 +28,42 @@ struct Hit {
 #define MISS_SKY      10 // or the far plane, with nothing before it,
 #define MISS_BEHIND   11 // or wherever, behind the back of a block; with oracle 2 also at a block, from behind
 
+// reference::thickness.
+#define JOINED 0.8
+
 // Forward: a pixel each at least, over both axes. Down: no more often than up.
 int MaxSteps() {
     return 2 * (unified.size.x + unified.size.y);
 }
 
-// The front of the block that the ray comes from as it enters a pixel: across the boundary that it crossed last.
-float FrontBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
+// In this order (the twin's).
+float Dot(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// The pixel that a ray comes from as it enters another: across the boundary that it crossed last.
+ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     precise vec2 entries = (vec2(pixel + 1 - ahead) - (vec2(ray.pixel) + 0.5)) * ray.inverse;
     ivec2 back = 1 - 2 * ahead;
-    ivec2 before = pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
-    return imageLoad(pyramid, before).x;
+    return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
+}
+
+// What version 2 of the oracle asks (reference::oracle): whether a ray that enters a pixel behind its block's front has
+// come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
+// the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
+bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
+    vec2 before = imageLoad(pyramid, PixelBefore(ray, pixel, ahead)).xy;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    precise float thickness = block.x - block.y;
+    precise float joined = JOINED * (thickness + (before.x - before.y));
+    precise float gap = block.x - before.x;
+    float along = Dot(ray.direction, normal);
+    precise float below = block.x - entry_depth;
+    precise float depth_squared = (below * below) * (Dot(normal, normal) * Dot(ray.direction, ray.direction));
+    precise float limit_squared = (along * along) * (thickness * thickness);
+    bool is_deep = along >= 0.0 || depth_squared > limit_squared;
+    return entry_depth < before.x || (gap > joined && is_deep);
 }
 
 Hit Traverse(Ray ray) {
@@ -62,7 +87,9 @@ Hit Traverse(Ray ray) {
     int bound = MaxSteps();
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
-    float front = -2.0; // of the block that was hit; -1 for a miss
+    vec2 met = vec2(-2.0); // the block that was hit; -1 for a miss
+    // Whether, by version 2, the first pixel's surface is the one that it leaves.
+    bool leaves = ORACLE == 2 && Dot(ray.direction, texelFetch(normal_buffer, pixel, 0).xyz) > 0.0;
     hit.code = HIT_UNFINISHED;
 
     // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
@@ -82,8 +109,10 @@ Hit Traverse(Ray ray) {
         float last = goes_on ? exit : ray.end;
         precise float exit_depth = ray.depth + last * ray.rate.z;
         bool meets = (recedes ? exit_depth : entry_depth) <= block.x && (recedes ? entry_depth : exit_depth) >= block.y;
+        if (ORACLE == 2)
+            meets = meets && !(leaves && hit.steps == 1);
         if (meets ? level == 0 : !goes_on) {
-            front = meets ? block.x : -1.0;
+            met = meets ? block : vec2(-1.0);
             break;
         }
 
@@ -101,6 +130,7 @@ Hit Traverse(Ray ray) {
         entry = meets ? entry : exit;
         entry_depth = meets ? entry_depth : exit_depth;
     }
+    float front = met.x;
     if (front == -1.0)
         hit.code = HIT_NOTHING;
     if (front > 0.0) {
@@ -118,8 +148,7 @@ Hit Traverse(Ray ray) {
         hit.pixel = pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
-        // Behind this front and the one before, it has not come from in front of either (reference::oracle).
-        if (ORACLE == 2 && entry_depth < front && entry_depth < FrontBefore(ray, pixel, ahead))
+        if (ORACLE == 2 && hit.steps > 1 && entry_depth < front && IsBehind(ray, entry_depth, pixel, met, ahead))
             hit.code = MISS_BEHIND;
     }
     return hit;

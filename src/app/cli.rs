@@ -165,7 +165,7 @@ pub struct MethodOptions {
     #[arg(long, value_enum, default_value_t)]
     pub fallback: Fallback,
     /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
-    /// those that it meets from in front.
+    /// those that it can have come to from in front.
     #[arg(long, value_enum, default_value_t)]
     pub oracle: OracleVersion,
 }

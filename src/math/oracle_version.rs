@@ -10,8 +10,8 @@ pub enum OracleVersion {
     #[default]
     #[value(name = "1")]
     V1,
-    /// The same, and the ray must come from in front: where it enters the block's pixel behind the front of the
-    /// block and of the one before, it has passed behind them and misses.
+    /// The same, and the ray must come from in front: it passes the first block if it leaves that surface, and what
+    /// it meets from behind, or past the edge of a surface, is a miss.
     #[value(name = "2")]
     V2,
 }

@@ -11,7 +11,7 @@
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block};
+use super::thickness::{self, Block, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
@@ -66,6 +66,7 @@ impl<'a> Hierarchy<'a> {
         for lane in &mut lanes {
             lane.advance(entry);
         }
+        let start = entry;
         let mut level = 0;
         loop {
             let Some(cell) = self.cell(&lanes, level) else {
@@ -77,12 +78,14 @@ impl<'a> Hierarchy<'a> {
                 let (a, b) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
                 if a > b { (a, b) } else { (b, a) }
             };
-            if far <= cell.front && near >= cell.back {
+            // By version 2, the first pixel's surface may be the one that the ray leaves.
+            let is_first = self.version == OracleVersion::V2 && entry == start;
+            if far <= cell.front && near >= cell.back && !(is_first && self.inward(&lanes, segment) < 0.0) {
                 if level > 0 {
                     level -= 1;
                     continue;
                 }
-                if self.version == OracleVersion::V2 && self.is_behind(&lanes, segment, entry, cell) {
+                if self.version == OracleVersion::V2 && !is_first && self.is_behind(&lanes, segment, entry, cell) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
@@ -112,11 +115,26 @@ impl<'a> Hierarchy<'a> {
         })
     }
 
-    /// Whether a ray that enters a pixel's block at `entry` lies behind its front and that of the pixel before.
+    /// The share of a ray's direction that goes against the current pixel's normal; negative for one that goes with it.
+    fn inward(&self, lanes: &[Lane; 2], segment: &Segment) -> f64 {
+        let [x, y] = lanes.map(|lane| lane.pixel as u32);
+        segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
+    }
+
+    /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
     fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: Block) -> bool {
         let depth = segment.depth_at(entry);
+        if depth >= block.front {
+            return false;
+        }
+        let thick = block.front - block.back;
+        let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * thick;
         let before = lanes.map(|lane| lane.before(entry));
-        depth < block.front && self.cell(&before, 0).is_some_and(|before| depth < before.front)
+        // Beside sky there is an edge.
+        self.cell(&before, 0).filter(|before| before.front >= before.back).map_or(is_deep, |before| {
+            let is_torn = block.front - before.front > JOINED * (thick + (before.front - before.back));
+            depth < before.front || is_torn && is_deep
+        })
     }
 
     /// A ray that ends at `end` in the pixel that it is in just before.

@@ -1,19 +1,37 @@
 //! The oracle (DEFINITIONS, "Oracle"): what a reflection ray truly meets in a G-buffer, found by looking
 //! at every pixel on its way, in f64. Slow, short and meant to be read.
 //!
-//! Version 2 adds one thing to version 1. A block's thickness is a guess that keeps rays from slipping
-//! through surfaces; a ray that comes from behind meets it as well, where in the world it passes behind the
-//! object or ends on a side of it that the screen does not show. So a ray hits only if it comes from in
-//! front: where it enters the pixel, it lies in front of this block's front, and crosses it, or in front of
-//! the front of the pixel that it comes from, and passes between the two. Else it misses, behind.
+//! Version 2 asks of each block that is met whether the ray can have come to it from in front. A block's thickness
+//! is a guess that keeps rays from slipping through surfaces; where the screen does not show what lies between two
+//! pixels, rays meet it that in the world pass behind the object, or end on a side of it that is not seen.
+//!
+//! - The block of the first pixel after the start is most often of the surface that the ray leaves. Which of the two
+//!   it is, depths a pixel apart cannot tell, but the normal there can: with a ray that runs the way it points, the ray
+//!   goes on, as if that pixel were empty; else it hits.
+//! - Any later block is hit if the ray, where it enters the pixel, lies in front of it; or else in front of
+//!   the pixel before, and so passes between the two fronts, where these are near enough to be of one surface
+//!   ([`JOINED`]). Where they are not, beside the edge of what is seen, the block's side is hit no deeper than the
+//!   thickness times the cosine by which the ray runs against the normal: the more it runs along the surface, the
+//!   sooner it has passed behind it. Else the ray has come behind what is seen: a miss.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block};
+use super::thickness::{self, Block, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
 use std::ops::ControlFlow;
+
+/// How a ray comes to a block that it meets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Approach {
+    /// From in front: a hit.
+    InFront,
+    /// On its way out of the surface on which it begins: version 2 has it go on.
+    Leaving,
+    /// From behind: by version 2 a miss.
+    Behind,
+}
 
 /// A block that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,8 +42,8 @@ pub struct Meeting {
     pub position: DVec3,
     /// Whether the ray crosses the block's front there. Else it comes in by a side or through the back.
     pub crosses_front: bool,
-    /// Whether version 2 takes it for a miss.
-    pub from_behind: bool,
+    /// What version 2 asks.
+    pub approach: Approach,
     /// Pixels looked at until then.
     pub steps: u32,
 }
@@ -62,10 +80,15 @@ impl<'a> Oracle<'a> {
     /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let ends = |meeting: Meeting| {
-            let Meeting { pixel, position, from_behind, steps, .. } = meeting;
-            let behind = self.version == OracleVersion::V2 && from_behind;
-            let miss = Outcome::Miss { reason: segment.end, behind };
-            ControlFlow::Break(Trace { outcome: if behind { miss } else { Outcome::Hit { pixel, position } }, steps })
+            let Meeting { pixel, position, approach, steps, .. } = meeting;
+            let outcome = match approach {
+                Approach::Leaving if self.version == OracleVersion::V2 => return ControlFlow::Continue(()),
+                Approach::Behind if self.version == OracleVersion::V2 => {
+                    Outcome::Miss { reason: segment.end, behind: true }
+                }
+                _ => Outcome::Hit { pixel, position },
+            };
+            ControlFlow::Break(Trace { outcome, steps })
         };
         match self.walk(segment, ends) {
             ControlFlow::Break(trace) | ControlFlow::Continue(trace) => trace,
@@ -105,17 +128,36 @@ impl<'a> Oracle<'a> {
             steps += 1;
             let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
             if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
-                let from_behind = self.comes_from_behind(segment.depth_at(entry), last, block);
-                let (pixel, position) = (pixel.map(|p| p as u32), segment.at(s));
-                meet(Meeting { pixel, position, crosses_front, from_behind, steps })?;
+                let (place, position) = (pixel.map(|p| p as u32), segment.at(s));
+                let approach = match steps {
+                    1 if self.along_normal(segment, place) > 0.0 => Approach::Leaving,
+                    1 => Approach::InFront,
+                    _ if self.comes_from_behind(segment, entry, [last, pixel], block) => Approach::Behind,
+                    _ => Approach::InFront,
+                };
+                meet(Meeting { pixel: place, position, crosses_front, approach, steps })?;
             }
         }
     }
 
-    /// Whether a ray that enters a block's pixel at a depth lies behind the fronts of the block and of the pixel
-    /// that it comes from.
-    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: Block) -> bool {
-        entry_depth < block.front && self.block(last).is_some_and(|before| entry_depth < before.front)
+    /// The cosine between a ray and a pixel's normal; 0 without a normal.
+    fn along_normal(&self, segment: &Segment, [x, y]: [u32; 2]) -> f64 {
+        self.rays.normal(x, y).map_or(0.0, |normal| normal.dot(segment.direction))
+    }
+
+    /// Whether a ray that goes from the pixel `last` into a block's pixel at `entry` has come behind the block: see
+    /// the module.
+    fn comes_from_behind(&self, segment: &Segment, entry: f64, [last, pixel]: [[i32; 2]; 2], block: Block) -> bool {
+        let entry_depth = segment.depth_at(entry);
+        if entry_depth >= block.front {
+            return false;
+        }
+        let before = self.block(last).unwrap_or(Block::EMPTY);
+        let thickness = |block: Block| if block == Block::EMPTY { 0.0 } else { block.front - block.back };
+        let is_joined = block.front - before.front <= JOINED * (thickness(block) + thickness(before));
+        let against = -self.along_normal(segment, pixel.map(|p| p as u32));
+        let at_rim = block.front - entry_depth <= against.max(0.0) * thickness(block);
+        entry_depth < before.front || !(is_joined || at_rim)
     }
 
     /// The block of a pixel; `None` off screen.

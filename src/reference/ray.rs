@@ -75,6 +75,8 @@ pub struct Segment {
     pub start: DVec3,
     /// From there to its end; all 0 where it leaves the frustum at once.
     pub delta: DVec3,
+    /// The ray's unit direction in view space.
+    pub direction: DVec3,
     /// Which side of the frustum ends it.
     pub end: MissReason,
 }
@@ -152,6 +154,7 @@ impl<'a> RaySetup<'a> {
         let segment = Segment {
             start: DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth),
             delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z),
+            direction,
             end,
         };
         segment.delta.is_finite().then_some(segment)

@@ -80,6 +80,8 @@ pub struct Ray {
     pub inverse: Vec2,
     /// s at which it leaves the frustum.
     pub end: f32,
+    /// In view space, of any length.
+    pub direction: Vec3,
 }
 
 /// How a ray ended; the values of `HIT_*`.
@@ -183,7 +185,8 @@ impl<'a> Traversal<'a> {
         let a = -2.0 * along * (1.0 / squared);
         let change = (p.view_to_clip * n.truncate() - ndc * n.z) * a;
         let change_z = -((depth + p.depth_offset) * (1.0 + a * n.z));
-        Some((self.make_ray(pixel, depth, change.extend(change_z)), along < 0.0))
+        let direction = view.extend(1.0) + a * n;
+        Some((self.make_ray(pixel, depth, direction, change.extend(change_z)), along < 0.0))
     }
 
     /// The ray along a view-space direction of any length; `None` for sky.
@@ -193,7 +196,7 @@ impl<'a> Traversal<'a> {
         let (_, ndc) = self.pixel_point(pixel);
         let change = p.view_to_clip * direction.truncate() - ndc * direction.z;
         let change_z = -((depth + p.depth_offset) * direction.z);
-        (depth > 0.0).then(|| self.make_ray(pixel, depth, change.extend(change_z)))
+        (depth > 0.0).then(|| self.make_ray(pixel, depth, direction, change.extend(change_z)))
     }
 
     fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
@@ -202,12 +205,12 @@ impl<'a> Traversal<'a> {
         (centre * p.pixel_to_view, centre * p.pixel_to_clip)
     }
 
-    fn make_ray(&self, pixel: IVec2, depth: f32, change: Vec3) -> Ray {
+    fn make_ray(&self, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
         let size = self.parameters.size;
         let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
         let fastest = moved.x.abs().max(moved.y.abs());
         if fastest.is_nan() || fastest <= 1e-30 {
-            return Ray { pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0 };
+            return Ray { pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0, direction };
         }
         let scale = 1.0 / fastest;
         let (rate, depth_rate) = (moved * scale, change.z * scale);
@@ -218,7 +221,8 @@ impl<'a> Traversal<'a> {
             IVec2::new(if inverse.x > 0.0 { size.x } else { 0 }, if inverse.y > 0.0 { size.y } else { 0 }) - pixel;
         let sides = (side.as_vec2() - 0.5) * inverse;
         let plane = ((if depth_inverse > 0.0 { 1.0 } else { 0.0 }) - depth) * depth_inverse;
-        Ray { pixel, depth, rate: rate.extend(depth_rate), inverse, end: sides.x.min(sides.y).min(plane) }
+        let end = sides.x.min(sides.y).min(plane);
+        Ray { pixel, depth, rate: rate.extend(depth_rate), inverse, end, direction }
     }
 
     /// `MaxSteps`.
@@ -249,6 +253,7 @@ impl<'a> Traversal<'a> {
             if sides.y == entry { ray.pixel.y + ahead2.y } else { beside.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
+        let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
         let mut level = 0_i32;
         while hit.steps < self.max_steps() {
             hit.steps += 1;
@@ -261,7 +266,7 @@ impl<'a> Traversal<'a> {
             let last = exit.min(ray.end);
             let exit_depth = ray.depth + last * ray.rate.z;
             let (far, near) = (entry_depth.min(exit_depth), entry_depth.max(exit_depth));
-            let meets = far <= block.front && near >= block.back;
+            let meets = far <= block.front && near >= block.back && !(leaves && hit.steps == 1);
             visit(Visit { level: level as u32, cell, block, meets, span: [entry, last] });
             if if meets { level == 0 } else { exit >= ray.end } {
                 if !meets {
@@ -273,8 +278,9 @@ impl<'a> Traversal<'a> {
                 let low = (pixel - ray.pixel).as_vec2();
                 let offset = (s * slope + 0.5).max(low).min(low + 1.0);
                 if self.version == OracleVersion::V2
+                    && hit.steps > 1
                     && entry_depth < block.front
-                    && entry_depth < self.front_before(pixel, ahead, (start, ray.inverse))
+                    && self.is_behind(ray, entry_depth, [pixel, self.before(pixel, ahead, (start, ray.inverse))])
                 {
                     return Hit { code: Code::Behind, ..hit };
                 }
@@ -309,17 +315,37 @@ impl<'a> Traversal<'a> {
         Hit { code: Code::Unfinished, ..hit }
     }
 
-    /// `FrontBefore`.
-    fn front_before(&self, pixel: IVec2, ahead: IVec2, (start, inverse): (Vec2, Vec2)) -> f32 {
+    fn normal(&self, pixel: IVec2) -> Vec3 {
+        self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)]
+    }
+
+    /// `IsBehind`, of a pixel and the one before.
+    fn is_behind(&self, ray: &Ray, entry_depth: f32, pixels: [IVec2; 2]) -> bool {
+        let [block, before] = pixels.map(|p| self.levels[0].at_clamped(p.x as u32, p.y as u32));
+        let (d, n) = (ray.direction, self.normal(pixels[0]));
+        let thickness = block.front - block.back;
+        let joined = 0.8 * (thickness + (before.front - before.back));
+        let (along, below) = (dot(d, n), block.front - entry_depth);
+        let depth_squared = (below * below) * (dot(n, n) * dot(d, d));
+        let is_deep = along >= 0.0 || depth_squared > (along * along) * (thickness * thickness);
+        entry_depth < before.front || block.front - before.front > joined && is_deep
+    }
+
+    /// `PixelBefore`.
+    fn before(&self, pixel: IVec2, ahead: IVec2, (start, inverse): (Vec2, Vec2)) -> IVec2 {
         let entries = ((pixel + 1 - ahead).as_vec2() - start) * inverse;
         let back = 1 - 2 * ahead;
-        let before = pixel
+        pixel
             + IVec2::new(
                 if entries.x >= entries.y { back.x } else { 0 },
                 if entries.y >= entries.x { back.y } else { 0 },
-            );
-        self.levels[0].at_clamped(before.x as u32, before.y as u32).front
+            )
     }
+}
+
+/// `Dot`: in this order.
+fn dot(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
 }
 
 /// A pixel's block; `Block` of `pyramid.comp`.

@@ -23,7 +23,8 @@ fn exact_segment(random: &Random, g: &GBufferData) -> Segment {
     let depth = || f64::from(g.depth[random.below(g.depth.len() as u32) as usize]);
     let (from, to) = (depth(), if random.unit() < 0.3 { None } else { Some(depth()) });
     let start = DVec3::new(start[0], start[1], from);
-    Segment { start, delta: DVec3::new(end[0], end[1], to.unwrap_or(from)) - start, end: MissReason::LeftScreen }
+    let delta = DVec3::new(end[0], end[1], to.unwrap_or(from)) - start;
+    Segment { start, delta, direction: random.direction(), end: MissReason::LeftScreen }
 }
 
 fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
@@ -153,8 +154,12 @@ fn a_ray_through_a_corner_may_touch_either_pixel_beside_it() {
     let g = gbuffer(3, 3, |x, y| if (x, y) == (1, 0) { 0.5 } else { 0.0 }, |_, _| Vec3::NEG_Z);
     let hierarchy = Hierarchy::new(&g);
     let ends = |x: f64, y: f64| {
-        let segment =
-            Segment { start: DVec3::new(0.5, 0.5, 0.5), delta: DVec3::new(x, y, 0.0), end: MissReason::LeftScreen };
+        let segment = Segment {
+            start: DVec3::new(0.5, 0.5, 0.5),
+            delta: DVec3::new(x, y, 0.0),
+            direction: DVec3::X,
+            end: MissReason::LeftScreen,
+        };
         hierarchy.possible_ends(&segment, 1e-6)
     };
     // Through the corner, within rounding of it, and clearly to either side of it.

@@ -6,7 +6,8 @@ use crate::reference::ray::{Outcome, Segment};
 use crate::reference::thickness::Block;
 
 impl Hierarchy<'_> {
-    /// Every end, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known to a share of `rounding` of their s alone.
+    /// Every end, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known to a share of
+    /// `rounding` of their s alone.
     ///
     /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner: it may go straight
     /// to the pixel across, or touch either of the two pixels beside it, whose blocks it may then meet. Each corner is

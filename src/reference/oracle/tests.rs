@@ -115,6 +115,7 @@ fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
     let segment = Segment {
         start: DVec3::new(0.5, 0.5, depth(3.2) - 0.5 * slope),
         delta: DVec3::new(3.5, 0.0, 3.5 * slope),
+        direction: DVec3::X,
         end: MissReason::LeftScreen,
     };
     let Outcome::Hit { pixel: [1, 0], position } = oracle.trace_segment(&segment).outcome else { panic!() };
@@ -131,7 +132,8 @@ fn a_ray_through_a_corner_goes_across_it() {
         gbuffer(3, 3, move |x, y| if pixels.contains(&(x, y)) { depth } else { 0.0 }, |_, _| Vec3::NEG_Z)
     };
     let start = DVec3::new(0.5, 0.5, f64::from(depth));
-    let diagonal = Segment { start, delta: DVec3::new(2.5, 2.5, 0.0), end: MissReason::LeftScreen };
+    let (delta, direction) = (DVec3::new(2.5, 2.5, 0.0), DVec3::new(1.0, -1.0, 0.0).normalize());
+    let diagonal = Segment { start, delta, direction, end: MissReason::LeftScreen };
     let beside = on(&[(0, 0), (1, 0), (0, 1), (2, 1), (1, 2)]);
     let trace = Oracle::new(&beside).trace_segment(&diagonal);
     assert_eq!((trace.outcome, trace.steps), (miss(MissReason::LeftScreen, false), 2));
@@ -164,33 +166,60 @@ fn one_pixel_hits_nothing() {
     }
 }
 
-/// Three pixels in a row, the middle one near, a ray past it: what it hits by each version.
-fn ends_of(depths_m: &[f64], start_m: f64, end_m: f64) -> [Outcome; 2] {
+/// A row of pixels and a ray along it from one depth to another, with a direction for what normals are asked: how it
+/// ends by each version.
+fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [Outcome; 2] {
     let g = row(depths_m);
     let last = depths_m.len() as f64 - 0.5;
     let at = |m: f64| f64::from(depth_of(m));
     let segment = Segment {
         start: DVec3::new(0.5, 0.5, at(start_m)),
         delta: DVec3::new(last, 0.0, at(end_m) - at(start_m)),
+        direction,
         end: MissReason::LeftScreen,
     };
     [OracleVersion::V1, OracleVersion::V2].map(|v| Oracle::new(&g).of_version(v).trace_segment(&segment).outcome)
 }
 
+fn hits(outcome: Outcome, pixel: u32) -> bool {
+    matches!(outcome, Outcome::Hit { pixel: p, .. } if p == [pixel, 0])
+}
+
 #[test]
 fn the_second_version_hits_only_from_in_front() {
-    let hits = |outcome: Outcome, pixel: u32| matches!(outcome, Outcome::Hit { pixel: p, .. } if p == [pixel, 0]);
-    // A ray at 2.004 m meets the block of 2 m (T = 0.008 m) either way. From the far wall it comes in front of that.
-    let [first, second] = ends_of(&[9.0, 2.0, 9.0], 2.004, 2.004);
-    assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
-    // Behind something nearer, it comes from behind: it passes.
-    let [first, second] = ends_of(&[1.0, 2.0, 9.0], 2.004, 2.004);
-    assert!(hits(first, 1), "{first:?}");
-    assert_eq!(second, miss(MissReason::LeftScreen, true));
+    let behind = miss(MissReason::LeftScreen, true);
+    let level = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::X);
+    // Two pixels of a surface at 2 m: T = 0.008 m. Behind something nearer, a ray at 2.004 m comes from behind.
+    let [first, second] = level(&[1.0, 1.0, 2.0, 2.0], 2.004);
+    assert!(hits(first, 2), "{first:?}");
+    assert_eq!(second, behind);
+    // Past the surface's edge, from what lies farther or from sky, it passes as well, unless it runs against the
+    // normal, (0, 0, −1), and is no deeper in the block than by that cosine, here 0.4.
+    let against = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::new(0.84_f64.sqrt(), 0.0, 0.4));
+    for before in [9.0, SKY] {
+        let [first, second] = level(&[SKY, before, 2.0, 2.0], 2.004);
+        assert!(hits(first, 2), "{before} {first:?}");
+        assert_eq!(second, behind, "{before}");
+        for (at_m, is_hit) in [(2.003, true), (2.0035, false)] {
+            let [first, second] = against(&[SKY, before, 2.0, 2.0], at_m);
+            assert!(hits(first, 2) && hits(second, 2) == is_hit, "{before} {at_m} {first:?} {second:?}");
+        }
+    }
+    // On a slope of 0.5 m a pixel, T is that and 0.4 % of the depth, and the side is joined to the pixel before.
+    let [first, second] = level(&[SKY, 3.0, 2.5, 2.0, 1.5], 2.85);
+    assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
     // What it crosses from front to back it hits, whatever was before.
-    let [first, second] = ends_of(&[1.0, 2.0, 9.0], 1.9, 2.4);
-    assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
-    // Sky is in front of nothing.
-    let [first, second] = ends_of(&[SKY, 2.0, 9.0], 2.004, 2.004);
+    let [first, second] = ends_of(&[1.0, 1.0, 2.0, 2.0], [1.5, 2.4], DVec3::X);
+    assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
+}
+
+#[test]
+fn the_second_version_leaves_the_surface_that_a_ray_begins_on() {
+    // Normals are (0, 0, −1). The ray sinks into the block beside the start, and crosses the front of column 3.
+    let to = |direction| ends_of(&[2.0, 2.0, SKY, 2.025, 2.025], [2.0, 2.04], direction);
+    let [first, second] = to(DVec3::new(0.9, 0.0, -0.1));
+    assert!(hits(first, 1) && hits(second, 3), "{first:?} {second:?}");
+    // The other way it ends at once, though it comes from behind the starting pixel's front.
+    let [first, second] = to(DVec3::new(0.9, 0.0, 0.1));
     assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
 }

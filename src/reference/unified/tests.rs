@@ -22,7 +22,8 @@ fn verdict(found: &Hit, truth: &Trace) -> Verdict {
 /// steps: a pixel that it passes for sure, by a block that it meets for sure, ends it there or before;
 /// and the pixel that it hit is one that it may pass, by a block that it may meet. For sure is what
 /// remains when pixels and blocks shrink by the rounding, and may be is what is left when they grow.
-fn is_tie(blocks: &Level<thickness::Block>, ray: &Ray, found: &Hit) -> bool {
+/// A pixel that it leaves, by version 2, is none.
+fn is_tie(blocks: &Level<thickness::Block>, ray: &Ray, found: &Hit, left: Option<IVec2>) -> bool {
     let unit = ULPS * f64::from(f32::EPSILON);
     let (start, end) = ((ray.pixel.as_dvec2() + 0.5).extend(f64::from(ray.depth)), f64::from(ray.end));
     let rate = ray.rate.as_dvec3();
@@ -50,13 +51,14 @@ fn is_tie(blocks: &Level<thickness::Block>, ray: &Ray, found: &Hit) -> bool {
         _ => f64::INFINITY,
     };
     let pixels = (0..blocks.height).flat_map(|y| (0..blocks.width).map(move |x| (x, y)));
-    let sure = pixels.filter(|(x, y)| IVec2::new(*x as i32, *y as i32) != found.pixel);
+    let others = |pixel: IVec2| pixel != found.pixel && Some(pixel) != left;
+    let sure = pixels.filter(|(x, y)| others(IVec2::new(*x as i32, *y as i32)));
     sure.filter_map(|(x, y)| met(x, y, -1.0)).all(|(first, _)| first >= limit)
 }
 
-/// Whether rounding decides from which side a ray meets the block that it meets: which pixel it comes from, or
-/// whether it lies behind that pixel's front and the block's.
-fn is_side_tie(blocks: &Level<thickness::Block>, ray: &Ray, met: &Hit) -> bool {
+/// Whether rounding decides what version 2 of the oracle makes of the block that a ray meets: which pixel it comes
+/// from, or on which side of one of the limits it lies.
+fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::Block>, ray: &Ray, met: &Hit) -> bool {
     if met.code != Code::Surface {
         return false;
     }
@@ -72,11 +74,31 @@ fn is_side_tie(blocks: &Level<thickness::Block>, ray: &Ray, met: &Hit) -> bool {
         return true;
     }
     let before = met.pixel + if entries.x > entries.y { IVec2::new(back.x, 0) } else { IVec2::new(0, back.y) };
-    let front = |p: IVec2| blocks.at_clamped(p.x as u32, p.y as u32).front;
+    let of = |p: IVec2| blocks.at_clamped(p.x as u32, p.y as u32);
+    let (block, before) = (of(met.pixel), of(before));
     let depth = f64::from(ray.depth) + entry * f64::from(ray.rate.z);
     let by_depth = unit * (f64::from(ray.depth).abs() + (entry * f64::from(ray.rate.z)).abs())
         + by_s * f64::from(ray.rate.z).abs();
-    (depth - front(met.pixel).min(front(before))).abs() <= by_depth
+    let thickness =
+        |block: thickness::Block| if block == thickness::Block::EMPTY { 0.0 } else { block.front - block.back };
+    let gap = block.front - before.front - thickness::JOINED * (thickness(block) + thickness(before));
+    let below = block.front - depth - (-cosine(twin, ray, met.pixel)).max(0.0) * thickness(block);
+    let by_block = unit * (block.front.abs() + thickness(block) + thickness(before));
+    let by_edge = by_depth + by_block;
+    (depth - block.front.min(before.front)).abs() <= by_depth || gap.abs() <= by_block || below.abs() <= by_edge
+}
+
+/// The cosine between a ray and a pixel's normal.
+fn cosine(twin: &Traversal, ray: &Ray, pixel: IVec2) -> f64 {
+    let [normal, direction] = [twin.normal(pixel), ray.direction].map(|v| v.as_dvec3().normalize_or_zero());
+    normal.dot(direction)
+}
+
+/// The first pixel that a ray looks at.
+fn first_of(twin: &Traversal, ray: &Ray) -> Option<IVec2> {
+    let mut first = None;
+    twin.walk(ray, |visit| first = first.or(Some(visit.cell)));
+    first
 }
 
 /// The part of an interval of s in which a line is between two values.
@@ -122,10 +144,20 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
         assert!(found.code != Code::Unfinished && found.steps <= twin.max_steps());
         hits += u64::from(truth.position().is_some());
         if verdict(&found, &truth) != Verdict::Agrees {
-            // What the second version leaves out is a hit of the first.
-            let met = Traversal::new(&g).traverse(&ray);
-            let side = version == OracleVersion::V2 && is_side_tie(&blocks, &ray, &met);
-            if !side && !is_tie(&blocks, &ray, &met) {
+            let second = version == OracleVersion::V2;
+            let first = first_of(&twin, &ray).filter(|_| second).map(|pixel| (cosine(&twin, &ray, pixel), pixel));
+            // Whether it leaves the first pixel may be a tie; if not, that pixel is out of the question, or hit.
+            let start = first.is_some_and(|(cosine, _)| cosine.abs() <= ULPS * f64::from(f32::EPSILON));
+            let left = first.filter(|(cosine, _)| *cosine > 0.0).map(|(_, pixel)| pixel);
+            // What the second version leaves out is a hit all the same.
+            let mut met = found;
+            twin.walk(&ray, |visit| {
+                if visit.meets && visit.level == 0 {
+                    met = Hit { code: Code::Surface, pixel: visit.cell, ..found };
+                }
+            });
+            let side = second && is_side_tie(&twin, &blocks, &ray, &met);
+            if !start && !side && !is_tie(&blocks, &ray, &met, left) {
                 unexplained.push(format!(
                     "case {case}, {size:?}, depths {kind}, direction {chosen}, ({x}, {y}):\n{found:?}\n{ray:?}\n{truth:?}\n{segment:?}"
                 ));
