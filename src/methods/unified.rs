@@ -33,7 +33,8 @@
 //! world does not have, these are most. Version 2 of the oracle (`--oracle 2`) asks where a ray can have come from: of
 //! the first pixel by the normal there, and after the walk by one more look at the pyramid, at the pixel before. What
 //! is wrong in the world then falls from 0.31 to 0.18 of what is wrong with `ssct` (960×540, medians of 17 views). But a
-//! miss is black, and a wrong hit is often a better guess than that, so that it is a choice.
+//! miss is black, and a wrong hit is often a better guess than that: the error against the world becomes 1.01 (0.94 to
+//! 1.04) of what it was for mirrors and 1.05 (0.59 to 1.10) at roughness 0.6, so that it is a choice.
 //!
 //! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
 //! the image. Else [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and
@@ -78,6 +79,10 @@
 //! the block itself asked for at every candidate) takes a tenth longer: what is saved in fetches goes into
 //! unpacking; as two words of an image with one channel it is no faster either. Not storing the reflection saves a
 //! tenth of a frame of mirrors.
+//!
+//! A colour chain that is aware of edges, by a finer level wherever the pyramid's cell around the hit is thicker than a
+//! tenth of its depth, has 0.90 to 1.05 of the error (1.01 in the median of four views and four roughness values): each
+//! ray stands for so small a part of a lobe that its footprint seldom reaches across an edge.
 //!
 //! Narrow lobes with a ray for two pixels take 0.7 of the time, at 1.5 times the error and with a third more change
 //! under a moving camera. Traced, gathered and composited in one pass, from the four rays of a block alone, they
