@@ -1,10 +1,11 @@
 //! Where screen space is wrong about the world, and what no choice within it could mend: a table on standard output.
 //!
 //! Mirror rays of every view of a scene, 960×540 and 641×479, each held against where it ends among the triangles
-//! (DEFINITIONS, "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the reflecting pixels
-//! that are wrong, and how: a hit where the world has none, by crossing a block's front or by its side; a hit
-//! elsewhere; a miss. `least` is the share that stays wrong whichever of the blocks on its way a ray were told to hit:
-//! the screen shows where it ends, but no block there meets it. `ssct` is the share that the thesis's method has wrong.
+//! (DEFINITIONS, "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the
+//! reflecting pixels that are wrong, and how: a hit where the world has none, by crossing a block's front or by its
+//! side; a hit elsewhere; a miss. `least` is the share that stays wrong whichever of the blocks on its way a ray were
+//! told to hit: the screen shows where it ends, but no block there meets it. `ssct` is the share that the thesis's
+//! method has wrong.
 //!
 //! `cargo bench --bench truth [-- SCENE…]`: names of built-in scenes or files.
 
@@ -44,21 +45,24 @@ fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let (rays, oracle) = (RaySetup::new(&data), Oracle::new(&data));
     let reflects = data.reflecting();
     let pixels = (0..data.depth.len()).into_par_iter().map(|i| (i as u32 % data.width, i as u32 / data.width));
-    let segment = |x, y| rays.mirror(x, y).and_then(|direction| rays.segment(x, y, direction));
+    let direction = |x, y| rays.mirror(x, y).filter(|_| reflects[data.index(x, y)]);
+    let segment = |x, y| direction(x, y).and_then(|direction| rays.segment(x, y, direction));
     let meet = |(x, y)| segment(x, y).map_or(vec![], |segment| oracle.meetings(&segment));
     let meetings: Vec<Vec<Meeting>> = pixels.clone().map(meet).collect();
+    let place = |meeting: &Meeting| [meeting.position.x, meeting.position.y];
     let count = |is: &dyn Fn(usize) -> bool| (0..reflects.len()).filter(|i| reflects[*i] && is(*i)).count() as u64;
-    let share = |number: u64| number as f64 / count(&|_| true) as f64;
+    let reflecting = count(&|_| true) as f64;
+    let share = |number: u64| number as f64 / reflecting;
     let wrong = |hits: &[Place]| 1.0 - agreement(&reflects, &ends, hits).fraction().expect("pixels that reflect");
-    let meets = |i: usize, end| meetings[i].iter().any(|m| is_same_place([m.position.x, m.position.y], end));
+    let meets = |i: usize, end| meetings[i].iter().any(|m| is_same_place(place(m), end));
     let least = count(&|i| ends[i].is_some_and(|end| !meets(i, end)));
     for version in [OracleVersion::V1, OracleVersion::V2] {
         let oracle = oracle.clone().of_version(version);
-        let places: Vec<Place> = pixels.clone().map(|(x, y)| oracle.trace(x, y).position_px()).collect();
+        let hit = |(x, y)| segment(x, y).and_then(|segment| oracle.trace_segment(&segment).position_px());
+        let places: Vec<Place> = pixels.clone().map(hit).collect();
         let counts = agreement(&reflects, &ends, &places);
-        let crosses =
-            |i: usize, place| meetings[i].iter().any(|m| m.crosses_front && [m.position.x, m.position.y] == place);
-        let front = count(&|i| ends[i].is_none() && places[i].is_some_and(|place| crosses(i, place)));
+        let crosses = |i: usize, hit| meetings[i].iter().any(|m| m.crosses_front && place(m) == hit);
+        let front = count(&|i| ends[i].is_none() && places[i].is_some_and(|hit| crosses(i, hit)));
         let columns = [
             wrong(&hits),
             wrong(&places),

@@ -79,13 +79,14 @@ impl<'a> Hierarchy<'a> {
                 if a > b { (a, b) } else { (b, a) }
             };
             // By version 2, the first pixel's surface may be the one that the ray leaves.
-            let is_first = self.version == OracleVersion::V2 && entry == start;
-            if far <= cell.front && near >= cell.back && !(is_first && self.inward(&lanes, segment) < 0.0) {
+            let (is_second, is_first) = (self.version == OracleVersion::V2, entry == start);
+            let leaves = is_second && is_first && self.inward(&lanes, segment) < 0.0;
+            if far <= cell.front && near >= cell.back && !leaves {
                 if level > 0 {
                     level -= 1;
                     continue;
                 }
-                if self.version == OracleVersion::V2 && !is_first && self.is_behind(&lanes, segment, entry, cell) {
+                if is_second && !is_first && self.is_behind(&lanes, segment, entry, cell) {
                     return Trace { outcome: Outcome::Miss { reason: segment.end, behind: true }, steps };
                 }
                 return Trace { outcome: hit(segment, &lanes, cell.front, [entry, exit.min(1.0)], [near, far]), steps };
@@ -124,17 +125,10 @@ impl<'a> Hierarchy<'a> {
     /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
     fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: Block) -> bool {
         let depth = segment.depth_at(entry);
-        if depth >= block.front {
-            return false;
-        }
-        let thick = block.front - block.back;
-        let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * thick;
-        let before = lanes.map(|lane| lane.before(entry));
-        // Beside sky there is an edge.
-        self.cell(&before, 0).filter(|before| before.front >= before.back).map_or(is_deep, |before| {
-            let is_torn = block.front - before.front > JOINED * (thick + (before.front - before.back));
-            depth < before.front || is_torn && is_deep
-        })
+        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(Block::EMPTY);
+        let is_torn = block.front - before.front > JOINED * (block.thickness() + before.thickness());
+        let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * block.thickness();
+        depth < block.front && (depth < before.front || is_torn && is_deep)
     }
 
     /// A ray that ends at `end` in the pixel that it is in just before.

@@ -82,11 +82,10 @@ impl<'a> Oracle<'a> {
         let ends = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;
             let outcome = match approach {
-                Approach::Leaving if self.version == OracleVersion::V2 => return ControlFlow::Continue(()),
-                Approach::Behind if self.version == OracleVersion::V2 => {
-                    Outcome::Miss { reason: segment.end, behind: true }
-                }
-                _ => Outcome::Hit { pixel, position },
+                _ if self.version == OracleVersion::V1 => Outcome::Hit { pixel, position },
+                Approach::InFront => Outcome::Hit { pixel, position },
+                Approach::Leaving => return ControlFlow::Continue(()),
+                Approach::Behind => Outcome::Miss { reason: segment.end, behind: true },
             };
             ControlFlow::Break(Trace { outcome, steps })
         };
@@ -128,36 +127,27 @@ impl<'a> Oracle<'a> {
             steps += 1;
             let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
             if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
-                let (place, position) = (pixel.map(|p| p as u32), segment.at(s));
-                let approach = match steps {
-                    1 if self.along_normal(segment, place) > 0.0 => Approach::Leaving,
-                    1 => Approach::InFront,
-                    _ if self.comes_from_behind(segment, entry, [last, pixel], block) => Approach::Behind,
-                    _ => Approach::InFront,
+                let (pixel, position) = (pixel.map(|p| p as u32), segment.at(s));
+                let along_normal = self.rays.normal(pixel[0], pixel[1]).map_or(0.0, |n| n.dot(segment.direction));
+                let approach = if steps == 1 && along_normal > 0.0 {
+                    Approach::Leaving
+                } else if steps > 1 && self.comes_from_behind(segment.depth_at(entry), last, block, along_normal) {
+                    Approach::Behind
+                } else {
+                    Approach::InFront
                 };
-                meet(Meeting { pixel: place, position, crosses_front, approach, steps })?;
+                meet(Meeting { pixel, position, crosses_front, approach, steps })?;
             }
         }
     }
 
-    /// The cosine between a ray and a pixel's normal; 0 without a normal.
-    fn along_normal(&self, segment: &Segment, [x, y]: [u32; 2]) -> f64 {
-        self.rays.normal(x, y).map_or(0.0, |normal| normal.dot(segment.direction))
-    }
-
-    /// Whether a ray that goes from the pixel `last` into a block's pixel at `entry` has come behind the block: see
-    /// the module.
-    fn comes_from_behind(&self, segment: &Segment, entry: f64, [last, pixel]: [[i32; 2]; 2], block: Block) -> bool {
-        let entry_depth = segment.depth_at(entry);
-        if entry_depth >= block.front {
-            return false;
-        }
+    /// Whether a ray that enters a block's pixel at a depth, from the pixel `last`, has come behind the block: see the
+    /// module. The cosine is that between the ray and the block's normal; 0 without one.
+    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: Block, along_normal: f64) -> bool {
         let before = self.block(last).unwrap_or(Block::EMPTY);
-        let thickness = |block: Block| if block == Block::EMPTY { 0.0 } else { block.front - block.back };
-        let is_joined = block.front - before.front <= JOINED * (thickness(block) + thickness(before));
-        let against = -self.along_normal(segment, pixel.map(|p| p as u32));
-        let at_rim = block.front - entry_depth <= against.max(0.0) * thickness(block);
-        entry_depth < before.front || !(is_joined || at_rim)
+        let is_joined = block.front - before.front <= JOINED * (block.thickness() + before.thickness());
+        let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
+        entry_depth < block.front && (entry_depth < before.front || !(is_joined || at_rim))
     }
 
     /// The block of a pixel; `None` off screen.

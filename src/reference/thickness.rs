@@ -25,6 +25,11 @@ impl Block {
     /// No depth at all.
     pub const EMPTY: Self = Self { back: f64::INFINITY, front: f64::NEG_INFINITY };
 
+    /// From front to back, in reversed depth; 0 of sky.
+    pub fn thickness(self) -> f64 {
+        (self.front - self.back).max(0.0)
+    }
+
     /// The least interval that holds both.
     pub fn union(self, other: Self) -> Self {
         Self { back: self.back.min(other.back), front: self.front.max(other.front) }

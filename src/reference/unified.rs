@@ -280,7 +280,7 @@ impl<'a> Traversal<'a> {
                 if self.version == OracleVersion::V2
                     && hit.steps > 1
                     && entry_depth < block.front
-                    && self.is_behind(ray, entry_depth, [pixel, self.before(pixel, ahead, (start, ray.inverse))])
+                    && self.is_behind(ray, entry_depth, pixel, block, ahead)
                 {
                     return Hit { code: Code::Behind, ..hit };
                 }
@@ -319,10 +319,11 @@ impl<'a> Traversal<'a> {
         self.gbuffer.normal[self.gbuffer.index(pixel.x as u32, pixel.y as u32)]
     }
 
-    /// `IsBehind`, of a pixel and the one before.
-    fn is_behind(&self, ray: &Ray, entry_depth: f32, pixels: [IVec2; 2]) -> bool {
-        let [block, before] = pixels.map(|p| self.levels[0].at_clamped(p.x as u32, p.y as u32));
-        let (d, n) = (ray.direction, self.normal(pixels[0]));
+    /// `IsBehind`.
+    fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
+        let before = pixel_before(ray, pixel, ahead);
+        let before = self.levels[0].at_clamped(before.x as u32, before.y as u32);
+        let (d, n) = (ray.direction, self.normal(pixel));
         let thickness = block.front - block.back;
         let joined = 0.8 * (thickness + (before.front - before.back));
         let (along, below) = (dot(d, n), block.front - entry_depth);
@@ -330,17 +331,13 @@ impl<'a> Traversal<'a> {
         let is_deep = along >= 0.0 || depth_squared > (along * along) * (thickness * thickness);
         entry_depth < before.front || block.front - before.front > joined && is_deep
     }
+}
 
-    /// `PixelBefore`.
-    fn before(&self, pixel: IVec2, ahead: IVec2, (start, inverse): (Vec2, Vec2)) -> IVec2 {
-        let entries = ((pixel + 1 - ahead).as_vec2() - start) * inverse;
-        let back = 1 - 2 * ahead;
-        pixel
-            + IVec2::new(
-                if entries.x >= entries.y { back.x } else { 0 },
-                if entries.y >= entries.x { back.y } else { 0 },
-            )
-    }
+/// `PixelBefore`.
+fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
+    let entries = ((pixel + 1 - ahead).as_vec2() - (ray.pixel.as_vec2() + 0.5)) * ray.inverse;
+    let back = 1 - 2 * ahead;
+    pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
 }
 
 /// `Dot`: in this order.

@@ -79,11 +79,9 @@ fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::Block>, ray: &Ray, me
     let depth = f64::from(ray.depth) + entry * f64::from(ray.rate.z);
     let by_depth = unit * (f64::from(ray.depth).abs() + (entry * f64::from(ray.rate.z)).abs())
         + by_s * f64::from(ray.rate.z).abs();
-    let thickness =
-        |block: thickness::Block| if block == thickness::Block::EMPTY { 0.0 } else { block.front - block.back };
-    let gap = block.front - before.front - thickness::JOINED * (thickness(block) + thickness(before));
-    let below = block.front - depth - (-cosine(twin, ray, met.pixel)).max(0.0) * thickness(block);
-    let by_block = unit * (block.front.abs() + thickness(block) + thickness(before));
+    let gap = block.front - before.front - thickness::JOINED * (block.thickness() + before.thickness());
+    let below = block.front - depth - (-cosine(twin, ray, met.pixel)).max(0.0) * block.thickness();
+    let by_block = unit * (block.front.abs() + block.thickness() + before.thickness());
     let by_edge = by_depth + by_block;
     (depth - block.front.min(before.front)).abs() <= by_depth || gap.abs() <= by_block || below.abs() <= by_edge
 }
