@@ -1,5 +1,6 @@
 // The reflection of each cell with a wide lobe, from the rays of the 5 x 5 cells around it. Needs parameters.glsl.
 
+#include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
 #include "unified/tiles.glsl"
 #include "unified/gloss.glsl"
@@ -75,7 +76,7 @@ void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
-    float depth = imageLoad(pyramid, pixel).r;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, roughness);

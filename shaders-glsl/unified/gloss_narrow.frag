@@ -17,7 +17,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     out_record = NO_RECORD;
     vec2 material = imageLoad(material_buffer, pixel).rg;
-    float depth = imageLoad(pyramid, pixel).r;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;
     if (!narrow || !(depth > 0.0) || !(dot(normal, normal) > 0.0))

@@ -2,6 +2,7 @@
 // parameters.glsl.
 
 #include "unified/tiles.glsl"
+#include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
@@ -63,7 +64,7 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 material = imageLoad(material_buffer, pixel).rg;
-    float depth = imageLoad(pyramid, pixel).r;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
     bool reflects = Reflects(material) && depth > 0.0;
 #ifndef WHOLE
     if (!reflects || ListOf(material) != WIDE_LIST)

@@ -43,7 +43,7 @@ void main() {
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);
-        float depth = imageLoad(pyramid, pixel).r;
+        float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);
         // (For narrow lobes what they have in common lowers the error, too, but not the shimmer.)

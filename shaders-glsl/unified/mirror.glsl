@@ -24,7 +24,7 @@ struct Mirror {
 // hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
 Mirror TraceMirror(ivec2 pixel) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
-    float depth = imageLoad(pyramid, pixel).r;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     Mirror mirror;

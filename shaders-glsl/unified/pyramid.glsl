@@ -2,18 +2,29 @@
 // It holds their nearest front and their farthest back in reversed depth, so that the closed
 // interval [back, front] bounds every block in it; a cell without geometry is empty.
 //
-// All levels stand in one image, one below the other: level n begins at row
-// rows - (rows >> n), with rows = twice the padded height. So a cell's texel takes a shift and an
-// addition, whatever its level, and no device has to look up a mip level for each thread. Passes load
-// it as an image of one level: nothing of it is ever filtered.
+// All levels stand in one image, cut into strips of a few columns: a row of the image is a strip, in which the
+// strip's short rows follow each other. So the cells above and below a cell lie as near to it as those beside it,
+// also on a device that lays out images row by row. Level n begins at row strips - (strips >> n), with strips =
+// twice those of level 0: a cell's texel takes shifts and an addition, whatever its level, and no device has to
+// look up a mip level for each thread. Passes load it as an image of one level: nothing of it is ever filtered.
 
 const vec2 EMPTY_BLOCK = vec2(-1.0, 2.0); // front below every depth, back above
 
-int PyramidRows() {
-    return 2 * unified.padded.y;
+int PyramidStrips() {
+    return 2 * unified.padded.x >> STRIP;
+}
+
+// The texel of a cell of a level that begins at a row.
+ivec2 StripTexel(ivec2 cell, int row) {
+    int column = cell.x & ((1 << STRIP) - 1);
+    return ivec2((cell.y << STRIP) | column, (cell.x >> STRIP) + row);
 }
 
 ivec2 CellTexel(ivec2 cell, int level) {
-    int rows = PyramidRows();
-    return ivec2(cell.x, cell.y + rows - (rows >> level));
+    int strips = PyramidStrips();
+    return StripTexel(cell, strips - (strips >> level));
+}
+
+ivec2 PixelTexel(ivec2 pixel) {
+    return StripTexel(pixel, 0);
 }

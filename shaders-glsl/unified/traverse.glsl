@@ -53,7 +53,7 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
-    vec2 before = imageLoad(pyramid, PixelBefore(ray, pixel, ahead)).xy;
+    vec2 before = imageLoad(pyramid, PixelTexel(PixelBefore(ray, pixel, ahead))).xy;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     precise float thickness = block.x - block.y;
     precise float joined = JOINED * (thickness + (before.x - before.y));
@@ -77,63 +77,55 @@ Hit Traverse(Ray ray) {
     float entry = min(sides.x, sides.y);
     if (!(entry < ray.end))
         return hit;
-    precise vec2 beside = start + entry * ray.rate.xy;
-    ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(beside.x),
-                        sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(beside.y));
+    precise vec2 at_side = start + entry * ray.rate.xy;
+    ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(at_side.x),
+                        sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
     precise float entry_depth = ray.depth + entry * ray.rate.z;
     bool recedes = ray.rate.z < 0.0;
     int level = 0;
-    int rows = PyramidRows();
+    int strips = PyramidStrips();
+    int top_level = unified.top_level;
     int bound = MaxSteps();
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
-    vec2 met = vec2(-2.0); // the block that was hit; -1 for a miss
-    // Whether, by version 2, the first pixel's surface is the one that it leaves.
-    bool leaves = ORACLE == 2 && Dot(ray.direction, texelFetch(normal_buffer, pixel, 0).xyz) > 0.0;
-    hit.code = HIT_UNFINISHED;
+    // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
+    if (ORACLE == 2 && Dot(ray.direction, texelFetch(normal_buffer, pixel, 0).xyz) > 0.0)
+        entry_depth = recedes ? -NEVER : NEVER;
 
     // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
-    // for each other in every branch that one of them takes.
-    while (hit.steps < bound) {
+    // for each other in every branch that one of them takes. Parameters are read before it, the block that was hit
+    // after it: what is read or written in the loop is so as often as it runs.
+    while (level >= 0 && entry < ray.end && hit.steps < bound) {
         ++hit.steps;
         ivec2 cell = pixel >> level;
-        vec2 block = imageLoad(pyramid, ivec2(cell.x, cell.y + rows - (rows >> level))).xy;
+        vec2 block = imageLoad(pyramid, StripTexel(cell, strips - (strips >> level))).xy;
         int size = 1 << level;
         ivec2 first = pixel & -size;
         ivec2 edge = first + (far_side & size);
         precise vec2 crossings = (vec2(edge) - start) * ray.inverse;
         bool leaves_x = crossings.x <= crossings.y;
         bool leaves_y = crossings.y <= crossings.x;
-        float exit = leaves_x ? crossings.x : crossings.y;
-        bool goes_on = exit < ray.end;
-        float last = goes_on ? exit : ray.end;
+        float exit = min(crossings.x, crossings.y);
+        float last = min(exit, ray.end);
         precise float exit_depth = ray.depth + last * ray.rate.z;
         bool meets = (recedes ? exit_depth : entry_depth) <= block.x && (recedes ? entry_depth : exit_depth) >= block.y;
-        if (ORACLE == 2)
-            meets = meets && !(leaves && hit.steps == 1);
-        if (meets ? level == 0 : !goes_on) {
-            met = meets ? block : vec2(-1.0);
-            break;
-        }
 
-        // Onward: across the side that is nearer, exactly; beside it, to the pixel that the ray is in
-        // there, which is in the same cell.
-        precise vec2 inside = start + last * ray.rate.xy;
-        ivec2 onward = clamp(ivec2(inside), first, first + (size - 1));
-        onward.x = leaves_x ? edge.x + across.x : onward.x;
-        onward.y = leaves_y ? edge.y + across.y : onward.y;
-        ivec2 differs = onward ^ pixel;
-        bool left_parent = (differs.x | differs.y) >= 2 * size;
-
-        level = meets ? level - 1 : left_parent ? min(level + 1, unified.top_level) : level;
+        // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
+        // is in there, which is in the same cell.
+        int low = leaves_x ? first.y : first.x;
+        precise float inside = (leaves_x ? start.y : start.x) + last * (leaves_x ? ray.rate.y : ray.rate.x);
+        int beside = clamp(int(inside), low, low + (size - 1));
+        ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
+        bool left_parent = ((leaves_x ? edge.x : edge.y) & size) == 0;
+        level = meets ? level - 1 : left_parent ? min(level + 1, top_level) : level;
         pixel = meets ? pixel : onward;
         entry = meets ? entry : exit;
         entry_depth = meets ? entry_depth : exit_depth;
     }
-    float front = met.x;
-    if (front == -1.0)
-        hit.code = HIT_NOTHING;
-    if (front > 0.0) {
+    hit.code = entry < ray.end ? HIT_UNFINISHED : HIT_NOTHING;
+    if (level < 0) {
+        vec2 block = imageLoad(pyramid, PixelTexel(pixel)).xy;
+        float front = block.x;
         // The crossing with the front if it lies inside the pixel, else the point of entry.
         precise vec2 crossings = (vec2(pixel + ahead) - start) * ray.inverse;
         float last = max(min(min(crossings.x, crossings.y), ray.end), entry);
@@ -148,7 +140,7 @@ Hit Traverse(Ray ray) {
         hit.pixel = pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
-        if (ORACLE == 2 && hit.steps > 1 && entry_depth < front && IsBehind(ray, entry_depth, pixel, met, ahead))
+        if (ORACLE == 2 && hit.steps > 1 && entry_depth < front && IsBehind(ray, entry_depth, pixel, block, ahead))
             hit.code = MISS_BEHIND;
     }
     return hit;
@@ -159,7 +151,7 @@ int WhyMissed(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;
     ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
-    vec2 block = imageLoad(pyramid, last).xy;
+    vec2 block = imageLoad(pyramid, PixelTexel(last)).xy;
     if (block.x >= block.y && depth < block.y)
         return MISS_BEHIND;
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;

@@ -44,9 +44,9 @@ impl Deref for ComputePipeline {
     }
 }
 
-/// The compute pipelines in use, by their shader's name.
+/// The compute pipelines in use, by their shader's name and constants.
 #[derive(Default)]
-pub(crate) struct ComputePipelines(Mutex<HashMap<&'static str, Weak<Compute>>>);
+pub(crate) struct ComputePipelines(Mutex<HashMap<(&'static str, Vec<i32>), Weak<Compute>>>);
 
 /// What the users of a [`ComputePipeline`] share.
 pub struct Compute {
@@ -238,10 +238,7 @@ impl GraphicsPipeline {
         let layout =
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
-        let size = size_of::<i32>();
-        let entries: Vec<_> = (0..constants.len())
-            .map(|i| vk::SpecializationMapEntry { constant_id: i as u32, offset: (size * i) as u32, size })
-            .collect();
+        let entries = constant_entries(constants);
         let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         let stages = [
             modules[0].stage(vk::ShaderStageFlags::VERTEX),
@@ -352,28 +349,36 @@ impl Stencil {
 impl ComputePipeline {
     /// The pipeline of a compute shader.
     pub fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
+        Self::with(gpu, shader, &[])
+    }
+
+    /// The same with values of the shader's specialization constants 0, 1 and so on.
+    pub fn with(gpu: &Gpu, shader: &'static Shader, constants: &[i32]) -> Result<Self> {
         // Code that a window replaced may change again.
         #[cfg(feature = "window")]
         if gpu.shared().replaced_shaders.get(shader.name).is_some() {
-            return Ok(Self(Arc::new(Compute::new(gpu, shader)?)));
+            return Ok(Self(Arc::new(Compute::new(gpu, shader, constants)?)));
         }
         let known = || gpu.shared().compute_pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept = known().get(shader.name).and_then(Weak::upgrade);
+        let key = (shader.name, constants.to_vec());
+        let kept = known().get(&key).and_then(Weak::upgrade);
         if let Some(kept) = kept {
             return Ok(Self(kept));
         }
-        let made = Arc::new(Compute::new(gpu, shader)?);
-        known().insert(shader.name, Arc::downgrade(&made));
+        let made = Arc::new(Compute::new(gpu, shader, constants)?);
+        known().insert(key, Arc::downgrade(&made));
         Ok(Self(made))
     }
 }
 
 impl Compute {
-    fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
+    fn new(gpu: &Gpu, shader: &'static Shader, constants: &[i32]) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
+        let entries = constant_entries(constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
         let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE))
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants))
             .layout(layout.pipeline);
         // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
         let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
@@ -381,6 +386,13 @@ impl Compute {
         gpu.name(handle, shader.name);
         Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size })
     }
+}
+
+/// Specialization constants 0, 1 and so on.
+fn constant_entries(constants: &[i32]) -> Vec<vk::SpecializationMapEntry> {
+    let size = size_of::<i32>();
+    let entry = |i| vk::SpecializationMapEntry { constant_id: i as u32, offset: (size * i) as u32, size };
+    (0..constants.len()).map(entry).collect()
 }
 
 fn first(

@@ -31,19 +31,33 @@ pub fn padded(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
 }
 
+/// Log2 of the columns to a strip of the image (`pyramid.glsl`): four, fewer only where the image would become wider
+/// than any desktop device allows.
+pub fn strip(extent: [u32; 2]) -> u32 {
+    (0..=2).rev().find(|strip| padded(extent)[1] << strip <= 8192).unwrap_or(0)
+}
+
+/// Width and height of the image.
+fn size(extent: [u32; 2]) -> [u32; 2] {
+    let [width, height] = padded(extent);
+    let (top, strip) = (top_level(extent), strip(extent));
+    let strips = 2 * width >> strip;
+    [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
+}
+
 impl PyramidPass {
     /// For images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let [width, height] = padded(extent);
         Ok(Self {
-            pipeline: ComputePipeline::new(gpu, &UNIFIED_PYRAMID_COMP)?,
+            // ORACLE and OVER, which the shader does not have, and STRIP.
+            pipeline: ComputePipeline::with(gpu, &UNIFIED_PYRAMID_COMP, &[0, 0, strip(extent) as i32])?,
             image: Image::new(
                 gpu,
                 &ImageDesc {
                     name: "pyramid",
                     format: vk::Format::R32G32_SFLOAT,
-                    extent: [width, 2 * height],
+                    extent: size(extent),
                     levels: 1,
                     layers: 1,
                     usage: U::STORAGE | U::SAMPLED | U::TRANSFER_SRC,
@@ -84,5 +98,23 @@ mod tests {
     fn levels_reach_one_cell_and_halve_exactly() {
         assert_eq!([[1, 1], [2, 1], [3, 5], [64, 64], [65, 1]].map(top_level), [0, 1, 3, 6, 6]);
         assert_eq!([[1, 1], [3, 5], [1920, 1080], [641, 479]].map(padded), [[1, 1], [8, 8], [1920, 1088], [704, 512]]);
+    }
+
+    #[test]
+    fn levels_have_room_beside_each_other() {
+        for side in 1..=300 {
+            for extent in [[side, 1], [side, 300], [1, side], [side, 2100], [side, 5000]] {
+                let ([width, height], strip, [image_width, rows]) = (padded(extent), strip(extent), size(extent));
+                let strips = 2 * width >> strip;
+                let first = |level| strips - (strips >> level);
+                for level in 0..=top_level(extent) {
+                    let next = if level < top_level(extent) { first(level + 1) } else { rows };
+                    assert!(first(level) + (width >> level).div_ceil(1 << strip) <= next, "{extent:?}, level {level}");
+                }
+                assert_eq!(image_width, height << strip, "{extent:?}");
+                assert!(strip == 0 || image_width <= 8192, "{extent:?}");
+            }
+        }
+        assert_eq!([[960, 540], [1, 2049], [1, 4097]].map(strip), [2, 1, 0]);
     }
 }

@@ -253,7 +253,11 @@ impl<'a> Traversal<'a> {
             if sides.y == entry { ray.pixel.y + ahead2.y } else { beside.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
-        let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
+        let recedes = ray.rate.z < 0.0;
+        // A depth beyond all meets nothing.
+        if self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0 {
+            entry_depth = if recedes { -1e30 } else { 1e30 };
+        }
         let mut level = 0_i32;
         while hit.steps < self.max_steps() {
             hit.steps += 1;
@@ -265,8 +269,8 @@ impl<'a> Traversal<'a> {
             let exit = crossings.x.min(crossings.y);
             let last = exit.min(ray.end);
             let exit_depth = ray.depth + last * ray.rate.z;
-            let (far, near) = (entry_depth.min(exit_depth), entry_depth.max(exit_depth));
-            let meets = far <= block.front && near >= block.back && !(leaves && hit.steps == 1);
+            let (near, far) = if recedes { (entry_depth, exit_depth) } else { (exit_depth, entry_depth) };
+            let meets = far <= block.front && near >= block.back;
             visit(Visit { level: level as u32, cell, block, meets, span: [entry, last] });
             if if meets { level == 0 } else { exit >= ray.end } {
                 if !meets {
@@ -301,8 +305,7 @@ impl<'a> Traversal<'a> {
             if crossings.y == exit {
                 onward.y = edge.y - 1 + ahead.y;
             }
-            let differs = onward ^ pixel;
-            let left_parent = (differs.x | differs.y) >> (level + 1) != 0;
+            let left_parent = (if crossings.x <= crossings.y { edge.x } else { edge.y }) & 1 << level == 0;
             if meets {
                 level -= 1;
             } else {
