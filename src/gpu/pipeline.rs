@@ -46,7 +46,9 @@ impl Deref for ComputePipeline {
 
 /// The compute pipelines in use, by their shader's name and constants.
 #[derive(Default)]
-pub(crate) struct ComputePipelines(Mutex<HashMap<(&'static str, Vec<i32>), Weak<Compute>>>);
+pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<Compute>>>);
+
+type ComputeKey = (&'static str, Vec<i32>);
 
 /// What the users of a [`ComputePipeline`] share.
 pub struct Compute {

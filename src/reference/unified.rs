@@ -305,7 +305,7 @@ impl<'a> Traversal<'a> {
             if crossings.y == exit {
                 onward.y = edge.y - 1 + ahead.y;
             }
-            let left_parent = (if crossings.x <= crossings.y { edge.x } else { edge.y }) & 1 << level == 0;
+            let left_parent = (if crossings.x <= crossings.y { edge.x } else { edge.y }) & (1 << level) == 0;
             if meets {
                 level -= 1;
             } else {
