@@ -2,12 +2,12 @@
 
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
+#include "unified/normal.glsl"
 #include "unified/tiles.glsl"
 #include "unified/gloss.glsl"
 #include "unified/sound.glsl"
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
-layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4, rgba32f) uniform readonly image2D place_image;
 layout(binding = 5, rgba16f) uniform readonly image2D seen_image;
@@ -20,7 +20,7 @@ layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z as far as 
 #include "unified/listed.glsl"
 #include "unified/block.glsl"
 
-// What a cell's ray saw, by its place and density (gloss_wide.frag). Where no tile is drawn the images hold anything.
+// What a cell's ray saw, by its place and density (gloss_wide.glsl). Where no tile is drawn the images hold anything.
 Gathered Load(ivec2 cell) {
     ivec2 at = clamp(cell, ivec2(0), (unified.size - 1) >> 1);
     bool is_drawn = IsDrawn(at);
@@ -77,7 +77,7 @@ void main() {
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
     float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
-    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec3 normal = Normal(pixel);
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, roughness);
     Here here = Here(point, lobe, LogDensity(lobe.power, 0.0));

@@ -1,6 +1,7 @@
 // The reflection of each pixel with a wide lobe, from the cells around it, and the composite. Needs
 // parameters.glsl.
 
+#include "unified/normal.glsl"
 #include "unified/tiles.glsl"
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
@@ -10,7 +11,6 @@
 #include "unified/block.glsl"
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
-layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear
 layout(binding = 5, rgba16f) uniform readonly image2D cell_reflection; // gloss_cells.frag
@@ -73,7 +73,7 @@ void main() {
     vec4 reflection = vec4(0.0);
     vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
     if (reflects) {
-        vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+        vec3 normal = Normal(pixel);
         reflection = Wide(pixel, depth, normal, LobePower(material.g));
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);

@@ -18,7 +18,7 @@
 
 layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 2) uniform sampler2D color_buffer;    // lit colour, linear
-layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_narrow.frag
+layout(binding = 3, rgba32ui) uniform readonly uimage2D seen_image; // gloss_narrow.glsl
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_reflection; // where it is wanted

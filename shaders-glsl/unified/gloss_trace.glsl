@@ -1,10 +1,10 @@
 // One ray of the pattern from a pixel, and what it saw. Needs parameters.glsl.
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
-layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, linear, with its coarser levels
 
+#include "unified/normal.glsl"
 #include "unified/tiles.glsl"
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"

@@ -2,10 +2,10 @@
 // Needs parameters.glsl.
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid; // front and back depths
-layout(binding = 2) uniform sampler2D normal_buffer;          // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;           // lit colour, linear
 
+#include "unified/normal.glsl"
 #include "unified/tiles.glsl"
 #include "unified/pyramid.glsl"
 #include "unified/ray.glsl"
@@ -25,7 +25,7 @@ struct Mirror {
 Mirror TraceMirror(ivec2 pixel) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
     float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
-    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec3 normal = Normal(pixel);
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     Mirror mirror;
     mirror.reflection = vec4(0.0);

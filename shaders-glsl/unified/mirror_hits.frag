@@ -1,6 +1,7 @@
 #version 460
-// As mirror.frag, with the hits beside the image: for studies, not for speed.
+// As mirror.frag, with the hits beside the image and with normals of any format: for studies, not for speed.
 
+#define ANY_NORMALS
 #include "unified/parameters.glsl"
 #include "unified/mirror.glsl"
 

@@ -1,5 +1,5 @@
-// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, ray.glsl, the image
-// `pyramid` and the texture `normal_buffer`. CPU twin: reference::unified.
+// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, normal.glsl, ray.glsl and the
+// image `pyramid`. CPU twin: reference::unified.
 //
 // The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
 // way it runs; where that misses the cell's [back, front], nothing in the cell can be hit and the
@@ -54,7 +54,7 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
     vec2 before = imageLoad(pyramid, PixelTexel(PixelBefore(ray, pixel, ahead))).xy;
-    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec3 normal = Normal(pixel);
     precise float thickness = block.x - block.y;
     precise float joined = JOINED * (thickness + (before.x - before.y));
     precise float gap = block.x - before.x;
@@ -89,7 +89,7 @@ Hit Traverse(Ray ray) {
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
     // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
-    if (ORACLE == 2 && Dot(ray.direction, texelFetch(normal_buffer, pixel, 0).xyz) > 0.0)
+    if (ORACLE == 2 && Dot(ray.direction, Normal(pixel)) > 0.0)
         entry_depth = recedes ? -NEVER : NEVER;
 
     // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait

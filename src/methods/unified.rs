@@ -148,7 +148,7 @@ impl UnifiedMethod {
             color: ColorChainPass::new(gpu, extent, LIT_COLOR, ChainFilter::Hardware)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, extent, reflection, setup.split, &constants)?,
-            gloss: UnifiedGlossPass::new(gpu, extent, reflection, &constants)?,
+            gloss: UnifiedGlossPass::new(gpu, extent, reflection, setup.split, &constants)?,
             composite: image("composite")?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             setup: *setup,

@@ -2,7 +2,7 @@
 //! meshes that the frustum may see. A scene pass: its time is reported, not counted.
 
 use super::scene_data::{MeshData, SceneData};
-use super::{GBuffer, LIT_COLOR, MATERIAL, Reflectors, WIDE_ABOVE, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
@@ -46,7 +46,6 @@ pub struct Drawn {
 }
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
-const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].
@@ -66,7 +65,7 @@ impl GBufferImages {
         use vk::ImageUsageFlags as U;
         Ok(Self {
             depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
-            normal: image_of(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT)?,
+            normal: image_of(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
             material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
             color: image_of(gpu, "color", color, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
         })

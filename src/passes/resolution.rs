@@ -1,7 +1,7 @@
 //! Reflections at a lower resolution (thesis §4.4): a smaller G-buffer for the method, and its
 //! reflection brought back to full size.
 
-use super::{GBuffer, LIT_COLOR, MATERIAL, Reflection, camera_block};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{COMMON_DOWNSAMPLE_FRAG, COMMON_UPSAMPLE_FRAG, DownsampleBlock, UpsampleBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
@@ -9,7 +9,6 @@ use crate::scene::Camera;
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Not a depth format: it is written as a colour, and read as a number like any depth.
 const DEPTH: vk::Format = vk::Format::R32_SFLOAT;
 
@@ -42,7 +41,7 @@ impl DownsamplePass {
             pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_DOWNSAMPLE_FRAG, &targets)?,
             divisor,
             depth: of("small depth", DEPTH, 1, U::empty())?,
-            normal: of("small normal", NORMAL, 1, U::empty())?,
+            normal: of("small normal", NORMAL, 1, U::STORAGE)?,
             material: of("small material", MATERIAL, 1, U::STORAGE)?,
             color: of("small color", LIT_COLOR, image::full_chain(extent), U::empty())?,
         })

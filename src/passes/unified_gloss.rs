@@ -6,15 +6,37 @@ use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::shader::{
-    UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_CELLS_WHOLE_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_FRAG,
-    UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG, UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG,
-    UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
+    Shader, UNIFIED_GLOSS_CELLS_ANY_NORMALS_FRAG, UNIFIED_GLOSS_CELLS_FRAG, UNIFIED_GLOSS_CELLS_WHOLE_FRAG,
+    UNIFIED_GLOSS_NARROW_ANY_NORMALS_FRAG, UNIFIED_GLOSS_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_ANY_NORMALS_FRAG,
+    UNIFIED_GLOSS_RESOLVE_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG,
+    UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG, UNIFIED_GLOSS_WIDE_ANY_NORMALS_FRAG, UNIFIED_GLOSS_WIDE_FRAG, UnifiedBlock,
 };
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Resource};
 use ash::vk;
 
 const RECORD: vk::Format = vk::Format::R32G32B32A32_UINT;
 const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+
+/// The shaders of a pass over tiles and over the whole image.
+type Shaders = (&'static Shader, Option<&'static Shader>);
+
+/// Of each pass, for normals of the G-buffer's own format, in the order of [`UnifiedGlossPass`].
+const SHADERS: [Shaders; 5] = [
+    (&UNIFIED_GLOSS_NARROW_FRAG, Some(&UNIFIED_GLOSS_NARROW_FRAG)),
+    (&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, Some(&UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG)),
+    (&UNIFIED_GLOSS_WIDE_FRAG, Some(&UNIFIED_GLOSS_WIDE_FRAG)),
+    (&UNIFIED_GLOSS_CELLS_FRAG, Some(&UNIFIED_GLOSS_CELLS_WHOLE_FRAG)),
+    (&UNIFIED_GLOSS_RESOLVE_FRAG, Some(&UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG)),
+];
+
+/// As [`SHADERS`], for normals of any format.
+const SHADERS_ANY_NORMALS: [Shaders; 5] = [
+    (&UNIFIED_GLOSS_NARROW_ANY_NORMALS_FRAG, None),
+    (&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, None),
+    (&UNIFIED_GLOSS_WIDE_ANY_NORMALS_FRAG, None),
+    (&UNIFIED_GLOSS_CELLS_ANY_NORMALS_FRAG, None),
+    (&UNIFIED_GLOSS_RESOLVE_ANY_NORMALS_FRAG, None),
+];
 
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
@@ -23,6 +45,7 @@ pub struct UnifiedGlossPass {
     wide: TiledPipeline,
     cells: TiledPipeline,
     resolve: TiledPipeline,
+    any_normals: bool,
     /// What each pixel's ray saw: `gloss_record.glsl`.
     records: Image,
     /// Where the ray of each cell of 2 × 2 pixels ended, and what it saw.
@@ -32,34 +55,37 @@ pub struct UnifiedGlossPass {
 }
 
 impl UnifiedGlossPass {
-    /// For images of a size in pixels; `reflection` says whether the canvases will have one, `constants` are those
-    /// of `parameters.glsl`.
+    /// For images of a size in pixels; `reflection` says whether the canvases will have one, `any_normals`, which
+    /// is for studies, whether normals may have another format than the G-buffer's own, and are drawn over tiles
+    /// always; `constants` are those of `parameters.glsl`.
     ///
     /// # Errors
     /// As [`TiledPipeline::new`].
-    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, constants: &[i32]) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, any_normals: bool, constants: &[i32]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {
             let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let pipeline = |list, tiles, whole, formats: &[vk::Format]| {
-            TiledPipeline::new(gpu, list, tiles, Some(whole), formats, constants)
+        let pipeline = |list, (tiles, whole): Shaders, formats: &[vk::Format]| {
+            TiledPipeline::new(gpu, list, tiles, whole, formats, constants)
         };
-        let cells = extent.map(|n| n.div_ceil(2));
+        let cells_extent = extent.map(|n| n.div_ceil(2));
         let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
-        let [narrow, narrow_whole] = [&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, &UNIFIED_GLOSS_RESOLVE_NARROW_WHOLE_FRAG];
-        let [cells_over_tiles, cells_whole] = [&UNIFIED_GLOSS_CELLS_FRAG, &UNIFIED_GLOSS_CELLS_WHOLE_FRAG];
-        let [resolve, resolve_whole] = [&UNIFIED_GLOSS_RESOLVE_FRAG, &UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG];
+        let [narrow, resolve_narrow, wide, cells, resolve] = if any_normals { SHADERS_ANY_NORMALS } else { SHADERS };
         Ok(Self {
-            narrow: pipeline(TileList::Narrow, &UNIFIED_GLOSS_NARROW_FRAG, &UNIFIED_GLOSS_NARROW_FRAG, &[RECORD])?,
-            resolve_narrow: pipeline(TileList::Narrow, narrow, narrow_whole, drawn)?,
-            wide: pipeline(TileList::Wide, &UNIFIED_GLOSS_WIDE_FRAG, &UNIFIED_GLOSS_WIDE_FRAG, &[PLACE, LIT_COLOR])?,
-            cells: pipeline(TileList::Wide, cells_over_tiles, cells_whole, &[LIT_COLOR; 2])?,
-            resolve: pipeline(TileList::Wide, resolve, resolve_whole, drawn)?,
+            narrow: pipeline(TileList::Narrow, narrow, &[RECORD])?,
+            resolve_narrow: pipeline(TileList::Narrow, resolve_narrow, drawn)?,
+            wide: pipeline(TileList::Wide, wide, &[PLACE, LIT_COLOR])?,
+            cells: pipeline(TileList::Wide, cells, &[LIT_COLOR; 2])?,
+            resolve: pipeline(TileList::Wide, resolve, drawn)?,
+            any_normals,
             records: image("seen", RECORD, extent)?,
-            seen: [image("seen place", PLACE, cells)?, image("seen color", LIT_COLOR, cells)?],
-            resolved: [image("cell reflection", LIT_COLOR, cells)?, image("cell surface", LIT_COLOR, cells)?],
+            seen: [image("seen place", PLACE, cells_extent)?, image("seen color", LIT_COLOR, cells_extent)?],
+            resolved: [
+                image("cell reflection", LIT_COLOR, cells_extent)?,
+                image("cell surface", LIT_COLOR, cells_extent)?,
+            ],
         })
     }
 
@@ -77,7 +103,7 @@ impl UnifiedGlossPass {
     ) -> Result<()> {
         let color = gbuffer.color;
         let block = ("unified", Resource::Uniform(bytemuck::bytes_of(parameters)));
-        let normal = ("normal_buffer", Resource::nearest(gbuffer.normal.all()));
+        let normal = ("normal_buffer", gbuffer.unified_normals(self.any_normals));
         let material = ("material_buffer", Resource::Loaded(gbuffer.material.all()));
         let pyramid = ("pyramid", Resource::Loaded(pyramid.0.all()));
         let traced = [block, pyramid, normal, material, ("color_buffer", Resource::trilinear(color.all()))];

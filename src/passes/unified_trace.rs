@@ -57,7 +57,7 @@ impl UnifiedTracePass {
         let resources = [
             ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
             ("pyramid", Resource::Loaded(input.pyramid.0.all())),
-            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
+            ("normal_buffer", gbuffer.unified_normals(self.hits.is_some())),
             ("material_buffer", Resource::Loaded(gbuffer.material.all())),
             ("color_buffer", Resource::trilinear(gbuffer.color.level(0))),
         ];
