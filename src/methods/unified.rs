@@ -99,7 +99,7 @@ use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::math::OracleVersion;
 use crate::passes::classify::ClassifyPass;
-use crate::passes::color_chain::{ChainFilter, ColorChainPass};
+use crate::passes::color_chain::ColorChainPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::unified_gloss::UnifiedGlossPass;
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
@@ -145,7 +145,7 @@ impl UnifiedMethod {
         let constants = [u32::from(setup.oracle) as i32, i32::from(over), pyramid::strip(extent) as i32];
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
-            color: ColorChainPass::new(gpu, extent, LIT_COLOR, ChainFilter::Hardware)?,
+            color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, extent, reflection, setup.split, &constants)?,
             gloss: UnifiedGlossPass::new(gpu, extent, reflection, setup.split, &constants)?,

@@ -1,10 +1,13 @@
 //! Pre-convolution: the colour's mip chain (thesis §4.2.6), by the hardware's linear filter as the
-//! thesis chose, or by the 7-tap Gaussian of §4.3.2 as its alternative.
+//! thesis chose, or by the 7-tap Gaussian of §4.3.2 as its alternative. For `unified` the coarse levels of
+//! the linear filter are made in one dispatch.
 
-use super::{ColorChain, GBuffer};
+use super::{ColorChain, GBuffer, LIT_COLOR};
 use crate::error::Result;
-use crate::gpu::shader::{BlurBlock, THESIS_GAUSSIAN_BLUR_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::gpu::shader::{BlurBlock, THESIS_GAUSSIAN_BLUR_FRAG, UNIFIED_COLOR_COARSE_COMP};
+use crate::gpu::{
+    ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image,
+};
 use ash::vk;
 
 /// How the chain is filtered.
@@ -18,18 +21,29 @@ pub enum ChainFilter {
     Gaussian,
 }
 
-/// Pipeline and the image between the two directions of the Gaussian.
-pub struct ColorChainPass {
-    gaussian: Option<(GraphicsPipeline, Image)>,
+/// How the levels are made.
+enum Make {
+    /// A blit each.
+    Blits,
+    /// A blit each, the last [`COARSE`] of them in one dispatch.
+    Coarse(ComputePipeline),
+    /// Two passes each, with the image between the two directions.
+    Gaussian(GraphicsPipeline, Image),
 }
+
+/// Levels that `color_coarse.comp` makes.
+const COARSE: u32 = 7;
+
+/// What makes the levels.
+pub struct ColorChainPass(Make);
 
 impl ColorChainPass {
     /// For lit colours of a size and format.
     pub fn new(gpu: &Gpu, extent: [u32; 2], format: vk::Format, filter: ChainFilter) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let gaussian = match filter {
-            ChainFilter::Hardware => None,
-            ChainFilter::Gaussian => Some((
+        Ok(Self(match filter {
+            ChainFilter::Hardware => Make::Blits,
+            ChainFilter::Gaussian => Make::Gaussian(
                 GraphicsPipeline::fullscreen(gpu, &THESIS_GAUSSIAN_BLUR_FRAG, &[format])?,
                 Image::new(
                     gpu,
@@ -42,32 +56,69 @@ impl ColorChainPass {
                         usage: U::COLOR_ATTACHMENT | U::SAMPLED,
                     },
                 )?,
-            )),
-        };
-        Ok(Self { gaussian })
+            ),
+        }))
     }
 
-    /// Passes "color/1" to the coarsest level, written into the colour image itself.
+    /// As with [`ChainFilter::Hardware`], in fewer passes.
+    pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
+        Ok(Self(Make::Coarse(ComputePipeline::new(gpu, &UNIFIED_COLOR_COARSE_COMP)?)))
+    }
+
+    /// Passes "color/1" to the coarsest level, or "color/coarse" for several, written into the colour image itself.
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
-        for level in 1..chain.levels() {
-            let (below, here) = (chain.level(level - 1), chain.level(level));
-            let Some((pipeline, between)) = &self.gaussian else {
-                frame.blit(&format!("color/{level}"), below, here)?;
-                continue;
-            };
-            let between = between.level(level);
-            let [w, h] = here.extent().map(|v| 1.0 / v as f32);
-            for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
-                frame.fullscreen(
-                    &format!("color/{level}{name}"),
-                    pipeline,
-                    &[Target::overwrite(to)],
-                    &[("tex", Resource::trilinear(from))],
-                    bytemuck::bytes_of(&BlurBlock { invSize: [w, h], direction }),
-                )?;
+        match &self.0 {
+            Make::Blits => blits(frame, chain, chain.levels())?,
+            Make::Coarse(pipeline) => match chain.levels().checked_sub(COARSE).filter(|n| *n > 0) {
+                Some(levels) if chain.format() == LIT_COLOR => {
+                    blits(frame, chain, levels)?;
+                    coarse(frame, chain, levels, pipeline)?;
+                }
+                _ => blits(frame, chain, chain.levels())?,
+            },
+            Make::Gaussian(pipeline, between) => {
+                for level in 1..chain.levels() {
+                    let levels = [chain.level(level - 1), between.level(level), chain.level(level)];
+                    gaussian(frame, level, pipeline, levels)?;
+                }
             }
         }
         Ok(ColorChain(chain))
     }
+}
+
+/// The levels of a chain below one, from level 1 on.
+fn blits(frame: &mut Frame, chain: &Image, end: u32) -> Result<()> {
+    (1..end).try_for_each(|level| frame.blit(&format!("color/{level}"), chain.level(level - 1), chain.level(level)))
+}
+
+/// The levels of a chain from one on, of which there are [`COARSE`].
+fn coarse(frame: &mut Frame, chain: &Image, first: u32, pipeline: &ComputePipeline) -> Result<()> {
+    let names = ["level_0", "level_1", "level_2", "level_3", "level_4", "level_5", "level_6", "level_7"];
+    let resources = (first - 1..).zip(names).map(|(level, name)| {
+        let slice = chain.level(level);
+        (name, if level < first { Resource::Loaded(slice) } else { Resource::Storage(slice) })
+    });
+    frame.compute("color/coarse", pipeline, &resources.collect::<Vec<_>>(), &[], [1; 3])
+}
+
+/// A level from the one below it, by way of a third.
+fn gaussian(
+    frame: &mut Frame,
+    level: u32,
+    pipeline: &GraphicsPipeline,
+    [below, between, here]: [ImageSlice; 3],
+) -> Result<()> {
+    let [w, h] = here.extent().map(|v| 1.0 / v as f32);
+    for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
+        frame.fullscreen(
+            &format!("color/{level}{name}"),
+            pipeline,
+            &[Target::overwrite(to)],
+            &[("tex", Resource::trilinear(from))],
+            bytemuck::bytes_of(&BlurBlock { invSize: [w, h], direction }),
+        )?;
+    }
+    Ok(())
 }

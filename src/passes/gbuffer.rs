@@ -67,7 +67,7 @@ impl GBufferImages {
             depth: image_of(gpu, "depth", depth, extent, 1, U::DEPTH_STENCIL_ATTACHMENT)?,
             normal: image_of(gpu, "normal", normal, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
             material: image_of(gpu, "material", MATERIAL, extent, 1, U::COLOR_ATTACHMENT | U::STORAGE)?,
-            color: image_of(gpu, "color", color, extent, image::full_chain(extent), U::COLOR_ATTACHMENT)?,
+            color: image_of(gpu, "color", color, extent, image::full_chain(extent), U::COLOR_ATTACHMENT | U::STORAGE)?,
         })
     }
 

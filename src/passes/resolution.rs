@@ -43,7 +43,7 @@ impl DownsamplePass {
             depth: of("small depth", DEPTH, 1, U::empty())?,
             normal: of("small normal", NORMAL, 1, U::STORAGE)?,
             material: of("small material", MATERIAL, 1, U::STORAGE)?,
-            color: of("small color", LIT_COLOR, image::full_chain(extent), U::empty())?,
+            color: of("small color", LIT_COLOR, image::full_chain(extent), U::STORAGE)?,
         })
     }
 
