@@ -5,14 +5,18 @@
 
 mod common;
 
-use common::{Shown, blur, clutter, clutter_camera, gpu, shared_scenes, show};
-use ssct::gpu::{Gpu, Pixels};
+use common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::methods::Setup;
-use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
+use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::Level;
 use ssct::reference::hi_z::{self, MinMax};
+use ssct::reference::random::Stream;
 use ssct::reference::visibility::{self, Range};
-use ssct::scene::scene_file;
+use ssct::scene::{GBufferData, scene_file};
 use ssct::study::{Globals, timing};
 
 const SIZES: [[u32; 2]; 14] = [
@@ -180,6 +184,58 @@ fn blits_of_even_levels_are_box_averages() {
         let spread = levels[0].values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
         assert!(extent[0] < 64 || spread.1 - spread.0 > 0.3, "the content varies: {spread:?}");
     }
+}
+
+#[test]
+fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
+    // From 128 pixels on there are seven levels above the first; below, blits make all.
+    for (extent, coarse) in [
+        ([127, 61], 7..7),
+        ([128, 1], 1..8),
+        ([1, 200], 1..8),
+        ([131, 96], 1..8),
+        ([256, 255], 2..9),
+        ([641, 479], 3..10),
+        ([960, 540], 3..10),
+    ] {
+        let pixels = u64::from(extent[0] * extent[1]);
+        let stream = Stream::new(u64::from(extent[0]), u64::from(extent[1]));
+        let color = |i: u64| Vec3::from([0, 1, 2].map(|c| stream.uniform(3 * i + c) as f32));
+        let data = GBufferData {
+            width: extent[0],
+            height: extent[1],
+            camera: clutter_camera(extent),
+            depth: vec![0.5; pixels as usize],
+            normal: vec![Vec3::Z; pixels as usize],
+            reflectivity: vec![1.0; pixels as usize],
+            roughness: vec![0.5; pixels as usize],
+            color: (0..pixels).map(color).collect(),
+        };
+        let images = GBufferImages::upload(&mut context, &data).unwrap();
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let chain = pass.record(&mut frame, &images.gbuffer()).unwrap().0;
+        let report = frame.finish().unwrap();
+        let blits: Vec<_> = (1..coarse.start).map(|level| format!("color/{level}")).collect();
+        assert!(report.recorded.starts_with(&blits), "{extent:?}: {:?}", report.recorded);
+        assert_eq!(report.recorded.len(), blits.len() + usize::from(!coarse.is_empty()), "{extent:?}");
+        assert_eq!(chain.levels(), coarse.end, "{extent:?}");
+        for level in coarse {
+            let [below, here] = [level - 1, level].map(|level| context.read(chain.level(level)).unwrap());
+            for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
+                let (u, v) = ((x as f32 + 0.5) / here.width as f32, (y as f32 + 0.5) / here.height as f32);
+                for (found, twin) in here.at(x, y).iter().zip(bilinear(&below, u, v)) {
+                    assert!(
+                        (found - twin).abs() <= half_step(twin),
+                        "{extent:?}, level {level}, ({x}, {y}): {found} against {twin}"
+                    );
+                }
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
 }
 
 #[test]

@@ -68,8 +68,19 @@
 //! (Where a tenth reflects, the clear was two fifths of the trace of narrow lobes.)
 //!
 //! A texel lies in memory beside those above and below it, not only beside those to its left and right
-//! (`pyramid.glsl`): most rays walk up the screen. What the loop writes, it writes as often as it runs: reading parameters
-//! before it and the block that was hit after it, and following one coordinate of two, is worth as much again.
+//! (`pyramid.glsl`): most rays walk up the screen. What the loop writes, it writes as often as it runs: parameters are
+//! read before it and the block that was hit after it, and one coordinate of two is followed. Together the effect takes
+//! 0.89 of its time for mirrors, by version 2 0.92 (record `walk`).
+//!
+//! What version 2 costs more is not arithmetic, but the normal at the hit, which no pixel beside it has asked for:
+//! with normals as a storage image it takes 0.88 of its time for mirrors, and with the colour chain's coarse levels in one
+//! dispatch 0.92 and 0.91 at roughness 0.1 and 0.6 (record `normals`).
+//!
+//! Cells that hold a plane and the blocks' distances from it, instead of an interval of depth, would be passed earlier
+//! by rays along a floor. Counted on the CPU, with the best plane of each cell, mirror rays look at 0.04 to 0.09 fewer
+//! cells (nine views), and from 640×480 to 1920×1080 their number grows as it does without. What grows is the climb to
+//! coarse cells and the way down again, one to five cells for twice the pixels along a side. (Levels of 4 × 4 cells, and
+//! going up or down several levels at once, take 1.02 to 1.10 of the time.)
 //!
 //! The pyramid in one dispatch takes 1.1 times what the thesis's depth and Hi-Z, which have no backs, take in a
 //! fragment pass a level (960×540). Gathering four depths at once made it 16 % faster, and 64 pixels a thread instead

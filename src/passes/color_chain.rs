@@ -28,7 +28,7 @@ enum Make {
     /// A blit each, the last [`COARSE`] of them in one dispatch.
     Coarse(ComputePipeline),
     /// Two passes each, with the image between the two directions.
-    Gaussian(GraphicsPipeline, Image),
+    Gaussian(GraphicsPipeline, Box<Image>),
 }
 
 /// Levels that `color_coarse.comp` makes.
@@ -45,7 +45,7 @@ impl ColorChainPass {
             ChainFilter::Hardware => Make::Blits,
             ChainFilter::Gaussian => Make::Gaussian(
                 GraphicsPipeline::fullscreen(gpu, &THESIS_GAUSSIAN_BLUR_FRAG, &[format])?,
-                Image::new(
+                Box::new(Image::new(
                     gpu,
                     &ImageDesc {
                         name: "horizontal blur",
@@ -55,7 +55,7 @@ impl ColorChainPass {
                         layers: 1,
                         usage: U::COLOR_ATTACHMENT | U::SAMPLED,
                     },
-                )?,
+                )?),
             ),
         }))
     }

@@ -41,7 +41,7 @@ pub fn strip(extent: [u32; 2]) -> u32 {
 fn size(extent: [u32; 2]) -> [u32; 2] {
     let [width, height] = padded(extent);
     let (top, strip) = (top_level(extent), strip(extent));
-    let strips = 2 * width >> strip;
+    let strips = (2 * width) >> strip;
     [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
 }
 
@@ -105,7 +105,7 @@ mod tests {
         for side in 1..=300 {
             for extent in [[side, 1], [side, 300], [1, side], [side, 2100], [side, 5000]] {
                 let ([width, height], strip, [image_width, rows]) = (padded(extent), strip(extent), size(extent));
-                let strips = 2 * width >> strip;
+                let strips = (2 * width) >> strip;
                 let first = |level| strips - (strips >> level);
                 for level in 0..=top_level(extent) {
                     let next = if level < top_level(extent) { first(level + 1) } else { rows };
