@@ -3,7 +3,8 @@
 //! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
 //! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
 //! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
-//! pixels reflect: the classification, the canvas and the colour's chain. Beside the growth stands that of the walk:
+//! pixels reflect: the classification, the canvas and the colour's chain; and how much of the image the tiles cover
+//! that are drawn. Beside the growth stands that of the walk:
 //! cells of the pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2
 //! pixels, which is what eight threads in step wait for.
 
@@ -14,11 +15,13 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
 use ssct::methods::{Effect, Input, Setup, unified};
 use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::reference::unified::Traversal;
 use ssct::scene::{Camera, GBufferData, library};
 use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
+use std::collections::BTreeSet;
 
 const FRAMES: usize = 7;
 const SIZE: [u32; 2] = [960, 540];
@@ -74,6 +77,17 @@ fn cells(data: &GBufferData) -> [f64; 2] {
     [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
 }
 
+/// The share of the pixels that lie in tiles with a pixel that reflects: what is drawn.
+fn covered(data: &GBufferData) -> f64 {
+    let mut tiles = BTreeSet::new();
+    for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
+        tiles.insert([i as u32 % data.width / TILE, i as u32 / data.width / TILE]);
+    }
+    let side = |tile: u32, size: u32| TILE.min(size - tile * TILE);
+    let pixels: u32 = tiles.iter().map(|[x, y]| side(*x, data.width) * side(*y, data.height)).sum();
+    f64::from(pixels) / data.depth.len() as f64
+}
+
 fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
     let mut frame = context.begin(Mode::Timed).expect("a frame");
     frame.begin_effect();
@@ -87,12 +101,12 @@ fn main() {
     let mut stage = Stage::new(&gpu, &scene).expect("device memory");
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!(
-        "# need: what a tenth costs beyond its pyramid, over the full frame, and of that what no number of pixels changes; growth: time a pixel, large over small"
+        "# need: what a tenth costs beyond its pyramid, over the full frame, and of that what no number of pixels changes; covered: the share of the pixels in tiles that are drawn; growth: time a pixel, large over small"
     );
     println!(
         "# cells, block_cells: the same ratio of the cells that mirror rays look at, on average and in step by eight"
     );
-    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,fixed,growth,cells,block_cells");
+    println!("roughness,view,full_ms,tenth_ms,pyramid_ms,none_passes,need,fixed,covered,growth,cells,block_cells");
     for roughness in ROUGHNESS {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let mut rows = Vec::new();
@@ -108,6 +122,7 @@ fn main() {
                 assert!((here as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3, "{here} pixels reflect");
                 GBufferImages::upload(&mut stage.context, &data).expect("an upload")
             });
+            let covered = covered(&masked(&data, 0.1));
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
             let effect = Effect::new(&mut stage.context, &unified::INFO, &setup(SIZE), None).expect("the effect");
@@ -144,8 +159,8 @@ fn main() {
             let [pyramid, fixed] = [1, 2].map(|part| median(need[1].iter().map(|(t, _)| t[part])));
             let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
             let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
-            let row =
-                [full, tenth, pyramid, passes as f64, (tenth - pyramid) / full, fixed / full, growth, mean, in_step];
+            let need = (tenth - pyramid) / full;
+            let row = [full, tenth, pyramid, passes as f64, need, fixed / full, covered, growth, mean, in_step];
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }
