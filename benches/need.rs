@@ -4,9 +4,8 @@
 //! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
 //! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
 //! pixels reflect: the classification, the canvas and the colour's chain; and how much of the image the tiles cover
-//! that are drawn. Beside the growth stands that of the walk:
-//! cells of the pyramid that the mirror ray of a pixel looks at, on average, and the most of any in a block of 4 × 2
-//! pixels, which is what eight threads in step wait for.
+//! that are drawn. Beside the growth stands that of the walk: cells of the pyramid that the mirror ray of a pixel looks
+//! at, on average, and the most of any in a block of 4 × 2 pixels, which is what eight threads in step wait for.
 
 #![allow(clippy::expect_used)]
 
@@ -116,13 +115,15 @@ fn main() {
             let shot = Shot::new(&mut stage, &unified::INFO, &setup(SIZE), seen, materials()).expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
-            let images = [1.0, 0.1, 0.0].map(|share| {
+            let parts = [1.0, 0.1, 0.0].map(|share| {
                 let data = masked(&data, share);
                 let here = data.reflecting().iter().filter(|r| **r).count();
                 assert!((here as f64 / data.depth.len() as f64) < 1.02 * share + 1e-3, "{here} pixels reflect");
-                GBufferImages::upload(&mut stage.context, &data).expect("an upload")
+                data
             });
-            let covered = covered(&masked(&data, 0.1));
+            let images =
+                parts.each_ref().map(|data| GBufferImages::upload(&mut stage.context, data).expect("an upload"));
+            let covered = covered(&parts[1]);
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
             let effect = Effect::new(&mut stage.context, &unified::INFO, &setup(SIZE), None).expect("the effect");
@@ -159,8 +160,8 @@ fn main() {
             let [pyramid, fixed] = [1, 2].map(|part| median(need[1].iter().map(|(t, _)| t[part])));
             let passes = need[2].iter().map(|(_, passes)| *passes).max().unwrap_or(0);
             let growth = median(growth[1].iter().copied()) / median(growth[0].iter().copied());
-            let need = (tenth - pyramid) / full;
-            let row = [full, tenth, pyramid, passes as f64, need, fixed / full, covered, growth, mean, in_step];
+            let beyond = (tenth - pyramid) / full;
+            let row = [full, tenth, pyramid, passes as f64, beyond, fixed / full, covered, growth, mean, in_step];
             println!("{roughness},{},{}", view.name, row.map(|v| format!("{v:.3}")).join(","));
             rows.push(row);
         }

@@ -104,12 +104,12 @@ fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> [usize; 3
     let (pyramid, hits) = run(gpu, data, oracle);
     let twin = Traversal::new(data).of_version(oracle);
     let strip = pyramid::strip([data.width, data.height]);
-    let strips = 2 * twin.parameters.padded.x as u32 >> strip;
+    let strips = (2 * twin.parameters.padded.x as u32) >> strip;
     for (n, level) in twin.levels.iter().enumerate() {
         let first = strips - (strips >> n);
         for (i, block) in level.texels.iter().enumerate() {
             let (x, y) = (i as u32 % level.width, i as u32 / level.width);
-            let found = pyramid.at(y << strip | x % (1 << strip), first + (x >> strip));
+            let found = pyramid.at((y << strip) | (x % (1 << strip)), first + (x >> strip));
             let what = || format!("{}x{}, level {n}, cell ({x}, {y}): {found:?}, {block:?}", data.width, data.height);
             assert!(
                 found[0].to_bits() == block.front.to_bits() && found[1].to_bits() == block.back.to_bits(),

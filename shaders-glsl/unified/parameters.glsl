@@ -13,9 +13,9 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     int fade;            // 0: no fade at all
 } unified;
 
-layout(constant_id = 0) const int ORACLE = 1; // which version of it says what is hit
-layout(constant_id = 1) const int OVER = 0;   // 1: another reflection shows where this one misses
-layout(constant_id = 2) const int STRIP = 2;  // log2 of the columns to a strip of the pyramid's image (pyramid.glsl)
+layout(constant_id = 0) const int STRIP = 2;  // log2 of the columns to a strip of the pyramid's image (pyramid.glsl)
+layout(constant_id = 1) const int ORACLE = 1; // which version of it says what is hit
+layout(constant_id = 2) const int OVER = 0;   // 1: another reflection shows where this one misses
 
 // "A pixel reflects if its reflectivity exceeds 1e-4" (DEFINITIONS, "Surfaces").
 #define REFLECTS_ABOVE 1e-4

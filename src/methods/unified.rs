@@ -77,8 +77,8 @@
 //! dispatch 0.92 and 0.91 at roughness 0.1 and 0.6 (record `normals`).
 //!
 //! Cells that hold a plane and the blocks' distances from it, instead of an interval of depth, would be passed earlier
-//! by rays along a floor. Counted on the CPU, with the best plane of each cell, mirror rays look at 0.04 to 0.09 fewer
-//! cells (nine views), and from 640×480 to 1920×1080 their number grows as it does without. What grows is the climb to
+//! by rays along a floor. Counted on the CPU in a trial, with the best plane of each cell, mirror rays look at 0.04 to 0.09
+//! fewer cells (nine views), and from 640×480 to 1920×1080 their number grows as it does without. What grows is the climb to
 //! coarse cells and the way down again, one to five cells for twice the pixels along a side. (Levels of 4 × 4 cells, and
 //! going up or down several levels at once, take 1.02 to 1.10 of the time.)
 //!
@@ -151,9 +151,9 @@ impl UnifiedMethod {
         let image = |name| Image::target(gpu, name, LIT_COLOR, extent);
         // The shader that writes hits writes the reflection, too.
         let reflection = setup.reflection || setup.split;
-        // ORACLE, OVER and STRIP of parameters.glsl: nobody pays for what another setup asks for.
+        // STRIP, ORACLE and OVER of parameters.glsl: nobody pays for what another setup asks for.
         let over = !setup.fallback.is_none();
-        let constants = [u32::from(setup.oracle) as i32, i32::from(over), pyramid::strip(extent) as i32];
+        let constants = [pyramid::strip(extent) as i32, u32::from(setup.oracle) as i32, i32::from(over)];
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::in_few_passes(gpu)?,

@@ -69,14 +69,13 @@ impl ColorChainPass {
     pub fn record<'a>(&self, frame: &mut Frame, gbuffer: &GBuffer<'a>) -> Result<ColorChain<'a>> {
         let chain = gbuffer.color;
         match &self.0 {
-            Make::Blits => blits(frame, chain, chain.levels())?,
-            Make::Coarse(pipeline) => match chain.levels().checked_sub(COARSE).filter(|n| *n > 0) {
-                Some(levels) if chain.format() == LIT_COLOR => {
-                    blits(frame, chain, levels)?;
-                    coarse(frame, chain, levels, pipeline)?;
-                }
-                _ => blits(frame, chain, chain.levels())?,
-            },
+            // The shader has one format and one number of levels.
+            Make::Coarse(pipeline) if chain.format() == LIT_COLOR && chain.levels() > COARSE => {
+                let first = chain.levels() - COARSE;
+                blits(frame, chain, first)?;
+                coarse(frame, chain, first, pipeline)?;
+            }
+            Make::Blits | Make::Coarse(_) => blits(frame, chain, chain.levels())?,
             Make::Gaussian(pipeline, between) => {
                 for level in 1..chain.levels() {
                     let levels = [chain.level(level - 1), between.level(level), chain.level(level)];

@@ -59,7 +59,7 @@ pub struct GBuffer<'a> {
     pub depth: &'a Image,
     /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`].
     pub normal: &'a Image,
-    /// Reflectivity and roughness. RG16F.
+    /// Reflectivity and roughness. [`MATERIAL`].
     pub material: &'a Image,
     /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
     pub color: &'a Image,
@@ -68,8 +68,8 @@ pub struct GBuffer<'a> {
 }
 
 impl<'a> GBuffer<'a> {
-    /// Its normals as the shaders of `unified` take them (`shaders-glsl/unified/normal.glsl`): of the format that
-    /// stands at [`GBuffer::normal`], or of any.
+    /// Its normals as the shaders of `unified` take them (`shaders-glsl/unified/normal.glsl`): those for studies take
+    /// any format, the others [`NORMAL`] alone.
     fn unified_normals(&self, any_format: bool) -> Resource<'a> {
         let image = self.normal.all();
         if any_format { Resource::nearest(image) } else { Resource::Loaded(image) }

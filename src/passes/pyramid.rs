@@ -31,16 +31,18 @@ pub fn padded(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.next_multiple_of(1 << top_level(extent)))
 }
 
-/// Log2 of the columns to a strip of the image (`pyramid.glsl`): four, fewer only where the image would become wider
-/// than any desktop device allows.
+/// Log2 of the columns to a strip of the image (`pyramid.glsl`): four, fewer where a side of the image would be longer
+/// than 8192 texels, which some devices have for a limit. Where it is with any, the longer side is as short as can be.
 pub fn strip(extent: [u32; 2]) -> u32 {
-    (0..=2).rev().find(|strip| padded(extent)[1] << strip <= 8192).unwrap_or(0)
+    let longer = |strip: &u32| size(extent, *strip).into_iter().max();
+    let fits = (0..=2).rev().find(|strip| longer(strip) <= Some(8192));
+    fits.or_else(|| (0..=2).min_by_key(longer)).unwrap_or(0)
 }
 
-/// Width and height of the image.
-fn size(extent: [u32; 2]) -> [u32; 2] {
+/// Width and height of the image with strips of so many columns, as their log2.
+fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
-    let (top, strip) = (top_level(extent), strip(extent));
+    let top = top_level(extent);
     let strips = (2 * width) >> strip;
     [height << strip, strips - (strips >> top) + (width >> top).div_ceil(1 << strip)]
 }
@@ -49,15 +51,16 @@ impl PyramidPass {
     /// For images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
+        let strip = strip(extent);
         Ok(Self {
-            // ORACLE and OVER, which the shader does not have, and STRIP.
-            pipeline: ComputePipeline::with(gpu, &UNIFIED_PYRAMID_COMP, &[0, 0, strip(extent) as i32])?,
+            // STRIP of parameters.glsl.
+            pipeline: ComputePipeline::with(gpu, &UNIFIED_PYRAMID_COMP, &[strip as i32])?,
             image: Image::new(
                 gpu,
                 &ImageDesc {
                     name: "pyramid",
                     format: vk::Format::R32G32_SFLOAT,
-                    extent: size(extent),
+                    extent: size(extent, strip),
                     levels: 1,
                     layers: 1,
                     usage: U::STORAGE | U::SAMPLED | U::TRANSFER_SRC,
@@ -103,8 +106,9 @@ mod tests {
     #[test]
     fn levels_have_room_beside_each_other() {
         for side in 1..=300 {
-            for extent in [[side, 1], [side, 300], [1, side], [side, 2100], [side, 5000]] {
-                let ([width, height], strip, [image_width, rows]) = (padded(extent), strip(extent), size(extent));
+            for extent in [[side, 1], [side, 300], [1, side], [side, 2100], [side, 5000], [40 * side, 5000]] {
+                let ([width, height], strip) = (padded(extent), strip(extent));
+                let [image_width, rows] = size(extent, strip);
                 let strips = (2 * width) >> strip;
                 let first = |level| strips - (strips >> level);
                 for level in 0..=top_level(extent) {
@@ -112,9 +116,10 @@ mod tests {
                     assert!(first(level) + (width >> level).div_ceil(1 << strip) <= next, "{extent:?}, level {level}");
                 }
                 assert_eq!(image_width, height << strip, "{extent:?}");
-                assert!(strip == 0 || image_width <= 8192, "{extent:?}");
+                // With all rows below each other, it would be as wide as the level, and twice as high.
+                assert!(image_width.max(rows) <= width.max(2 * height).max(8192), "{extent:?}");
             }
         }
-        assert_eq!([[960, 540], [1, 2049], [1, 4097]].map(strip), [2, 1, 0]);
+        assert_eq!([[960, 540], [1, 2049], [1, 4097], [10240, 4320]].map(strip), [2, 1, 0, 1]);
     }
 }

@@ -29,7 +29,7 @@ const SHADERS: [Shaders; 5] = [
     (&UNIFIED_GLOSS_RESOLVE_FRAG, Some(&UNIFIED_GLOSS_RESOLVE_WHOLE_FRAG)),
 ];
 
-/// As [`SHADERS`], for normals of any format.
+/// As [`SHADERS`], for normals of any format, over tiles alone.
 const SHADERS_ANY_NORMALS: [Shaders; 5] = [
     (&UNIFIED_GLOSS_NARROW_ANY_NORMALS_FRAG, None),
     (&UNIFIED_GLOSS_RESOLVE_NARROW_FRAG, None),
@@ -55,9 +55,8 @@ pub struct UnifiedGlossPass {
 }
 
 impl UnifiedGlossPass {
-    /// For images of a size in pixels; `reflection` says whether the canvases will have one, `any_normals`, which
-    /// is for studies, whether normals may have another format than the G-buffer's own, and are drawn over tiles
-    /// always; `constants` are those of `parameters.glsl`.
+    /// For images of a size in pixels; `reflection` says whether the canvases will have one, `constants` are those
+    /// of `parameters.glsl`. With `any_normals`, for studies, normals may have any format, and there must be tiles.
     ///
     /// # Errors
     /// As [`TiledPipeline::new`].

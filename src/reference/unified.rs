@@ -256,7 +256,7 @@ impl<'a> Traversal<'a> {
         let recedes = ray.rate.z < 0.0;
         // A depth beyond all meets nothing.
         if self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0 {
-            entry_depth = if recedes { -1e30 } else { 1e30 };
+            entry_depth = if recedes { -NEVER } else { NEVER };
         }
         let mut level = 0_i32;
         while hit.steps < self.max_steps() {
