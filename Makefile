@@ -4,7 +4,7 @@ CARGO ?= cargo
 OUT ?= out
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
 
-.PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc clean
+.PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
 all: build
 
@@ -75,6 +75,10 @@ bench: setup
 
 view: build
 	target/release/ssct view
+
+# The tables and numbers in README.md and docs/, from the records under benches/runs.
+docs: setup
+	SSCT_WRITE_DOCS=1 $(CARGO) test --test docs -- records_say
 
 doc: setup
 	$(CARGO) doc --no-deps --open
