@@ -156,9 +156,12 @@ pub fn bars_times(folder: &Path, size: &str) -> Result<BTreeMap<Cell, BTreeMap<S
     if times.is_empty() { Err(format!("no times at {size}")) } else { Ok(times) }
 }
 
+/// An error for each method and reference.
+pub type Errors = BTreeMap<(String, String), f64>;
+
 /// RMSE by cell, method and reference; against the screen with the reference's own variance taken off.
-pub fn bars_errors(folder: &Path) -> Result<BTreeMap<Cell, BTreeMap<(String, String), f64>>> {
-    let mut errors: BTreeMap<Cell, BTreeMap<(String, String), f64>> = BTreeMap::new();
+pub fn bars_errors(folder: &Path) -> Result<BTreeMap<Cell, Errors>> {
+    let mut errors: BTreeMap<Cell, Errors> = BTreeMap::new();
     for row in csv(folder, "errors.csv")?.iter().filter(|r| r["against"] != "oracle") {
         let (rmse, noise) = (number(row, "rmse")?, number(row, "standard_error")?);
         let rmse = if row["against"] == "screen" { (rmse * rmse - noise * noise).max(0.0).sqrt() } else { rmse };
