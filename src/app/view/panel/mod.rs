@@ -16,7 +16,7 @@ use super::pictures::{Answers, ImageInfo};
 use super::reload::Said;
 use super::state::{State, Tab};
 use crate::passes::look::Compare;
-use crate::scene::{Camera, View};
+use crate::scene::View;
 use egui::{Color32, Rect, RichText, Sense, Ui};
 use glam::Vec2;
 
@@ -43,9 +43,7 @@ pub struct Told<'a> {
     pub against: &'a Against,
     /// The command that would make that reference.
     pub reference_command: &'a str,
-    /// The camera, and the width and height of the pictures in pixels.
-    pub camera: Camera,
-    /// See `camera`.
+    /// Width and height of the pictures in pixels.
     pub extent: [u32; 2],
     /// The folder that is watched for shaders, and what was said of each that changed.
     pub shaders: Option<(&'a str, &'a [Said])>,
