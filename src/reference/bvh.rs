@@ -1,11 +1,11 @@
-//! The closest triangle along a ray: a bounding volume hierarchy in f32 (the crate obvhs) that only
-//! proposes triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle
-//! Intersection", JCGT 2013) in f64 that decides.
+//! Finds the closest triangle along a ray. A bounding volume hierarchy in f32 (the crate obvhs) proposes
+//! triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection",
+//! JCGT 2013) decides in f64.
 //!
-//! The edge functions of that test depend on an edge's two vertices only, and swapping these changes
-//! nothing but the sign; so a ray that passes between two triangles of a shared edge hits at least
-//! one of them. The boxes are enlarged by more than the rounding of f32 (`PADDING`), so that none
-//! hides a triangle which the test in f64 would accept.
+//! The edge functions of that test depend only on an edge's two vertices, and swapping these only changes the
+//! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The
+//! boxes are enlarged by more than the rounding error of f32 (`PADDING`), so that no box hides a triangle that
+//! the test in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -14,31 +14,31 @@ use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// How far boxes reach beyond their triangles, as a share of the greatest coordinate of the scene.
-/// The slab test in f32 errs by a few units of 6e-8 for origins that lie about as far out.
+/// How far boxes extend beyond their triangles, as a share of the scene's greatest coordinate. The slab test in
+/// f32 errs by a few units of 6e-8 for origins about that far from zero.
 const PADDING: f32 = 4e-6;
 
-/// A ray and the range of it that counts, in metres.
+/// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Start, world.
     pub origin: DVec3,
     /// Unit direction, world.
     pub direction: DVec3,
-    /// Hits before this distance don't count.
+    /// Hits closer than this do not count.
     pub t_min: f64,
-    /// Nor do hits after this one; may be infinite.
+    /// Hits farther away than this do not count; may be infinite.
     pub t_max: f64,
 }
 
 impl Ray {
-    /// The point at a distance.
+    /// The point at distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Index of the triangle.
@@ -49,21 +49,21 @@ pub struct Hit {
     pub barycentrics: [f64; 3],
 }
 
-/// Whatever finds the closest hit of a ray.
+/// An algorithm that finds the closest hit of a ray.
 pub trait Intersector: Send + Sync {
-    /// The closest hit with t_min ≤ t ≤ t_max among those that `accept` takes; a ray passes through
-    /// the others, as through the holes of a masked surface.
+    /// The closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
+    /// through the holes of an alpha mask.
     fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit>;
 }
 
-/// Triangles under a hierarchy of boxes.
+/// Triangles in a bounding volume hierarchy.
 pub struct TriangleBvh {
     triangles: Vec<[Vec3; 3]>,
-    /// `None` without triangles.
+    /// `None` if there are no triangles.
     boxes: Option<CwBvh>,
 }
 
-/// A triangle's box, enlarged.
+/// A triangle's enlarged box.
 struct Padded(Aabb);
 
 impl Boundable for Padded {
@@ -73,7 +73,7 @@ impl Boundable for Padded {
 }
 
 impl TriangleBvh {
-    /// Builds the hierarchy over triangles in metres; hits name them by index.
+    /// Builds the hierarchy over triangles in metres. Hits refer to them by index.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
         let greatest = triangles.iter().flatten().fold(0.0_f32, |g, v| g.max(v.abs().max_element()));
         let padding = Vec3A::splat(PADDING * greatest);
@@ -96,15 +96,16 @@ impl Intersector for TriangleBvh {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<Hit> = None;
-        // Adding 0 turns a component of −0 into +0: obvhs takes the reciprocal's sign from the zero's own, but
-        // the order of a box's sides from a comparison, in which −0 isn't below 0.
+        // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
+        // of a box's sides from a comparison, in which −0 is not less than 0.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
         let box_ray = BoxRay::new(ray.origin.as_vec3a(), direction, 0.0, f32::INFINITY);
         boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| {
             let triangle = boxes.primitive_indices[slot];
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
-                // The lower index wins between equals, whatever the order of the boxes.
+                // Of two equally close triangles the one with the lower index wins, whatever the order of the
+                // boxes.
                 Some(hit)
                     if hit.t >= ray.t_min
                         && (hit.t < beyond || hit.t == beyond && closest.is_none_or(|c| triangle < c.triangle))
@@ -120,7 +121,7 @@ impl Intersector for TriangleBvh {
     }
 }
 
-/// A ray in the space of Woop et al., where it is the z axis and its direction is 1 long in z.
+/// A ray in the space of Woop et al., in which it is the z axis and its direction has length 1 in z.
 pub struct ShearedRay {
     origin: DVec3,
     axes: [usize; 3],
@@ -128,7 +129,7 @@ pub struct ShearedRay {
 }
 
 impl ShearedRay {
-    /// The space of a ray: z is the axis that it runs along most.
+    /// Computes the ray's space; z is the axis along which the ray advances most.
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction;
         let z = d.abs().max_position();
@@ -139,8 +140,8 @@ impl ShearedRay {
         Self { origin: ray.origin, axes: [x, y, z], shear: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
     }
 
-    /// The intersection at any distance, also a negative one, from either side. A triangle without
-    /// area, or one that the ray lies in, is not met.
+    /// The intersection at any distance, including negative ones, from either side. A triangle that has no area
+    /// or contains the ray is not hit.
     pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<Hit> {
         let [x, y, z] = self.axes;
         let [a, b, c] = corners.map(|v| {
@@ -168,7 +169,7 @@ mod tests {
     use super::*;
     use crate::reference::random::Stream;
 
-    /// Every triangle in turn.
+    /// Tests every triangle.
     struct BruteForce(Vec<[Vec3; 3]>);
 
     impl Intersector for BruteForce {
@@ -193,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hierarchy_finds_what_every_triangle_in_turn_gives() {
+    fn the_hierarchy_agrees_with_brute_force() {
         let triangles: Vec<[Vec3; 3]> = (0..400)
             .map(|i| {
                 let centre = 5.0 * vector(i, 0);
@@ -211,12 +212,12 @@ mod tests {
             assert_eq!(bvh.closest(&ray, &odd), brute.closest(&ray, &odd));
             hits += u32::from(bvh.closest(&ray, &|_| true).is_some());
         }
-        assert!((500..2900).contains(&hits), "{hits} of 3000 hit: the test sees both");
+        assert!((500..2900).contains(&hits), "{hits} of 3000 hit, so both outcomes are tested");
     }
 
     #[test]
     fn axis_parallel_rays_hit_flat_walls_edges_and_corners() {
-        // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point meets it.
+        // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point hits it.
         let mut triangles = Vec::new();
         for i in 0..16 {
             let (x, y) = ((i % 4) as f32, (i / 4) as f32);
@@ -234,7 +235,7 @@ mod tests {
             }
         }
         assert_eq!(bvh.closest(&ray(DVec3::new(1.5, 1.5, -1.0), -DVec3::Z), &|_| true), None);
-        // Zeros have signs.
+        // Zeros of either sign must give the same hits.
         for (x, y) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0), (-1e-60, -1e-60)] {
             for (from, towards) in [(-1.0, 1.0), (7.0, -1.0)] {
                 let ray = Ray { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
@@ -246,8 +247,8 @@ mod tests {
     }
 
     #[test]
-    fn slanted_rays_through_shared_edges_never_pass() {
-        // A fan of triangles round the z axis; rays aimed at points of the shared edges.
+    fn slanted_rays_never_pass_through_shared_edges() {
+        // A fan of triangles around the z axis; rays are aimed at points on the shared edges.
         let rim = |k: u32| {
             let k = k % 7;
             let a = std::f32::consts::TAU * k as f32 / 7.0;
