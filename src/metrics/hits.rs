@@ -27,7 +27,7 @@ pub struct HitAgreement {
 
 /// How the two hits of one pixel compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Verdict {
+pub enum HitVerdict {
     /// Both miss, or both hit within one pixel.
     Agrees,
     /// Only the method hits.
@@ -38,7 +38,7 @@ pub enum Verdict {
     Displaced,
 }
 
-impl Verdict {
+impl HitVerdict {
     /// Compares a method's hit with the oracle's, in pixels; `None` is a miss.
     pub fn of(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
         match (method, oracle) {
@@ -63,7 +63,7 @@ impl HitAgreement {
         let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
         let pixels = pairs().count();
         let share = |verdict| {
-            let n = pairs().filter(|(m, o)| Verdict::of(**m, **o) == verdict).count();
+            let n = pairs().filter(|(m, o)| HitVerdict::of(**m, **o) == verdict).count();
             (pixels > 0).then(|| n as f64 / pixels as f64)
         };
         let mut errors: Vec<f64> =
@@ -71,10 +71,10 @@ impl HitAgreement {
         errors.sort_by(f64::total_cmp);
         Self {
             pixels,
-            hit_agreement: share(Verdict::Agrees),
-            false_hits: share(Verdict::False),
-            missed: share(Verdict::Missed),
-            displaced: share(Verdict::Displaced),
+            hit_agreement: share(HitVerdict::Agrees),
+            false_hits: share(HitVerdict::False),
+            missed: share(HitVerdict::Missed),
+            displaced: share(HitVerdict::Displaced),
             hit_error_px_p50: percentile(&errors, 0.5),
             hit_error_px_p99: percentile(&errors, 0.99),
         }
@@ -119,8 +119,8 @@ mod tests {
 
     #[test]
     fn a_hit_at_nan_never_agrees() {
-        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), Verdict::Displaced);
-        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), MISS), Verdict::False);
+        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), HitVerdict::Displaced);
+        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), MISS), HitVerdict::False);
     }
 
     #[test]

@@ -20,7 +20,7 @@ const PADDING: f32 = 4e-6;
 
 /// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
+pub struct WorldRay {
     /// Start, world.
     pub origin: DVec3,
     /// Unit direction, world.
@@ -31,7 +31,7 @@ pub struct Ray {
     pub t_max: f64,
 }
 
-impl Ray {
+impl WorldRay {
     /// The point at distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
@@ -40,7 +40,7 @@ impl Ray {
 
 /// The intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
+pub struct TriangleHit {
     /// Index of the triangle.
     pub triangle: u32,
     /// Distance in metres.
@@ -53,7 +53,7 @@ pub struct Hit {
 pub trait Intersector: Send + Sync {
     /// The closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
     /// through the holes of an alpha mask.
-    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit>;
+    fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit>;
 }
 
 /// Triangles in a bounding volume hierarchy.
@@ -92,10 +92,10 @@ impl TriangleBvh {
 }
 
 impl Intersector for TriangleBvh {
-    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+    fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
-        let mut closest: Option<Hit> = None;
+        let mut closest: Option<TriangleHit> = None;
         // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
         // of a box's sides from a comparison, in which −0 is not less than 0.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
@@ -130,7 +130,7 @@ pub struct ShearedRay {
 
 impl ShearedRay {
     /// Computes the ray's space; z is the axis along which the ray advances most.
-    pub fn new(ray: &Ray) -> Self {
+    pub fn new(ray: &WorldRay) -> Self {
         let d = ray.direction;
         let z = d.abs().max_position();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
@@ -142,7 +142,7 @@ impl ShearedRay {
 
     /// The intersection at any distance, including negative ones, from either side. A triangle that has no area
     /// or contains the ray is not hit.
-    pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<Hit> {
+    pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let [a, b, c] = corners.map(|v| {
             let v = v.as_dvec3() - self.origin;
@@ -160,7 +160,7 @@ impl ShearedRay {
         }
         let barycentrics = [u / determinant, v / determinant, w / determinant];
         let t = barycentrics[0] * a.z + barycentrics[1] * b.z + barycentrics[2] * c.z;
-        Some(Hit { triangle, t, barycentrics })
+        Some(TriangleHit { triangle, t, barycentrics })
     }
 }
 
@@ -173,7 +173,7 @@ mod tests {
     struct BruteForce(Vec<[Vec3; 3]>);
 
     impl Intersector for BruteForce {
-        fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+        fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
             let sheared = ShearedRay::new(ray);
             let hits = self.0.iter().enumerate().filter_map(|(i, t)| sheared.intersect(i as u32, t));
             hits.filter(|h| (ray.t_min..=ray.t_max).contains(&h.t) && accept(h)).min_by(|a, b| a.t.total_cmp(&b.t))
@@ -189,8 +189,8 @@ mod tests {
         DVec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
     }
 
-    fn ray(origin: DVec3, direction: DVec3) -> Ray {
-        Ray { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
+    fn ray(origin: DVec3, direction: DVec3) -> WorldRay {
+        WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
     }
 
     #[test]
@@ -207,7 +207,7 @@ mod tests {
         for i in 1000..4000 {
             let mut ray = ray(6.0 * vector(i, 0), vector(i, 1));
             ray.t_min = signed(i, 9).abs();
-            let odd = |h: &Hit| h.triangle % 2 == 1;
+            let odd = |h: &TriangleHit| h.triangle % 2 == 1;
             assert_eq!(bvh.closest(&ray, &|_| true), brute.closest(&ray, &|_| true));
             assert_eq!(bvh.closest(&ray, &odd), brute.closest(&ray, &odd));
             hits += u32::from(bvh.closest(&ray, &|_| true).is_some());
@@ -238,11 +238,12 @@ mod tests {
         // Zeros of either sign must give the same hits.
         for (x, y) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0), (-1e-60, -1e-60)] {
             for (from, towards) in [(-1.0, 1.0), (7.0, -1.0)] {
-                let ray = Ray { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
+                let ray =
+                    WorldRay { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
                 assert!(bvh.closest(&ray, &|_| true).is_some(), "{:?}", ray.direction);
             }
         }
-        let short = Ray { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
+        let short = WorldRay { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
         assert_eq!(bvh.closest(&short, &|_| true), None);
     }
 

@@ -2,7 +2,7 @@
 //! through the pixels' centres, which needs no G-buffer and so is independent evidence, or taken from a
 //! G-buffer, which leaves the reflection as the only difference between a method and the reference.
 
-use super::bvh::{Hit, Ray};
+use super::bvh::{TriangleHit, WorldRay};
 use super::surface::{World, sky_color};
 use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
@@ -77,14 +77,14 @@ impl PrimaryRays {
     }
 
     /// The ray of pixel `index`, and the view-space z that it advances per metre.
-    pub fn ray(&self, index: usize) -> (Ray, f64) {
+    pub fn ray(&self, index: usize) -> (WorldRay, f64) {
         let [width, height] = self.extent.map(f64::from);
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
         let ndc = DVec3::new((2.0 * f64::from(x) + 1.0) / width - 1.0, 1.0 - (2.0 * f64::from(y) + 1.0) / height, 0.5);
         let along = self.clip_to_view.project_point3(ndc).normalize();
         let direction = self.view_to_world.transform_vector3(along).normalize();
         let origin = self.view_to_world.w_axis.truncate();
-        (Ray { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
+        (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
     }
 }
 
@@ -112,7 +112,7 @@ impl FirstHits {
         all
     }
 
-    fn seen(world: &World, ray: &Ray, hit: &Hit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
+    fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
         let reflects = point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE);
         let receiver = Receiver {

@@ -11,7 +11,7 @@
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block, JOINED};
+use super::thickness::{self, DepthBlock, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
@@ -21,7 +21,7 @@ use glam::DVec3;
 pub struct Hierarchy<'a> {
     rays: RaySetup<'a>,
     /// Level 0 has one cell per pixel, the last level has a single cell.
-    levels: Vec<Level<Block>>,
+    levels: Vec<Level<DepthBlock>>,
     version: OracleVersion,
 }
 
@@ -108,7 +108,7 @@ impl<'a> Hierarchy<'a> {
     }
 
     /// The cell that contains the current pixel; `None` off screen.
-    fn cell(&self, lanes: &[Lane; 2], level: usize) -> Option<Block> {
+    fn cell(&self, lanes: &[Lane; 2], level: usize) -> Option<DepthBlock> {
         let [x, y] = lanes.map(|lane| u32::try_from(lane.pixel).ok());
         let (x, y, finest) = (x?, y?, &self.levels[0]);
         (x < finest.width && y < finest.height).then(|| {
@@ -124,9 +124,9 @@ impl<'a> Hierarchy<'a> {
     }
 
     /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
-    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: Block) -> bool {
+    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
         let depth = segment.depth_at(entry);
-        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(Block::EMPTY);
+        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
         let is_torn = block.front - before.front > JOINED * (block.thickness() + before.thickness());
         let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * block.thickness();
         depth < block.front && (depth < before.front || is_torn && is_deep)
@@ -141,13 +141,13 @@ impl<'a> Hierarchy<'a> {
 }
 
 /// Halves a level, rounding its sides up; `None` if the level has a single cell.
-fn coarser(below: &Level<Block>) -> Option<Level<Block>> {
+fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
     let side = |n: u32| n.div_ceil(2);
     (below.width > 1 || below.height > 1).then(|| {
         Level::from_fn(side(below.width), side(below.height), |x, y| {
             // At an odd edge the same block counts twice, which changes nothing.
             let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| below.at_clamped(2 * x + dx, 2 * y + dy));
-            four.into_iter().fold(Block::EMPTY, Block::union)
+            four.into_iter().fold(DepthBlock::EMPTY, DepthBlock::union)
         })
     })
 }

@@ -19,7 +19,7 @@
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block, JOINED};
+use super::thickness::{self, DepthBlock, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
@@ -55,7 +55,7 @@ pub struct Meeting {
 #[derive(Debug, Clone)]
 pub struct Oracle<'a> {
     rays: RaySetup<'a>,
-    blocks: Level<Block>,
+    blocks: Level<DepthBlock>,
     version: OracleVersion,
 }
 
@@ -150,22 +150,22 @@ impl<'a> Oracle<'a> {
     /// Whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` is behind the
     /// block; see the module's description. `along_normal` is the cosine between the ray and the block's
     /// normal, or 0 if there is no normal.
-    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: Block, along_normal: f64) -> bool {
-        let before = self.block(last).unwrap_or(Block::EMPTY);
+    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: DepthBlock, along_normal: f64) -> bool {
+        let before = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let is_joined = block.front - before.front <= JOINED * (block.thickness() + before.thickness());
         let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
         entry_depth < block.front && (entry_depth < before.front || !(is_joined || at_rim))
     }
 
     /// The block of a pixel; `None` off screen.
-    fn block(&self, [x, y]: [i32; 2]) -> Option<Block> {
+    fn block(&self, [x, y]: [i32; 2]) -> Option<DepthBlock> {
         let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
     fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
-        let block = self.block(last).unwrap_or(Block::EMPTY);
-        let behind = block != Block::EMPTY && segment.depth_at(end) < block.back;
+        let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
+        let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
     }
 }
@@ -178,7 +178,7 @@ fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
 /// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. This is the crossing
 /// with the front if it is within that range (then the flag is true), otherwise the entry; `None` if the ray
 /// does not meet the block.
-fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<(f64, bool)> {
+fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {
         return None;

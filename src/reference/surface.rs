@@ -5,7 +5,7 @@
 //! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16. There is no other
 //! difference.
 
-use super::bvh::{Hit, Intersector, Ray, TriangleBvh};
+use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use crate::math::srgb_to_linear;
 use crate::scene::{Encoding, Light, Material, Mesh, Scene, Surface, Texture, Vertex, sky};
 use glam::{DVec2, DVec3, DVec4, Vec3};
@@ -65,17 +65,17 @@ impl<'a> World<'a> {
     }
 
     /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+    pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
         self.intersector.closest(ray, &|hit| self.covers(hit))
     }
 
     /// The origin of the triangle that was hit.
-    pub fn triangle(&self, hit: &Hit) -> TriangleRef {
+    pub fn triangle(&self, hit: &TriangleHit) -> TriangleRef {
         self.triangles[hit.triangle as usize]
     }
 
     /// The surface point that a ray hits.
-    pub fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    pub fn point(&self, ray: &WorldRay, hit: &TriangleHit) -> SurfacePoint {
         let (mesh, vertices) = self.vertices(hit);
         let material = &self.materials[mesh.material];
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
@@ -99,7 +99,7 @@ impl<'a> World<'a> {
 
     /// The colour that a ray sees at a point: the lit colour or, on sky surfaces, the environment in the ray's
     /// direction.
-    pub fn color(&self, ray: &Ray, point: &SurfacePoint) -> DVec3 {
+    pub fn color(&self, ray: &WorldRay, point: &SurfacePoint) -> DVec3 {
         match point.surface {
             Surface::Lit => lit_color(point.position, point.normal, point.albedo, &self.scene.lights),
             Surface::Sky => sky_color(ray.direction),
@@ -107,7 +107,7 @@ impl<'a> World<'a> {
     }
 
     /// The shading normal on the front of the triangle, computed as in `gbuffer.frag`.
-    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &Hit, uv: DVec2, flat: DVec3) -> DVec3 {
+    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &TriangleHit, uv: DVec2, flat: DVec3) -> DVec3 {
         let geometric = interpolate(vertices, hit, |v| v.normal).normalize_or(flat);
         let deviation = f64::from(material.normal_deviation);
         let Some(map) = material.normal_map.filter(|_| deviation > 0.0) else { return geometric };
@@ -125,14 +125,14 @@ impl<'a> World<'a> {
     }
 
     /// Whether the surface has no hole there: an alpha mask below ½ is a hole.
-    fn covers(&self, hit: &Hit) -> bool {
+    fn covers(&self, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.triangle(hit).mesh as usize];
         let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
         let (_, vertices) = self.vertices(hit);
         self.sample(mask, interpolate_uv(&vertices, hit)).x >= 0.5
     }
 
-    fn vertices(&self, hit: &Hit) -> (&Mesh, [&Vertex; 3]) {
+    fn vertices(&self, hit: &TriangleHit) -> (&Mesh, [&Vertex; 3]) {
         let from = self.triangle(hit);
         let mesh = &self.scene.meshes[from.mesh as usize];
         let first = 3 * from.triangle as usize;
@@ -191,11 +191,11 @@ pub fn sky_color(direction: DVec3) -> DVec3 {
     sky::radiance(direction.as_vec3()).as_dvec3()
 }
 
-fn interpolate(vertices: &[&Vertex; 3], hit: &Hit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
+fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
     vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(of(v)).as_dvec3()).sum()
 }
 
-fn interpolate_uv(vertices: &[&Vertex; 3], hit: &Hit) -> DVec2 {
+fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
     vertices
         .iter()
         .zip(hit.barycentrics)
@@ -228,8 +228,8 @@ pub(super) mod tests {
         Texture { name: "test".into(), width, height, rgba, encoding }
     }
 
-    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
-        Ray {
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> WorldRay {
+        WorldRay {
             origin: DVec3::from(origin),
             direction: DVec3::from(direction).normalize(),
             t_min: 0.0,

@@ -15,14 +15,14 @@ pub const JOINED: f64 = 0.8;
 
 /// A closed interval of reversed depth; empty for sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Block {
+pub struct DepthBlock {
     /// Farthest depth, at view depth z + T.
     pub back: f64,
     /// Nearest depth: the pixel's own.
     pub front: f64,
 }
 
-impl Block {
+impl DepthBlock {
     /// The empty interval.
     pub const EMPTY: Self = Self { back: f64::INFINITY, front: f64::NEG_INFINITY };
 
@@ -48,7 +48,7 @@ pub fn thickness(z: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
 }
 
 /// The block of every pixel.
-pub fn blocks(gbuffer: &GBufferData) -> Level<Block> {
+pub fn blocks(gbuffer: &GBufferData) -> Level<DepthBlock> {
     let view_to_clip = gbuffer.view_to_clip();
     let clip_to_view = view_to_clip.inverse();
     let view_depth = |reversed: f32| {
@@ -61,12 +61,12 @@ pub fn blocks(gbuffer: &GBufferData) -> Level<Block> {
         depths[gbuffer.index(x, y)]
     };
     Level::from_fn(width, height, |x, y| {
-        let Some(z) = at(Some(x), Some(y)) else { return Block::EMPTY };
+        let Some(z) = at(Some(x), Some(y)) else { return DepthBlock::EMPTY };
         let across = [at(x.checked_sub(1), Some(y)), at(Some(x + 1), Some(y))];
         let along = [at(Some(x), y.checked_sub(1)), at(Some(x), Some(y + 1))];
         let behind = z + thickness(z, [across[0], across[1], along[0], along[1]]);
         let front = f64::from(gbuffer.depth[gbuffer.index(x, y)]);
-        Block { back: view_to_clip.project_point3(DVec3::new(0.0, 0.0, behind)).z, front }
+        DepthBlock { back: view_to_clip.project_point3(DVec3::new(0.0, 0.0, behind)).z, front }
     })
 }
 
@@ -94,13 +94,13 @@ mod tests {
             assert_eq!(blocks[i].front, f64::from(g.depth[i]));
             assert!((blocks[i].back - f64::from(depth_of(z[i] + t))).abs() < 1e-6 * blocks[i].back, "{i}: {blocks:?}");
         }
-        assert_eq!(blocks[2], Block::EMPTY);
+        assert_eq!(blocks[2], DepthBlock::EMPTY);
     }
 
     #[test]
     fn an_empty_block_adds_nothing() {
-        let block = Block { back: 0.2, front: 0.3 };
-        assert_eq!(block.union(Block::EMPTY), block);
-        assert_eq!(block.union(Block { back: 0.1, front: 0.25 }), Block { back: 0.1, front: 0.3 });
+        let block = DepthBlock { back: 0.2, front: 0.3 };
+        assert_eq!(block.union(DepthBlock::EMPTY), block);
+        assert_eq!(block.union(DepthBlock { back: 0.1, front: 0.25 }), DepthBlock { back: 0.1, front: 0.3 });
     }
 }

@@ -6,7 +6,7 @@
 //! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
 //! the order of their numbers. A result therefore does not depend on threads or on interruptions.
 
-use super::bvh::Ray;
+use super::bvh::WorldRay;
 use super::first_hits::{FirstHits, Receiver};
 use super::lobe::lobe_direction;
 use super::random::Stream;
@@ -44,7 +44,7 @@ pub struct WorldReference<'a> {
 
 /// The condition under which [`WorldReference::run`] stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
+pub struct SamplingTarget {
     /// The run stops if [`WorldState::overall_standard_error`] is at most this, in linear colour.
     pub standard_error: f64,
     /// The least samples per pixel, so that the estimate of the error is reliable.
@@ -55,7 +55,7 @@ pub struct Target {
     pub samples_per_pass: u32,
 }
 
-impl Default for Target {
+impl Default for SamplingTarget {
     /// A standard error of 0.003, a tenth of the error of a good method, within 1024 samples.
     fn default() -> Self {
         Self { standard_error: 0.003, samples_min: 32, samples_max: 1024, samples_per_pass: 16 }
@@ -112,7 +112,7 @@ impl WorldReference<'_> {
     pub fn run(
         &self,
         state: &mut WorldState,
-        target: &Target,
+        target: &SamplingTarget,
         progress: &mut dyn FnMut(&WorldState) -> Result<()>,
     ) -> Result<()> {
         while state.samples < target.samples_max
@@ -150,7 +150,7 @@ impl WorldReference<'_> {
         if !receiver.is_above(direction) {
             return DVec3::ZERO;
         }
-        let ray = Ray { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+        let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         match self.world.closest(&ray) {
             Some(hit) => self.world.color(&ray, &self.world.point(&ray, &hit)),
             None if self.escape == Escape::Environment => sky_color(direction),

@@ -1,7 +1,7 @@
 //! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. DEFINITIONS,
 //! "World agreement", judges a method's hits by this.
 
-use super::bvh::Ray;
+use super::bvh::WorldRay;
 use super::first_hits::FirstHits;
 use super::surface::World;
 use super::world::RAY_START_M;
@@ -54,7 +54,7 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
         .map(|receiver| {
             let Some(receiver) = receiver else { return WorldHit::NotReflecting };
             let direction = receiver.mirror();
-            let ray = Ray { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+            let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
             match world.closest(&ray) {
                 Some(hit) => judge(gbuffer, &first_hits.view_z_m, ray.at(hit.t), &world_to_view, &view_to_clip),
                 None => WorldHit::Escaped,

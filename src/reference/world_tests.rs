@@ -153,7 +153,7 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
     let reference = reference(&world, &first_hits);
     let mut state = reference.start();
-    reference.run(&mut state, &Target::default(), &mut |_| Ok(())).expect("running writes no file");
+    reference.run(&mut state, &SamplingTarget::default(), &mut |_| Ok(())).expect("running writes no file");
     assert_eq!(state.overall_standard_error(), 0.0, "mirrors have no error");
     assert_eq!(state.samples, 16, "one pass is enough for mirrors");
     let image = reference.image(&state);

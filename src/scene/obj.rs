@@ -155,7 +155,7 @@ fn load_file(
             sources.push(definition.map(mtl::Definition::images).unwrap_or_default());
         }
     }
-    let material_of = |part: &polygons::Part| scene_index[part.material].unwrap_or_default();
+    let material_of = |part: &polygons::GroupPart| scene_index[part.material].unwrap_or_default();
     scene.meshes.extend(assemble::meshes(parts, material_of));
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! frame and, unlike the uniform variant, has neither cusps nor loops where two key frames are close together.
 //! A path comes from a file of its own (TOML), from a section of a scene file, or from the views of a scene.
 
-use super::scene_file::{Source, read, stem};
+use super::scene_file::{SourceText, read, stem};
 use super::{MAX_COORDINATE_M, Scene};
 use crate::error::{Error, Result};
 use glam::Vec3;
@@ -127,7 +127,7 @@ impl CameraPath {
     /// # Errors
     /// [`Error::Malformed`] with file and line.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let source = Source { path, text };
+        let source = SourceText { path, text };
         let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
         source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
     }
@@ -242,7 +242,7 @@ pub(super) struct KeySection {
     time: Option<f32>,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
     pub(super) fn path(&self, name: &str, sections: &[Spanned<KeySection>], extra_scale: f32) -> Result<CameraPath> {
         let key = |section: &Spanned<KeySection>| {

@@ -39,7 +39,7 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
         return Err(Error::Usage(format!("the scale must be a positive number, not {extra_scale}")));
     }
     let text = read(path, "a scene file")?;
-    let source = Source { path, text: &text };
+    let source = SourceText { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let scale = match &sections.scale {
         Some(scale) => source.positive("scale", scale)?,
@@ -170,12 +170,12 @@ struct ViewSection {
 }
 
 /// The text of a scene file and its path, for errors that name the line.
-pub(super) struct Source<'a> {
+pub(super) struct SourceText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     /// An error at a byte range of the text.
     pub(super) fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
         let before = &self.text.as_bytes()[..at.start.min(self.text.len())];

@@ -98,7 +98,7 @@ fn cells_cover_the_pixels_that_shift_to_them() {
         let top = levels.last().map(|l| [l.width, l.height]);
         assert_eq!(top, Some([1, 1]));
         for (level, cells) in levels.iter().enumerate() {
-            let mut expected = vec![Block::EMPTY; cells.texels.len()];
+            let mut expected = vec![DepthBlock::EMPTY; cells.texels.len()];
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     let cell = &mut expected[((y >> level) * cells.width + (x >> level)) as usize];

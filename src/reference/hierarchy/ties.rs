@@ -3,7 +3,7 @@
 
 use super::{Hierarchy, Lane, hit};
 use crate::reference::ray::{Outcome, Segment};
-use crate::reference::thickness::Block;
+use crate::reference::thickness::DepthBlock;
 
 impl Hierarchy<'_> {
     /// All ends, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known only up to
@@ -62,7 +62,7 @@ impl Hierarchy<'_> {
 }
 
 /// Where a ray hits the block of the pixel in which it is from `entry` to `exit`; `None` if it does not hit.
-fn meets(segment: &Segment, lanes: &[Lane; 2], block: Block, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
+fn meets(segment: &Segment, lanes: &[Lane; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
     let (a, b) = (segment.depth_at(entry), segment.depth_at(exit));
     let (near, far) = (a.max(b), a.min(b));
     let is_met = far <= block.front && near >= block.back;

@@ -3,7 +3,7 @@
 //! the floor reflects; in the view `hall` the walls reflect as well.
 
 use super::builder::{MeshBuilder, Rect};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, furnishing, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Dye, Pattern, Wood};
 use crate::scene::{Light, MaterialChange, Mesh, Scene, sky};
@@ -252,7 +252,7 @@ fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
 /// Columns and corner piers of both storeys, and the slender columns between the upper arches.
 fn columns() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
-    let round = |name: &str, foot: Vec3, size: Column| {
+    let round = |name: &str, foot: Vec3, size: ColumnSize| {
         let mut stone = mesh(name, COLUMN);
         masonry::column(&mut stone, foot, &size);
         stone
@@ -261,13 +261,13 @@ fn columns() -> Vec<MeshBuilder> {
     for side in sides() {
         let at = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
-            let lower = Column { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
+            let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
             parts.push(round("column", at(post, 0.0), lower));
-            let upper = Column { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
+            let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
             parts.push(round("upper-column", at(post, PARAPET), upper));
         }
         for bay in side.posts.windows(2) {
-            let slender = Column { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
+            let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
             parts.push(round("slender-column", at(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }

@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around, standing};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, thesis_lens, view};
 use crate::scene::pattern::{Pattern, Picture, Wood};
 use crate::scene::{Light, Mesh, Scene};
@@ -146,7 +146,7 @@ fn arcades() -> Vec<MeshBuilder> {
         }
         for k in 0..=BAYS {
             let foot = Vec3::new(x, 0.0, k as f32 * BAY_M);
-            let size = Column { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
+            let size = ColumnSize { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
             masonry::column(&mut stone, foot, &size);
             let shaft = Vec3::new(x.signum() * (NAVE_X - 0.02), ARCADE_SPRING - 0.02, foot.z);
             stone.cylinder(shaft, 0.14, NAVE_SPRING - ARCADE_SPRING, 16);
@@ -343,7 +343,7 @@ fn rose_rect() -> Rect {
 
 /// The meshes and rectangles of the impostors: the rose, the lancets below it, and the clerestory windows of
 /// the two bays in front of the choir.
-fn impostors() -> Vec<(String, super::portrait::Frame)> {
+fn impostors() -> Vec<(String, super::portrait::ImpostorFrame)> {
     let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
         let middle = window.wall.at(window.rect.min.x, 0.0, 0.0).z;

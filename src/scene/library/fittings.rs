@@ -1,7 +1,7 @@
 //! Parts that are fitted to walls: recesses, frames, mouldings and pictures.
 
 use super::builder::{MeshBuilder, Rect};
-use super::portrait::Frame;
+use super::portrait::ImpostorFrame;
 use glam::{Vec2, Vec3};
 
 /// The face of an upright wall along x or z. A point on it is `a` metres to the right of the origin (seen from
@@ -74,9 +74,9 @@ impl Face {
     }
 
     /// The rectangle of an impostor in front of the face.
-    pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> Frame {
+    pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> ImpostorFrame {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
-        Frame {
+        ImpostorFrame {
             name,
             centre: self.at(middle.x, middle.y, out),
             half_right: half.x * self.right,

@@ -151,7 +151,7 @@ pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32,
 
 /// Sizes of a round column.
 #[derive(Debug, Clone, Copy)]
-pub struct Column {
+pub struct ColumnSize {
     /// Radius of the shaft at its foot.
     pub radius_m: f32,
     /// Height with plinth and abacus.
@@ -163,7 +163,7 @@ pub struct Column {
 }
 
 /// A round column on `foot`: square plinth, base moulding, tapering shaft, capital and abacus.
-pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &Column) {
+pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &ColumnSize) {
     let (r, h, half) = (size.radius_m, size.height_m, size.half_plinth_m);
     let slab = 0.45 * half;
     let square = |mesh: &mut MeshBuilder, low: f32, high: f32, half: f32| {

@@ -4,7 +4,7 @@
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around, standing};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, skeleton, thesis_lens, view};
 use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
@@ -328,7 +328,7 @@ fn exhibits() -> Vec<MeshBuilder> {
     let mut ball = mesh("ball", METAL);
     ball.sphere(top + 0.4 * Vec3::Y, 0.4, [40, 20]);
     for (x, z) in [(-4.4, 5.4), (4.4, 5.4)] {
-        let column = Column { radius_m: 0.22, height_m: HEIGHT - 0.08, half_plinth_m: 0.36, sides: 28 };
+        let column = ColumnSize { radius_m: 0.22, height_m: HEIGHT - 0.08, half_plinth_m: 0.36, sides: 28 };
         masonry::column(&mut stone, Vec3::new(x, 0.0, z), &column);
     }
     vec![stone, bones, ring, ball]

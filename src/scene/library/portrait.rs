@@ -12,7 +12,7 @@ const OVERSAMPLED: u32 = 2;
 const FOOTPRINT_MAX: f32 = 4.0;
 
 /// An impostor whose image has not been rendered yet.
-pub struct Frame {
+pub struct ImpostorFrame {
     pub name: &'static str,
     pub centre: Vec3,
     /// Half vectors to the right and upwards for a viewer in front of the image.
@@ -24,7 +24,7 @@ pub struct Frame {
 
 /// Adds an impostor to the scene. Its image shows the meshes with the given names, seen along the rectangle's
 /// normal.
-pub fn add(scene: &mut Scene, meshes: &[&str], frame: &Frame) {
+pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     let ratio = frame.half_up.length() / frame.half_right.length();
     let extent = [frame.width, ((frame.width as f32 * ratio).round() as u32).max(1)];
     let mut impostor = Impostor {

@@ -1,6 +1,6 @@
 //! Makes meshes from triangles: adds tangents, splits large groups in space, and welds equal vertices.
 
-use super::polygons::{Part, Triangle};
+use super::polygons::{GroupPart, Triangle};
 use super::tangents;
 use crate::scene::{Aabb, Mesh};
 use glam::Vec3;
@@ -15,13 +15,13 @@ const MAX_TRIANGLES: usize = 8192;
 const MAX_PARTS: usize = 2048;
 
 /// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part.
-pub(super) fn meshes(mut parts: Vec<Part>, material_of: impl Fn(&Part) -> usize + Sync) -> Vec<Mesh> {
+pub(super) fn meshes(mut parts: Vec<GroupPart>, material_of: impl Fn(&GroupPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
         parts = pool(parts);
     }
-    let meshes_of = |part: Part| {
+    let meshes_of = |part: GroupPart| {
         let material = material_of(&part);
-        let Part { name, mut triangles, .. } = part;
+        let GroupPart { name, mut triangles, .. } = part;
         tangents::generate(&mut triangles);
         let mut chunks = Vec::new();
         split(&mut triangles, &mut chunks);
@@ -33,8 +33,8 @@ pub(super) fn meshes(mut parts: Vec<Part>, material_of: impl Fn(&Part) -> usize 
 }
 
 /// Merges the parts of each material into one.
-fn pool(parts: Vec<Part>) -> Vec<Part> {
-    let mut pooled: Vec<Part> = Vec::new();
+fn pool(parts: Vec<GroupPart>) -> Vec<GroupPart> {
+    let mut pooled: Vec<GroupPart> = Vec::new();
     let mut place: HashMap<usize, usize> = HashMap::new();
     for part in parts {
         match place.get(&part.material) {

@@ -14,7 +14,7 @@ pub(super) type Triangle = [Vertex; 3];
 
 /// The triangles of one group that have one material.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct GroupPart {
     /// Name of the group or object.
     pub name: String,
     /// Index into the file's material names.
@@ -31,7 +31,7 @@ pub(super) fn build(
     statements: Statements,
     options: &ObjOptions,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Part>> {
+) -> Result<Vec<GroupPart>> {
     let Statements { vertices, faces, material_names, smoothing, .. } = statements;
     let materials: Vec<_> =
         (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
@@ -48,7 +48,7 @@ pub(super) fn build(
     for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
         let corners = world_vertices(path, &mesh, options)?;
         let material = mesh.material_id.unwrap_or_default();
-        let mut part = Part { name, material, triangles: Vec::new(), smoothing: Vec::new() };
+        let mut part = GroupPart { name, material, triangles: Vec::new(), smoothing: Vec::new() };
         let mut start = 0;
         let uniform = mesh.face_arities.is_empty().then_some(3);
         let arities = mesh.face_arities.iter().map(|&n| n as usize);
@@ -98,7 +98,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
     vertices.collect()
 }
 
-impl Part {
+impl GroupPart {
     /// Adds a polygon's triangles, wound as its stated normals require. Returns how many had no area and were
     /// left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
@@ -129,7 +129,7 @@ impl Part {
 ///
 /// Within a group, faces are weighted by their angle at the vertex. Weights by area would depend on which
 /// diagonal splits a quad.
-fn fill_normals(parts: &mut [Part]) {
+fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {

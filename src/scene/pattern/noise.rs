@@ -53,7 +53,7 @@ pub fn fractal(at: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
 
 /// The Voronoi cell that contains a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
+pub struct VoronoiCell {
     /// The lattice point of the cell within the period; hash it for properties of the cell, such as its tone.
     pub id: IVec2,
     /// Distance to the nearest border with another cell, in the unit of `cell_size`.
@@ -62,7 +62,7 @@ pub struct Cell {
 
 /// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a
 /// cell, as in masonry. `jitter` is 0…1; `period.y` must be even.
-pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Cell {
+pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
     let row = (at.y / cell_size.y).floor() as i32;
     let centre = |ix: i32, iy: i32| {
         let id = IVec2::new(ix, iy).rem_euclid(period);
@@ -90,7 +90,7 @@ pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -
             border = border.min((middle - at).dot(apart.normalize()));
         }
     }
-    Cell { id: nearest.0, border: border.max(0.0) }
+    VoronoiCell { id: nearest.0, border: border.max(0.0) }
 }
 
 #[cfg(test)]

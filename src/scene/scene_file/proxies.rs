@@ -1,6 +1,6 @@
 //! The sections of a scene file that define probes, impostors and area lights ([`crate::scene::proxies`]).
 
-use super::Source;
+use super::SourceText;
 use crate::error::Result;
 use crate::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj};
 use glam::Vec3;
@@ -52,7 +52,7 @@ pub(super) struct AreaLightSection {
     half_v: Option<Spanned<[f32; 3]>>,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
         let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
         if !min.cmplt(max).all() {

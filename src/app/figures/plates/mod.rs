@@ -1,5 +1,5 @@
-//! The figures, one entry each: what it shows in print, what it shows here, the renders it is made of,
-//! and how they are put together. The entries lie in a file a document.
+//! The list of figures. Each entry says what the printed figure shows, what differs here, which renders the
+//! figure is made of, and how they are composed. There is one file of entries per document.
 
 mod schmidt;
 mod thesis;
@@ -7,9 +7,9 @@ mod thesis;
 use super::workshop::Workshop;
 use crate::report::images::Rgb;
 
-/// The document that a figure is in.
+/// The document of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Source {
+pub enum Document {
     /// Hermanns 2015.
     Thesis,
     /// Hermanns and Franke 2014.
@@ -18,8 +18,8 @@ pub enum Source {
     Schmidt,
 }
 
-impl Source {
-    /// What file names begin with.
+impl Document {
+    /// The beginning of file names.
     pub fn stem(self) -> &'static str {
         match self {
             Self::Thesis => "thesis",
@@ -29,44 +29,44 @@ impl Source {
     }
 }
 
-/// Pixels of a figure's renders.
+/// The size of a figure's renders in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
-    /// As printed; `--size` replaces it.
+    /// As printed; the option `--size` replaces it.
     Print([u32; 2]),
-    /// The figure is about this size.
+    /// Determined by the figure's subject, so it cannot be changed.
     Fixed([u32; 2]),
 }
 
 /// A finished figure.
-pub enum Made {
-    /// To be written as PNG.
+pub enum FinishedFigure {
+    /// A picture, written as PNG.
     Picture(Rgb),
-    /// SVG.
+    /// A drawing, as SVG.
     Drawing(String),
 }
 
-/// How a figure is made of the arguments of its renders, size included.
-pub type Make = fn(&mut Workshop, &[String]) -> anyhow::Result<Made>;
+/// A function that makes a figure from the arguments of its renders, including the size.
+pub type MakeFigure = fn(&mut Workshop, &[String]) -> anyhow::Result<FinishedFigure>;
 
 /// A figure.
 pub struct Plate {
-    /// Document.
-    pub source: Source,
-    /// Number in print.
+    /// The document.
+    pub source: Document,
+    /// The number in print.
     pub number: &'static str,
-    /// Subject.
+    /// The subject.
     pub title: &'static str,
-    /// What the print shows.
+    /// What the printed figure shows.
     pub print: &'static str,
     /// What differs here.
     pub differs: &'static str,
-    /// Pixels.
+    /// The size of its renders.
     pub size: Size,
-    /// Its renders: what each shows, and the arguments of `ssct render` without size and file.
+    /// For each render: what it shows, and the arguments of `ssct render` without size and file.
     pub panels: &'static [(&'static str, &'static str)],
-    /// How it is put together.
-    pub make: Make,
+    /// The function that composes the figure.
+    pub make: MakeFigure,
 }
 
 const HD: Size = Size::Print([1920, 1080]);
@@ -78,12 +78,12 @@ pub fn plates() -> impl Iterator<Item = &'static Plate> {
 }
 
 impl Plate {
-    /// File name without its extension.
+    /// The file name without its extension.
     pub fn stem(&self) -> String {
         format!("{}-{}", self.source.stem(), self.number)
     }
 
-    /// The arguments of its renders at its own size, or at the one asked for where that may be.
+    /// The arguments of its renders at its own size, or at the requested size if the figure allows that.
     pub fn arguments(&self, wanted: Option<[u32; 2]>) -> Vec<String> {
         let [width, height] = match self.size {
             Size::Print(own) => wanted.unwrap_or(own),

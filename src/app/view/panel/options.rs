@@ -2,7 +2,7 @@
 //! flag is a new row.
 
 use super::dot;
-use super::{Told, heading};
+use super::{PanelData, heading};
 use crate::app::view::state::{SWITCHED_ON, Side, State};
 use crate::methods::thesis::{self, Variant};
 use crate::methods::{METHODS, MethodInfo, Preset, Tuning};
@@ -36,7 +36,7 @@ pub fn reads(method: &MethodInfo, flag: &str) -> bool {
 }
 
 /// A side: its method, and the rows of it.
-pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &Told) {
+pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &PanelData) {
     let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
     heading(ui, title);
     ui.push_id(("side", index), |ui| {
@@ -71,7 +71,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &Told) {
 }
 
 /// A row: the option's name, its control, and whether its value is the published one.
-fn option(ui: &mut Ui, side: &mut Side, argument: &clap::Arg, flag: &str, told: &Told) {
+fn option(ui: &mut Ui, side: &mut Side, argument: &clap::Arg, flag: &str, told: &PanelData) {
     let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
     ui.label(flag.replace('-', " ")).on_hover_text(help);
     let given = side.options.get(flag).cloned();
@@ -113,7 +113,7 @@ fn option(ui: &mut Ui, side: &mut Side, argument: &clap::Arg, flag: &str, told: 
 }
 
 /// A number: the flag's own default or the preset's, or what replaces it.
-fn number(ui: &mut Ui, side: &Side, flag: &str, default: Option<&str>, now: &mut Option<String>, told: &Told) {
+fn number(ui: &mut Ui, side: &Side, flag: &str, default: Option<&str>, now: &mut Option<String>, told: &PanelData) {
     let base = default.and_then(|d| d.parse().ok()).or_else(|| published(side.setup.preset, flag, told));
     ui.horizontal(|ui| {
         let Some(base) = base else {
@@ -141,7 +141,7 @@ fn number(ui: &mut Ui, side: &Side, flag: &str, default: Option<&str>, now: &mut
 }
 
 /// The number that a preset has for a flag.
-fn published(preset: Preset, flag: &str, told: &Told) -> Option<f64> {
+fn published(preset: Preset, flag: &str, told: &PanelData) -> Option<f64> {
     let variant = Variant { preset, tuning: Tuning::default(), fallback: true, fade: true };
     let camera: &Camera = &told.camera;
     let block = thesis::parameters(&variant, camera, told.extent, crate::gpu::image::full_chain(told.extent));

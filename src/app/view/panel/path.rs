@@ -1,4 +1,4 @@
-//! Camera key frames: recorded, saved, loaded, played.
+//! Camera key frames: recording, saving, loading and playing.
 
 use super::heading;
 use crate::app::view::path::PathEditor;
