@@ -1,6 +1,6 @@
 //! Composes figures from renders.
 
-use super::plates::FinishedFigure;
+use super::plate::FinishedFigure;
 use super::workshop::Workshop;
 use crate::error::Error;
 use crate::gpu::Pixels;

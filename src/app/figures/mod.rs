@@ -2,6 +2,7 @@
 //! that shows each one beside a description of the printed figure.
 
 mod draw;
+mod plate;
 mod plates;
 mod workshop;
 
@@ -11,7 +12,8 @@ use crate::error::{Error, Result};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
 use crate::report::run_folder::Claim;
-use plates::{Document, FinishedFigure, Plate, plates};
+use plate::{Document, FinishedFigure, Plate};
+use plates::plates;
 use std::io::Write;
 use std::path::Path;
 use workshop::Workshop;

@@ -16,13 +16,14 @@ mod pictures;
 mod reference_error;
 mod reload;
 mod script;
+mod setup;
 mod state;
 #[cfg(test)]
 mod tests;
 mod viewer;
 mod window;
 
-use super::cli::{Cli, CommonOptions, SceneOptions, size};
+use super::cli::{Cli, CommonOptions, size};
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, PresentMode, swapchain};
@@ -32,16 +33,16 @@ use crate::report::images;
 use crate::scene::path::CameraPath;
 use crate::scene::{Scene, View};
 use animation::Animation;
-use ash::vk;
 use clap::{Args, CommandFactory, ValueEnum};
 use path::PathEditor;
 use script::{Script, ScriptPlan};
+use setup::ViewerSetup;
 use state::{Inside, Side, State, Tab, given_options};
 use std::collections::{BTreeMap, HashSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use viewer::{Shaders, Viewer, Wake};
+use viewer::Viewer;
 use window::{App, no_window};
 use winit::event_loop::{ControlFlow, EventLoop};
 
@@ -120,28 +121,6 @@ pub enum TwoMethods {
     Split,
     /// The magnitude of their difference.
     Difference,
-}
-
-/// What the viewer is built from once there is a window.
-pub struct ViewerSetup {
-    scene: Scene,
-    state: State,
-    place: SceneOptions,
-    path: PathEditor,
-    shaders: Option<PathBuf>,
-}
-
-impl ViewerSetup {
-    /// Builds the viewer for a screen.
-    fn viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
-        let mut viewer = Viewer::new(gpu, self.scene, self.state, self.place, screen, wake.clone())?;
-        viewer.path = self.path;
-        if let Some(folder) = self.shaders {
-            let changes = reload::ShaderWatch::new(&folder)?.start(move || wake());
-            viewer.watch(Shaders { folder: folder.display().to_string(), changes, statuses: Vec::new() });
-        }
-        Ok(viewer)
-    }
 }
 
 /// Opens the window; returns when it is closed.

@@ -2,10 +2,11 @@
 //! something has happened.
 
 use super::input::{Action, action, motion, shift};
+use super::panel;
 use super::script::Script;
+use super::setup::ViewerSetup;
 use super::state::Tab;
 use super::viewer::{Viewer, ViewerInput, ViewerOutput};
-use super::{ViewerSetup, panel};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, PresentMode, Swapchain};
 use std::collections::HashSet;

@@ -1,7 +1,7 @@
 //! The figures of Schmidt 2013.
 
-use super::{Document, Plate, QHD, Size};
 use crate::app::figures::draw;
+use crate::app::figures::plate::{Document, Plate, QHD, Size};
 
 /// The figures of Schmidt's thesis.
 pub const PLATES: &[Plate] = &[

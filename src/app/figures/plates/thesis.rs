@@ -1,7 +1,7 @@
 //! The figures of Hermanns 2015 and of the poster that preceded it.
 
-use super::{Document, HD, Plate, QHD, Size};
 use crate::app::figures::draw;
+use crate::app::figures::plate::{Document, HD, Plate, QHD, Size};
 
 /// The note shared by all figures of the thesis's chapter 5.
 const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives no roughness for this figure; here \

@@ -1,6 +1,6 @@
 //! Shows any intermediate image at any mip level, with range and exposure.
 
-use super::{PanelActions, PanelData, heading};
+use super::shared::{PanelActions, PanelData, heading};
 use crate::app::view::state::{Inside, STEPS, State};
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 

@@ -1,6 +1,6 @@
 //! Times of recent frames as stacked bars, counted work, and the error against a cached reference.
 
-use super::{PanelData, heading};
+use super::shared::{PanelData, heading};
 use crate::app::view::history::{History, StageTime};
 use crate::app::view::inspect::Inspection;
 use crate::app::view::reference_error::ComparisonOutcome;

@@ -7,64 +7,21 @@ pub mod options;
 mod path;
 mod ray;
 mod shaders;
+mod shared;
 mod tune;
 
-use super::inspect::PickedRay;
 use super::path::PathEditor;
-use super::pictures::{FrameAnalysis, ImageInfo};
-use super::reference_error::ReferenceComparison;
-use super::reload::ShaderStatus;
 use super::state::{State, Tab};
 use crate::passes::look::Compare;
-use crate::scene::{Camera, View};
 use egui::{Color32, Rect, RichText, Sense, Ui};
 use glam::Vec2;
+use shared::dot;
+pub use shared::{PanelActions, PanelData};
 
 /// Width of the panel, in points.
 pub const WIDTH: f32 = 340.0;
 /// The least width of the picture beside the panel, in points; a narrower window shows no panel.
 const NARROWEST_PICTURE: f32 = 80.0;
-
-/// The data that the panel displays.
-pub struct PanelData<'a> {
-    /// Names of all scenes.
-    pub scenes: &'a [String],
-    /// Views of the scene.
-    pub views: &'a [View],
-    /// Pass times of the shown methods.
-    pub histories: Vec<&'a super::history::History>,
-    /// The images that the first method made.
-    pub images: &'a [ImageInfo],
-    /// The analysis of the frame at rest, if there is one.
-    pub analysis: Option<&'a FrameAnalysis>,
-    /// The picked ray.
-    pub ray: Option<&'a PickedRay>,
-    /// The error against a cached reference.
-    pub reference_error: &'a ReferenceComparison,
-    /// The command that would make the missing reference.
-    pub reference_command: &'a str,
-    /// The camera.
-    pub camera: Camera,
-    /// Width and height of the pictures, in pixels.
-    pub extent: [u32; 2],
-    /// The folder whose shaders are watched, and the status of each shader that has changed.
-    pub shaders: Option<(&'a str, &'a [ShaderStatus])>,
-    /// Frames rendered, drawings of the panel, and submissions to the device.
-    pub counts: [u64; 3],
-    /// Whether nothing remains to be rendered.
-    pub idle: bool,
-}
-
-/// Actions of the user that are more than a change of the state.
-#[derive(Debug, Default)]
-pub struct PanelActions {
-    /// The area of the pictures, in points.
-    pub area: Option<Rect>,
-    /// Whether the mouse turns the camera.
-    pub looking: bool,
-    /// Whether to fit the range of the shown picture to its numbers.
-    pub fit_range: bool,
-}
 
 /// Draws the panel and the picture of one frame.
 pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, data: &PanelData) -> PanelActions {
@@ -193,16 +150,4 @@ fn status(ui: &mut Ui, data: &PanelData) {
         }
     });
     ui.label(RichText::new(format!("{frames} frames, {drawings} drawings, {submissions} submissions")).weak().small());
-}
-
-/// Draws a filled circle.
-fn dot(ui: &mut Ui, color: Color32) {
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(rect.center(), 4.0, color);
-}
-
-/// Draws the heading of a part.
-fn heading(ui: &mut Ui, text: impl Into<String>) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong());
 }

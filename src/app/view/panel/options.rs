@@ -1,8 +1,7 @@
 //! A method and every parameter that it reads. The rows are the flags of the command line, so that a new
 //! flag is a new row.
 
-use super::dot;
-use super::{PanelData, heading};
+use super::shared::{PanelData, dot, heading};
 use crate::app::view::state::{SWITCHED_ON, Side, State};
 use crate::methods::thesis::{self, Variant};
 use crate::methods::{METHODS, MethodInfo, Preset, Tuning};

@@ -1,7 +1,7 @@
 //! The picked ray through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), beside the result of
 //! the oracle.
 
-use super::{PanelData, heading};
+use super::shared::{PanelData, heading};
 use crate::app::view::inspect::{PickedRay, WalkEnd};
 use crate::app::view::state::State;
 use crate::reference::Outcome;

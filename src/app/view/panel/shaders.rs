@@ -1,6 +1,6 @@
 //! The shaders that are reloaded when they change, with the compiler's messages.
 
-use super::{PanelData, heading};
+use super::shared::{PanelData, heading};
 use egui::{Color32, RichText, Ui};
 
 pub fn show(ui: &mut Ui, data: &PanelData) {

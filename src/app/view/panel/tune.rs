@@ -1,7 +1,7 @@
 //! Scene, view, methods and materials; [`super::options`] draws the methods' own options.
 
 use super::options::{PUBLISHED, side};
-use super::{PanelData, dot, heading};
+use super::shared::{PanelData, dot, heading};
 use crate::app::view::state::State;
 use crate::passes::look::Compare;
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
