@@ -25,11 +25,6 @@ pub fn display_byte(linear: f32) -> u8 {
     (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
 }
 
-/// Rec. 709 luminance of a linear colour.
-pub fn luminance(rgb: [f32; 3]) -> f32 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,11 +8,6 @@ pub fn exponent(roughness: f64) -> f64 {
     if roughness <= 0.0 { f64::INFINITY } else { XI.ln() / (roughness / 2.0).cos().ln() - 1.0 }
 }
 
-/// The roughness of an exponent α ≥ 0, the inverse of [`exponent`], clamped to 0…1.
-pub fn roughness(exponent: f64) -> f64 {
-    (2.0 * XI.powf(1.0 / (exponent + 1.0)).acos()).clamp(0.0, 1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -24,13 +19,5 @@ mod tests {
             assert!((exponent(r) - a).abs() < 0.5, "{r}: {}", exponent(r));
         }
         assert_eq!(exponent(0.0), f64::INFINITY);
-    }
-
-    #[test]
-    fn roughness_inverts_the_exponent() {
-        for r in [0.01, 0.1, 0.5, 1.0] {
-            assert!((roughness(exponent(r)) - r).abs() < 1e-9);
-        }
-        assert_eq!(roughness(0.0), 1.0, "the flattest lobe has the greatest roughness");
     }
 }

@@ -15,12 +15,6 @@ pub fn unproject(screen: DVec3, clip_to_view: &DMat4) -> DVec3 {
     clip_to_view.project_point3(DVec3::new(screen.x * 2.0 - 1.0, 1.0 - screen.y * 2.0, screen.z))
 }
 
-/// Standard depth (near 0, far 1), which the published methods read, from reversed depth (near 1, far 0). It is
-/// rounded to f32 because a standard depth buffer holds f32.
-pub fn standard_depth(reversed: f32) -> f32 {
-    1.0 - reversed
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -57,14 +51,6 @@ mod tests {
                 let back = project(view, &m);
                 prop_assert!((back - DVec3::new(u, v, depth)).length() < 1e-9);
             }
-        }
-
-        #[test]
-        fn standard_depth_is_the_standard_matrix_within_f32(z in 0.1..1000.0_f64) {
-            let c = camera(0.1, 1000.0);
-            let reversed = project(DVec3::new(0.0, 0.0, z), &c.view_to_clip_reversed().as_dmat4()).z;
-            let standard = project(DVec3::new(0.0, 0.0, z), &c.view_to_clip().as_dmat4()).z;
-            prop_assert!((f64::from(standard_depth(reversed as f32)) - standard).abs() < 3e-7);
         }
     }
 }

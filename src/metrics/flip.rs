@@ -39,11 +39,6 @@ impl FlipMap {
     }
 }
 
-/// The mean ꟻLIP error of two display images; see [`FlipMap::new`].
-pub fn flip_mean(reference: &[u8], test: &[u8], width: u32, height: u32) -> f64 {
-    FlipMap::new(reference, test, width, height).mean()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,7 +50,7 @@ mod tests {
     #[test]
     fn equal_images_have_no_error() {
         let image: Vec<u8> = (0..32 * 24 * 3).map(|i| (i * 37 % 251) as u8).collect();
-        assert_eq!(flip_mean(&image, &image, 32, 24), 0.0);
+        assert_eq!(FlipMap::new(&image, &image, 32, 24).mean(), 0.0);
     }
 
     #[test]
@@ -74,11 +69,11 @@ mod tests {
             let (e, knee) = (distance.powf(0.7), 0.4 * greatest);
             if e < knee { 0.95 * e / knee } else { 0.95 + 0.05 * (e - knee) / (greatest - knee) }
         };
-        let found = flip_mean(&flat([0; 3]), &flat([255; 3]), 32, 24);
+        let found = FlipMap::new(&flat([0; 3]), &flat([255; 3]), 32, 24).mean();
         assert!((found - expected(100.0)).abs() < 1e-4, "{found} {}", expected(100.0));
         assert!((0.967..0.968).contains(&found));
         // sRGB 119 has L* = 50.034: below the knee.
-        let found = flip_mean(&flat([119; 3]), &flat([0; 3]), 32, 24);
+        let found = FlipMap::new(&flat([119; 3]), &flat([0; 3]), 32, 24).mean();
         assert!((found - expected(50.034)).abs() < 1e-3, "{found} {}", expected(50.034));
     }
 
