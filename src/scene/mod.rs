@@ -239,12 +239,12 @@ impl Aabb {
 }
 
 impl Scene {
-    /// The bounds of all meshes.
+    /// Bounds of all meshes.
     pub fn bounds(&self) -> Aabb {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin, including those of views, paths, lights, probes and impostors.
+    /// Scales all coordinates about the origin: those of views, lights, probes and impostors too.
     pub fn scale(&mut self, factor: f32) {
         for mesh in &mut self.meshes {
             for v in &mut mesh.vertices {

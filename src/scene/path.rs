@@ -162,8 +162,7 @@ impl CameraPath {
         }
     }
 
-    /// The eye and look-at point after a share of the path's time, from 0 (first key frame) to 1 (last key
-    /// frame).
+    /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
     pub fn at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let time = first + share.clamp(0.0, 1.0) * (last - first);

@@ -334,7 +334,7 @@ fn files_that_cannot_be_scene_files_are_refused() {
     folder.write("test.scene.toml", b"name = 'a'\nname2 = '\xff'\n");
     assert_eq!(error(&folder), "test.scene.toml:2: a scene file must be UTF-8 text");
     std::fs::File::create(folder.path("test.scene.toml")).unwrap().set_len(2 << 20).unwrap();
-    assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is larger than"));
+    assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is too large"));
     std::fs::remove_file(folder.path("test.scene.toml")).unwrap();
     assert!(error(&folder).starts_with("cannot read test.scene.toml: "));
     assert_eq!(load(&folder, -1.0).unwrap_err().exit_status(), 2);
