@@ -1,11 +1,13 @@
-//! What `unified` pays for what a frame needs, and how its time grows with the image: a table on standard output.
+//! Measures how the time of `unified` depends on what a frame needs and on the image's size. Prints a table to
+//! standard output.
 //!
-//! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
-//! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
-//! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
-//! pixels reflect: the classification, the canvas and the colour's chain; and how much of the image the tiles cover
-//! that are drawn. Beside the growth stands that of the walk: cells of the pyramid that the mirror ray of a pixel looks
-//! at, on average, and the most of any in a block of 4 × 2 pixels, which is what eight threads in step wait for.
+//! "need": the six views of the built-in rooms at 960×540, in which every pixel reflects, only a rectangle with
+//! a tenth of the pixels, or none. "growth": the same views at 640×480 and 1920×1080. Times are those of the
+//! effect: the median of [`FRAMES`] frames by the device's timestamps; the variants take turns. The table of
+//! needs also gives the time of the passes whose cost does not depend on the number of reflecting pixels
+//! (classification, canvas and colour chain), and the share of the image that the drawn tiles cover. The table
+//! of growth also gives the cells of the pyramid that the mirror ray of a pixel visits: the mean, and the mean
+//! over blocks of 4 × 2 pixels of the block's maximum, for which eight threads in lockstep wait.
 
 #![allow(clippy::expect_used)]
 
@@ -32,7 +34,8 @@ fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Milliseconds of the effect, of its pyramid, and of what else does not depend on the pixels that reflect.
+/// Milliseconds of the effect, of its pyramid, and of the other passes that do not depend on the number of
+/// reflecting pixels.
 fn times(report: &FrameReport) -> [f64; 3] {
     let of = |passes: &dyn Fn(&str) -> bool| {
         report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
@@ -55,7 +58,8 @@ fn masked(data: &GBufferData, share: f64) -> GBufferData {
     masked
 }
 
-/// Cells that the mirror rays look at: the mean over the rays, and over blocks of 4 × 2 pixels the mean of the most.
+/// The cells that mirror rays visit: the mean over the rays, and the mean over blocks of 4 × 2 pixels of the
+/// block's maximum.
 fn cells(data: &GBufferData) -> [f64; 2] {
     let (traversal, reflects) = (Traversal::new(data), data.reflecting());
     let steps = |x: u32, y: u32| {
@@ -71,7 +75,7 @@ fn cells(data: &GBufferData) -> [f64; 2] {
     [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
 }
 
-/// The share of the pixels that lie in tiles with a pixel that reflects: what is drawn.
+/// The share of the pixels in tiles with at least one reflecting pixel; only these tiles are drawn.
 fn covered(data: &GBufferData) -> f64 {
     let mut tiles = BTreeSet::new();
     for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
@@ -141,7 +145,7 @@ fn main() {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
                     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
                     let report = run(&mut stage.context, &effect, gbuffer, &seen);
-                    // The first frame of each compiles shaders.
+                    // The first frame of each variant compiles shaders.
                     if frame > 0 {
                         need[i].push((times(&report), report.recorded.len()));
                     }

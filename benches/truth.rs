@@ -1,13 +1,15 @@
-//! Where screen space is wrong about the world, and what no choice within it could mend: a table on standard output.
+//! Measures where screen space contradicts the world, and how much of that no choice within screen space could
+//! avoid. Prints a table to standard output.
 //!
-//! Mirror rays of every view of a scene, 960×540 and 641×479, each held against where it ends among the triangles
-//! (DEFINITIONS, "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the
-//! reflecting pixels that are wrong, and how: a hit where the world has none, by crossing a block's front or by its
-//! side; a hit elsewhere; a miss. `least` is the share that stays wrong whichever of the blocks on its way a ray were
-//! told to hit: the screen shows where it ends, but no block there meets it. `ssct` is the share that the thesis's
-//! method has wrong.
+//! Mirror rays of every view of a scene, at 960×540 and 641×479, are compared with where they end among the
+//! scene's triangles (DEFINITIONS, "World agreement"). For both versions of the oracle, and therefore for
+//! `unified`, which follows them, the table gives the share of reflecting pixels that are wrong, by kind: a hit
+//! where the world has none, by crossing a block's front or by its side; a hit at another place; a miss.
+//! `least` is the share that remains wrong whichever of the blocks on its path a ray were told to hit, because
+//! the screen shows where the ray ends but no block there meets it. `ssct` is the share that the thesis's
+//! method gets wrong.
 //!
-//! `cargo bench --bench truth [-- SCENE…]`: names of built-in scenes or files.
+//! Usage: `cargo bench --bench truth [-- SCENE…]`, with names of built-in scenes or files.
 
 #![allow(clippy::expect_used)]
 

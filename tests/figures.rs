@@ -105,6 +105,6 @@ fn wrong_numbers_are_told() {
     let output = folder.run(&["figures", "--only", "9.9"]);
     assert_eq!(output.status.code(), Some(2));
     let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("--only 9.9: no such figure") && said.contains("5.2"), "{said}");
+    assert!(said.contains("--only 9.9: there is no such figure") && said.contains("5.2"), "{said}");
     assert!(!Path::exists(&folder.path("figures")));
 }

@@ -6,7 +6,7 @@
 use glam::{DVec3, Vec3};
 use ssct::math::srgb_to_linear;
 use ssct::passes::lighting::MAX_LIGHTS;
-use ssct::reference::bvh::Ray;
+use ssct::reference::bvh::WorldRay;
 use ssct::reference::surface::World;
 use ssct::scene::{Encoding, Impostor, Material, Scene, library};
 
@@ -38,7 +38,7 @@ fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) ->
             continue;
         }
         let place = impostor.centre + u * impostor.half_u + v * impostor.half_v;
-        let ray = Ray {
+        let ray = WorldRay {
             origin: (place + reach * impostor.normal()).as_dvec3(),
             direction,
             t_min: 0.0,

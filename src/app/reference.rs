@@ -7,7 +7,7 @@ use crate::gpu::Pixels;
 use crate::methods::Fallback;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, Target, WorldReference};
+use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::report::images;
 use crate::scene::Scene;
 use crate::study::record::DEFINITIONS;
@@ -93,12 +93,12 @@ fn escape(options: &RenderOptions) -> Escape {
 }
 
 /// When the options are met.
-fn target(options: &RenderOptions) -> Target {
-    Target {
+fn target(options: &RenderOptions) -> SamplingTarget {
+    SamplingTarget {
         standard_error: f64::from(options.standard_error),
         samples_max: options.max_rays,
-        samples_min: Target::default().samples_min.min(options.max_rays),
-        ..Target::default()
+        samples_min: SamplingTarget::default().samples_min.min(options.max_rays),
+        ..SamplingTarget::default()
     }
 }
 

@@ -6,8 +6,7 @@
 
 mod bind;
 mod draw;
-mod sets;
-mod settle;
+mod quirks;
 mod target;
 mod transfer;
 
@@ -18,6 +17,7 @@ use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
+use quirks::{sets, settle};
 use std::cell::Cell;
 use std::rc::Rc;
 pub use target::Target;

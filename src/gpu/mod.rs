@@ -19,9 +19,9 @@ pub mod shader;
 #[cfg(feature = "window")]
 pub mod swapchain;
 pub mod sync;
+pub mod testing;
 pub mod timing;
 pub mod validation;
-pub mod watch;
 
 pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
@@ -33,5 +33,5 @@ pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use readback::Pixels;
 #[cfg(feature = "window")]
 pub use swapchain::{PresentMode, Swapchain};
+pub use testing::watch::{Fault, Watch};
 pub use timing::PassTime;
-pub use watch::{Fault, Watch};

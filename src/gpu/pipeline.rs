@@ -1,5 +1,5 @@
 //! Graphics and compute pipelines. Set 0 is pushed (VK_KHR_push_descriptor; but for GPU-assisted validation,
-//! `frame/sets.rs`) and laid out as the shaders' reflection says, so that there is no descriptor pool and resources
+//! `frame/quirks/sets.rs`) and laid out as the shaders' reflection says, so that there is no descriptor pool and resources
 //! are bound by name.
 
 use super::device::{Gpu, vulkan};
@@ -28,7 +28,7 @@ pub struct GraphicsPipeline {
     pub(crate) layout: Layout,
     pub(crate) handle: vk::Pipeline,
     pub(crate) name: &'static str,
-    /// Whether it drew before (`frame/settle.rs`).
+    /// Whether it drew before (`frame/quirks/settle.rs`).
     pub(crate) settled: Rc<Cell<bool>>,
 }
 

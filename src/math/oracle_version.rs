@@ -1,20 +1,21 @@
-//! Which version of the oracle says what a ray hits in screen space.
+//! The version of the oracle that decides what a ray hits in screen space.
 
 use crate::parameter::{Domain, Field, Value};
 
-/// A version of the oracle ([`reference::oracle`](crate::reference::oracle)); `unified` hits what either says.
+/// A version of the oracle ([`reference::oracle`](crate::reference::oracle)). The method `unified` can follow
+/// either.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
-    /// DEFINITIONS, "Oracle": the first block that the ray's depth meets.
+    /// DEFINITIONS, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
     V1,
-    /// The same, and the ray must come from in front: it passes the first block if it leaves that surface, and what
-    /// it meets from behind, or past the edge of a surface, is a miss.
+    /// As version 1, but the ray must come from in front. It passes the first block if it leaves that surface;
+    /// if it meets a block from behind, or past the edge of a surface, it misses.
     V2,
 }
 
 impl OracleVersion {
-    /// Whether it is the one that is meant where none is named.
+    /// Whether this is version 1, the default.
     pub fn is_first(&self) -> bool {
         *self == Self::V1
     }

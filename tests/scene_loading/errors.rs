@@ -5,27 +5,24 @@ use super::*;
 #[test]
 fn errors_name_file_line_and_cause() {
     let cases = [
-        ("v nan 0 0\n", "a.obj:9: a vertex has \"nan\", which is not finite"),
-        ("v 0 -inf 0\n", "a.obj:9: a vertex has \"-inf\", which is not finite"),
-        ("\nv 0 1e99 0\n", "a.obj:10: a vertex has \"1e99\", which is not finite"),
-        ("vn 0 NaN 0\n", "a.obj:9: a normal has \"NaN\", which is not finite"),
-        ("vt 0 inf\n", "a.obj:9: a texture coordinate has \"inf\", which is not finite"),
+        ("v nan 0 0\n", "a.obj:9: \"nan\" in a vertex is not finite"),
+        ("v 0 -inf 0\n", "a.obj:9: \"-inf\" in a vertex is not finite"),
+        ("\nv 0 1e99 0\n", "a.obj:10: \"1e99\" in a vertex is not finite"),
+        ("vn 0 NaN 0\n", "a.obj:9: \"NaN\" in a normal is not finite"),
+        ("vt 0 inf\n", "a.obj:9: \"inf\" in a texture coordinate is not finite"),
         ("v 1 2\n", "a.obj:9: a vertex ends after 2 numbers; it needs 3"),
         ("vt\n", "a.obj:9: a texture coordinate ends after 0 numbers; it needs 1"),
-        ("v 1 2 x\n", "a.obj:9: a vertex has \"x\", which is no number"),
+        ("v 1 2 x\n", "a.obj:9: \"x\" in a vertex is not a number"),
         ("f 1 2 5\n", "a.obj:9: a face refers to vertex 5, but there are 4"),
         ("f 1 2 3\nf 1 2 -5\n", "a.obj:10: a face refers to vertex -5, but there are 4"),
         ("f 1 2 0\n", "a.obj:9: a face refers to vertex 0, but there are 4"),
         ("f 1/1 2/2 3/9\n", "a.obj:9: a face refers to texture coordinate 9, but there are 4"),
         ("f 1//1 2 3\n", "a.obj:9: a face refers to normal 1, but there are 0"),
         ("f 1 2 99999999999\n", "a.obj:9: a face refers to vertex 99999999999, but there are 4"),
-        (
-            "f 1 2 99999999999999999999\n",
-            "a.obj:9: a face has the corner \"99999999999999999999\", which is no v/vt/vn",
-        ),
-        ("f 1 2 3/1/1/1\n", "a.obj:9: a face has the corner \"3/1/1/1\", which is no v/vt/vn"),
-        ("f 1 2 /1\n", "a.obj:9: a face has the corner \"/1\", which is no v/vt/vn"),
-        ("f 1 2 three\n", "a.obj:9: a face has the corner \"three\", which is no v/vt/vn"),
+        ("f 1 2 99999999999999999999\n", "a.obj:9: \"99999999999999999999\" in a face is not of the form v/vt/vn"),
+        ("f 1 2 3/1/1/1\n", "a.obj:9: \"3/1/1/1\" in a face is not of the form v/vt/vn"),
+        ("f 1 2 /1\n", "a.obj:9: \"/1\" in a face is not of the form v/vt/vn"),
+        ("f 1 2 three\n", "a.obj:9: \"three\" in a face is not of the form v/vt/vn"),
         ("f\n", "a.obj:9: a face has no corners"),
         ("", "a.obj: there are no faces in this file"),
         ("f 1 2\nl 1 2 3\n", "a.obj: there are no faces in this file"),
@@ -51,7 +48,7 @@ fn missing_empty_and_huge_files_are_refused() {
     folder.write("a.obj", b"");
     assert_eq!(folder.error(), "a.obj: there are no faces in this file");
     std::fs::File::create(folder.path("a.obj")).unwrap().set_len(3 << 30).unwrap();
-    assert_eq!(folder.error(), "a.obj: a file of 3221225472 bytes is larger than the 1073741824 that are read");
+    assert_eq!(folder.error(), "a.obj: a file of 3221225472 bytes is too large; at most 1073741824 bytes are read");
 }
 
 #[test]

@@ -16,7 +16,7 @@ fn points_lines_and_triangles_without_area_are_left_out() {
     let folder = square("f 1\nl 1 2\np 1\nf 1 2\nf 1 2 2\nv 2 0 0\nf 1 2 5\nf 1 2 3\n");
     let scene = folder.scene();
     assert_eq!(scene.triangle_count(), 1);
-    assert_eq!(folder.warnings(&scene), ["a.obj: 2 triangles without area left out"]);
+    assert_eq!(folder.warnings(&scene), ["a.obj: 2 triangles without area were left out"]);
 }
 
 #[test]

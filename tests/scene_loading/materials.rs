@@ -190,7 +190,7 @@ fn black_kd_under_a_map_counts_as_white() {
 fn moved_texture_coordinates_are_not_supported_and_say_so() {
     let folder = with_mtl("map_Kd -s 2 2 1 x.png");
     folder.image("x.png", 1, 1, |_, _| [9; 4]);
-    let expected = "a.mtl:2: material m: the options -s, -o and -t of maps are not supported and left out";
+    let expected = "a.mtl:2: material m: the options -s, -o and -t of maps are not supported and were ignored";
     assert_eq!(folder.warnings(&folder.scene()), [expected]);
 }
 
@@ -202,11 +202,14 @@ fn missing_libraries_and_undefined_materials_are_warnings() {
     assert_eq!((scene.materials[0].name.as_str(), scene.materials[0].albedo), ("m", Vec3::ONE));
 
     let folder = square("usemtl m\nf 1 2 3\n");
-    assert_eq!(folder.warnings(&folder.scene()), ["a.obj: names materials but no MTL file; they are white"]);
+    assert_eq!(
+        folder.warnings(&folder.scene()),
+        ["a.obj: uses materials but names no MTL file; the materials are white"]
+    );
 
     let folder = with_mtl("Kd 1 0 0");
     folder.write("a.obj", format!("{SQUARE}mtllib a.mtl\nusemtl other\nf 1 2 3\n").as_bytes());
-    assert_eq!(folder.warnings(&folder.scene()), ["a.obj: material other is defined in no MTL file; it is white"]);
+    assert_eq!(folder.warnings(&folder.scene()), ["a.obj: material other is not defined in any MTL file; it is white"]);
 
     assert_eq!(square("f 1 2 3\n").scene().warnings, [] as [&str; 0]);
 }

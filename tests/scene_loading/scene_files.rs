@@ -269,7 +269,7 @@ fn errors_name_the_line() {
             "[[light]]\nkind = 'point'\nenergy = 0\nposition = [0, 0, 0]\n".into(),
             "5: energy must be a number > 0, not 0",
         ),
-        ("[[mesh]]\nfile = 'gone.obj'\n".into(), "4: there is no file \"gone.obj\" here"),
+        ("[[mesh]]\nfile = 'gone.obj'\n".into(), "4: there is no file \"gone.obj\""),
         (
             "[[probe]]\nname = 'a'\nposition = [0, 0, 0]\nmin = [0, 0, 0]\nmax = [1, 0, 1]\n".into(),
             "7: max must be greater than min along every axis",
@@ -278,12 +278,12 @@ fn errors_name_the_line() {
             "[[probe]]\nname = 'a'\nposition = [0, 2, 0]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n".into(),
             "5: position must lie between min and max",
         ),
-        (impostor("gone.png", "[0, 1, 0]"), "4: there is no file \"gone.png\" here"),
+        (impostor("gone.png", "[0, 1, 0]"), "4: there is no file \"gone.png\""),
         (impostor("sign.png", "[0, 0, 0]"), "7: half_v must not be zero"),
         (impostor("sign.png", "[1, 1, 0]"), "7: half_u and half_v must stand at right angles"),
         (
             "[[area_light]]\nkind = 'sphere'\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\n".into(),
-            "3: a sphere has a centre and a radius, and nothing else beside its radiance",
+            "3: a sphere has a centre and a radius beside its radiance, and no other key",
         ),
         (
             "[[area_light]]\nkind = 'sphere'\nradiance = [1, -1, 1]\ncentre = [0, 0, 0]\nradius = 1\n".into(),
@@ -334,7 +334,7 @@ fn files_that_cannot_be_scene_files_are_refused() {
     folder.write("test.scene.toml", b"name = 'a'\nname2 = '\xff'\n");
     assert_eq!(error(&folder), "test.scene.toml:2: a scene file must be UTF-8 text");
     std::fs::File::create(folder.path("test.scene.toml")).unwrap().set_len(2 << 20).unwrap();
-    assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is larger than"));
+    assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is too large"));
     std::fs::remove_file(folder.path("test.scene.toml")).unwrap();
     assert!(error(&folder).starts_with("cannot read test.scene.toml: "));
     assert_eq!(load(&folder, -1.0).unwrap_err().exit_status(), 2);

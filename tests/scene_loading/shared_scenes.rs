@@ -38,7 +38,7 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_near(scene.bounds().max, Vec3::new(17.999_08, 14.294_332, 11.828_071));
     assert_eq!(missing(&scene), ["textures\\gi_flag.tga"]);
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
-    assert!(scene.warnings[0].ends_with("sponza.obj: 1 triangle without area left out"));
+    assert!(scene.warnings[0].ends_with("sponza.obj: 1 triangle without area was left out"));
 
     let reflecting = |materials: &[ssct::scene::Material]| -> Vec<String> {
         materials.iter().filter(|m| m.reflectivity > 1e-4).map(|m| m.name.clone()).collect()

@@ -1,5 +1,5 @@
-//! Where figures are rendered: the arguments of `ssct render` become pictures, the scene staying on the
-//! device between them. What a page says a picture was made by is thereby what made it.
+//! Renders the pictures of figures: the arguments of `ssct render` become pictures, while the scene stays on
+//! the device between them. The command that a page prints for a picture is therefore the one that made it.
 
 use crate::app::cli::{Cli, Command, RenderOptions};
 use crate::app::{reference, render, resolve};
@@ -12,7 +12,7 @@ use crate::scene::{Camera, Scene, library};
 use crate::study::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
 
-/// A device, and the scene that was asked for last.
+/// A device, and the scene that was used last.
 pub struct Workshop<'a> {
     gpu: &'a Gpu,
     loaded: Option<Loaded>,
@@ -23,7 +23,7 @@ struct Loaded {
     stage: Stage,
 }
 
-/// The options of an `ssct render` without its `-o`.
+/// Parses the options of an `ssct render` without its `-o`.
 pub fn parse(arguments: &str) -> Result<RenderOptions> {
     let words = ["ssct", "render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
     match Cli::try_parse_from(words).map(|c| c.command) {
@@ -37,7 +37,7 @@ pub fn parse(arguments: &str) -> Result<RenderOptions> {
     }
 }
 
-/// What this program lacks to render with some arguments: an option, a method or a scene.
+/// What this program lacks to render with the given arguments: an option, a method or a scene.
 pub fn lack(arguments: &str) -> Option<String> {
     let options = match parse(arguments) {
         Ok(options) => options,
@@ -56,12 +56,12 @@ fn scene_name(options: &RenderOptions) -> String {
 }
 
 impl<'a> Workshop<'a> {
-    /// Nothing is loaded yet.
+    /// A workshop without a loaded scene.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, loaded: None }
     }
 
-    /// The picture of an `ssct render`.
+    /// Renders the picture of an `ssct render`.
     pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
         let options = parse(arguments)?;
         if render::method_name(&options) == "reference" {
@@ -76,7 +76,7 @@ impl<'a> Workshop<'a> {
         })
     }
 
-    /// The picture of an `ssct render`, and everything that led to it.
+    /// Renders the picture of an `ssct render` with all its intermediate images.
     pub fn inside(&mut self, arguments: &str) -> Result<(RenderedImage, Camera)> {
         self.rendered(&parse(arguments)?, true)
     }

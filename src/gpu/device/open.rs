@@ -4,7 +4,7 @@ use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
 use crate::gpu::pipeline::ComputePipelines;
-use crate::gpu::watch;
+use crate::gpu::testing::watch;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;

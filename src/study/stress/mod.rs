@@ -11,7 +11,7 @@ use super::stage::Globals;
 use crate::error::Result;
 use crate::gpu::{Gpu, Pixels};
 use crate::methods::{MethodInfo, Setup};
-use crate::metrics::hits::Verdict;
+use crate::metrics::hits::HitVerdict;
 use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
@@ -158,8 +158,8 @@ impl<'a> Truth<'a> {
     /// Pixels that agree, and those that disagree by rounding alone, if that is asked for: each takes hundreds
     /// of rays to find out.
     fn compare(&self, hits: &[Option<[f64; 2]>], ties: bool) -> (usize, Option<usize>) {
-        let verdict = |n: usize| Verdict::of(hits[self.pixels[n] as usize], self.hits[n]);
-        let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != Verdict::Agrees).collect();
+        let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
+        let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let tie = |n: &&usize| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize]);
         (self.pixels.len() - wrong.len(), ties.then(|| wrong.par_iter().filter(tie).count()))
     }
@@ -178,7 +178,7 @@ impl<'a> Truth<'a> {
             let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
             segment.start.z *= 1.0 + few * signs[n / 27 % 3];
             let ends = self.hierarchy.possible_ends(&segment, few);
-            ends.into_iter().any(|end| Verdict::of(hit, end) == Verdict::Agrees)
+            ends.into_iter().any(|end| HitVerdict::of(hit, end) == HitVerdict::Agrees)
         })
     }
 }

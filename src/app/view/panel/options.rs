@@ -1,7 +1,6 @@
 //! A method and every parameter that it reads, as rows that are made from the parameters' tables.
 
-use super::dot;
-use super::heading;
+use super::shared::{dot, heading};
 use crate::app::view::state::{Side, State};
 use crate::methods::METHODS;
 use crate::parameter::{Choices, Domain, Parameter, Preset, Value};

@@ -1,8 +1,8 @@
-//! What a user changes: options, the camera, a picked ray, shaders, key frames.
+//! Tests of what a user changes: options, the camera, the picked ray, shaders and key frames.
 
 use super::super::input::Action;
 use super::super::inspect::WalkEnd;
-use super::super::reload::Watch;
+use super::super::reload::ShaderWatch;
 use super::super::state::{Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
@@ -75,7 +75,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         let default = frame(&mut bench, info, &[]);
         assert!(frame(&mut bench, info, &not_refused(info, not)) == default, "{}: what it does not read", info.name);
         for option in read {
-            // Here no quad lies behind another, nor behind anything else.
+            // In this scene, no quad is behind another one or behind anything else.
             if info.name == "billboard" {
                 continue;
             }
@@ -91,7 +91,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     bench.is_valid("options");
 }
 
-/// Without the options that a method refuses.
+/// The options without those that a method rejects.
 fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) -> Vec<(&'static str, &'static str)> {
     let refused = |flag| !info.is_screen_space() && ["resolution-scale", "fallback"].contains(&flag);
     options.into_iter().filter(|(flag, _)| !refused(*flag)).collect()
@@ -136,8 +136,8 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
 fn the_drawn_walk_is_the_shaders() {
     let mut bench = Bench::new();
     bench.viewer.state.tab = Tab::Ray;
-    // Where a ray of the thesis passes a cell's corner within rounding, the device may go another way;
-    // unified's twin is the same to the bit.
+    // Where a ray of the thesis passes a cell's corner within rounding, the device may take another way. The
+    // twin of `unified` is exact to the bit.
     for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
         bench.viewer.state.choose(0, crate::methods::find(method).unwrap());
         bench.settle();
@@ -173,10 +173,10 @@ fn the_drawn_walk_is_the_shaders() {
 fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
     let folder = tempfile::tempdir().unwrap();
     let root = copied_shaders(folder.path());
-    let mut watch = Watch::new(&root).unwrap();
+    let mut watch = ShaderWatch::new(&root).unwrap();
     let (sender, changes) = std::sync::mpsc::channel();
     let mut bench = Bench::new();
-    bench.viewer.watch(Shaders { folder: "shaders".into(), changes, said: Vec::new() });
+    bench.viewer.watch(Shaders { folder: "shaders".into(), changes, statuses: Vec::new() });
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [200, 120]);
     bench.settle();
     let mut edit = |bench: &mut Bench, from: &str, to: &str| {
@@ -187,19 +187,19 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
         sender.send(watch.look()).unwrap();
         bench.settle();
         bench.is_valid(to);
-        let said = bench.viewer.said_of_shaders();
-        let said = said.iter().find(|(name, _)| *name == "common/composite.frag").unwrap().1.clone();
-        (said, bench.viewer.read_picture().unwrap().unwrap())
+        let status = bench.viewer.shader_statuses();
+        let status = status.iter().find(|(name, _)| *name == "common/composite.frag").unwrap().1.clone();
+        (status, bench.viewer.read_picture().unwrap().unwrap())
     };
     let before = bench.viewer.read_picture().unwrap().unwrap();
-    let (said, red) = edit(&mut bench, "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
-    assert_eq!(said, Ok(()));
+    let (status, red) = edit(&mut bench, "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
+    assert_eq!(status, Ok(()));
     assert!(red != before && red.texels().all(|t| t == [1.0, 0.0, 0.0, 1.0]));
-    let (said, still) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
-    assert!(said.is_err_and(|m| m.contains("composite.frag") && m.contains("nonsense")));
+    let (status, still) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
+    assert!(status.is_err_and(|m| m.contains("composite.frag") && m.contains("nonsense")));
     assert!(still == red, "the last good one stays in use");
-    let (said, again) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
-    assert!(said == Ok(()) && again == before);
+    let (status, again) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
+    assert!(status == Ok(()) && again == before);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The error of what is seen against the world reference, where `ssct render --method reference` left
-//! one for the same view, size and materials. Found and compared on a thread of its own.
+//! The error of the shown methods against the world reference, if `ssct render --method reference` has cached
+//! one for the same view, size and materials. The reference is looked up and compared on a separate thread.
 
 use crate::app::reference::{default_cache, kept_in};
 use crate::metrics::flip::FlipMap;
@@ -14,104 +14,104 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// What is compared.
-pub struct Question {
+/// The input of a comparison.
+pub struct ComparisonRequest {
     /// The scene.
     pub scene: Arc<Scene>,
-    /// Its materials in the view, with the global factors.
+    /// The scene's materials in the view, with the global factors applied.
     pub materials: Vec<Material>,
     /// The camera.
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// What escaped rays bring: as for the methods, the environment where that is behind them.
+    /// The radiance of escaped rays, as for the methods: the environment if that is their fallback.
     pub escape: Escape,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
 }
 
-/// What came out.
+/// The result of a comparison.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Answer {
-    /// There is no reference of this view, size and these materials.
+pub enum ComparisonOutcome {
+    /// No reference of this view, size and these materials is cached.
     NoReference,
-    /// There is.
+    /// A reference was found.
     Errors {
-        /// Rays a pixel that the reference has.
+        /// Rays per pixel of the reference.
         samples: u32,
-        /// What the reference itself is expected to err by, as an RMSE.
+        /// The reference's own expected error, as an RMSE.
         standard_error: f64,
-        /// Each method's errors.
+        /// The errors of each method.
         methods: Vec<ImageErrors>,
     },
 }
 
-/// Errors of a reflection colour over the reflecting pixels (DEFINITIONS, "Image error").
+/// The errors of a reflection colour over the reflecting pixels (DEFINITIONS, "Image error").
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageErrors {
     /// Root mean square error, linear.
     pub rmse: f64,
-    /// Mean square error over the reference's mean square; `None` if that is 0.
+    /// Mean square error divided by the reference's mean square; `None` if that is 0.
     pub relative_mse: Option<f64>,
-    /// Mean FLIP of the display images.
+    /// Mean ꟻLIP error of the display images.
     pub flip: f64,
 }
 
-/// A comparison under way or done.
+/// A comparison with the reference that is running or finished.
 #[derive(Default)]
-pub struct Against {
-    waiting: Option<Receiver<Answer>>,
-    /// The last answer, if it is still of what is seen.
-    pub answer: Option<Answer>,
+pub struct ReferenceComparison {
+    waiting: Option<Receiver<ComparisonOutcome>>,
+    /// The last outcome, unless the view has changed since.
+    pub outcome: Option<ComparisonOutcome>,
 }
 
-impl Against {
-    /// Asks; `wake` is called from the other thread when the answer is there.
-    pub fn ask(&mut self, question: Question, wake: impl FnOnce() + Send + 'static) {
+impl ReferenceComparison {
+    /// Starts a comparison. The other thread calls `wake` when it has finished.
+    pub fn start(&mut self, request: ComparisonRequest, wake: impl FnOnce() + Send + 'static) {
         let (sender, receiver) = channel();
         self.waiting = Some(receiver);
-        self.answer = None;
+        self.outcome = None;
         std::thread::spawn(move || {
-            // Nobody listens any more once something else is seen.
-            if sender.send(answer(&question, default_cache())).is_ok() {
+            // Nobody receives the outcome if the view has changed in the meantime.
+            if sender.send(compare(&request, default_cache())).is_ok() {
                 wake();
             }
         });
     }
 
-    /// Forgets what was asked: something else is seen.
+    /// Forgets the comparison, because the view has changed.
     pub fn forget(&mut self) {
         *self = Self::default();
     }
 
-    /// Takes the answer if it came.
+    /// Takes the outcome if it has arrived.
     pub fn poll(&mut self) {
         match self.waiting.as_ref().map(Receiver::try_recv) {
-            Some(Ok(answer)) => *self = Self { waiting: None, answer: Some(answer) },
+            Some(Ok(outcome)) => *self = Self { waiting: None, outcome: Some(outcome) },
             Some(Err(TryRecvError::Disconnected)) => self.waiting = None,
             Some(Err(TryRecvError::Empty)) | None => {}
         }
     }
 
-    /// Whether an answer is being worked out.
+    /// Whether a comparison is running.
     pub fn is_waiting(&self) -> bool {
         self.waiting.is_some()
     }
 }
 
-fn answer(q: &Question, cache: Option<PathBuf>) -> Answer {
+fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     let states = cache.as_ref().and_then(|folder| std::fs::read_dir(folder).ok());
     let is_state = |e: std::io::Result<std::fs::DirEntry>| {
         e.is_ok_and(|e| e.path().extension().is_some_and(|extension| extension == "world"))
     };
-    // Without any there is no need to trace first hits, which the name is made of.
+    // If the cache is empty, the first hits, which determine the file's name, need not be traced.
     let (Some(folder), true) = (cache, states.is_some_and(|mut all| all.any(is_state))) else {
-        return Answer::NoReference;
+        return ComparisonOutcome::NoReference;
     };
     let world = World::new(&q.scene, &q.materials);
     let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
     let reference = WorldReference { world: &world, first_hits: &first_hits, escape: q.escape, seed: 1 };
-    let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return Answer::NoReference };
+    let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
     let [width, height] = q.extent;
@@ -120,7 +120,7 @@ fn answer(q: &Question, cache: Option<PathBuf>) -> Answer {
         relative_mse: masked_relative_mse(&truth, color, &mask),
         flip: FlipMap::new(&display(&truth), &display(color), width, height).mean(),
     };
-    Answer::Errors {
+    ComparisonOutcome::Errors {
         samples: state.samples,
         standard_error: state.overall_standard_error(),
         methods: q.reflections.iter().map(errors).collect(),
@@ -134,7 +134,7 @@ mod tests {
     use crate::study::Globals;
 
     #[test]
-    fn the_kept_reference_is_found_and_only_for_what_it_is_of() {
+    fn the_cached_reference_is_found_only_for_its_own_inputs() {
         let extent = [32, 18];
         let scene = Arc::new(library::scene("rooms").unwrap());
         let view = scene.views[0].clone();
@@ -143,7 +143,7 @@ mod tests {
         let camera = view.camera(&scene, extent);
         let cache = tempfile::tempdir().unwrap();
         let black = vec![[0.0; 3]; 32 * 18];
-        let question = |reflections, materials, escape| Question {
+        let request = |reflections, materials, escape| ComparisonRequest {
             scene: Arc::clone(&scene),
             materials,
             camera,
@@ -151,10 +151,10 @@ mod tests {
             escape,
             reflections,
         };
-        let ask = |q: &Question| answer(q, Some(cache.path().to_path_buf()));
-        let first = question(vec![black.clone()], materials.clone(), Escape::Black);
-        assert_eq!(ask(&first), Answer::NoReference);
-        assert_eq!(answer(&first, None), Answer::NoReference);
+        let outcome = |q: &ComparisonRequest| compare(q, Some(cache.path().to_path_buf()));
+        let first = request(vec![black.clone()], materials.clone(), Escape::Black);
+        assert_eq!(outcome(&first), ComparisonOutcome::NoReference);
+        assert_eq!(compare(&first, None), ComparisonOutcome::NoReference);
 
         let world = World::new(&scene, &materials);
         let first_hits = FirstHits::trace(&world, &camera, extent);
@@ -163,8 +163,8 @@ mod tests {
         reference.add(&mut state, 2);
         state.save(&kept_in(cache.path(), &reference)).unwrap();
         let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
-        let answered = ask(&question(vec![truth, black], materials.clone(), Escape::Black));
-        let Answer::Errors { samples: 2, methods, .. } = answered else { panic!("{answered:?}") };
+        let found = outcome(&request(vec![truth, black], materials.clone(), Escape::Black));
+        let ComparisonOutcome::Errors { samples: 2, methods, .. } = found else { panic!("{found:?}") };
         assert_eq!((methods[0].rmse, methods[0].relative_mse, methods[0].flip), (0.0, Some(0.0), 0.0));
         assert!(
             methods[1].rmse > 0.05
@@ -173,8 +173,8 @@ mod tests {
             "{methods:?}"
         );
 
-        assert_eq!(ask(&question(Vec::new(), materials, Escape::Environment)), Answer::NoReference);
+        assert_eq!(outcome(&request(Vec::new(), materials, Escape::Environment)), ComparisonOutcome::NoReference);
         let rougher = Globals { roughness: Some(0.5), ..globals }.materials(&scene, &view);
-        assert_eq!(ask(&question(Vec::new(), rougher, Escape::Black)), Answer::NoReference);
+        assert_eq!(outcome(&request(Vec::new(), rougher, Escape::Black)), ComparisonOutcome::NoReference);
     }
 }

@@ -1,8 +1,11 @@
-//! Descriptor sets from pools, for GPU-assisted validation.
+//! Works around a bug of the validation layers 1.3.239: descriptor sets from pools, for GPU-assisted validation.
 //!
-//! The layers of 1.3.239 don't tell their instrumented shaders what was pushed (KhronosGroup/Vulkan-ValidationLayers
-//! issue 5321, mended in April 2023 by pull request 5744): each read of a uniform or storage block is then taken for
-//! one of a descriptor that was never written, reported, and answered with 0. What is bound as a set they know.
+//! These layers do not tell their instrumented shaders which descriptors were pushed (KhronosGroup/
+//! Vulkan-ValidationLayers issue 5321, fixed in April 2023 by pull request 5744). Each read of a uniform or storage
+//! block is then reported as that of a descriptor that was never written, and returns 0. Descriptors that are bound as
+//! a set are not affected.
+//!
+//! This can go when layers without that fix need not be supported any more.
 
 use crate::error::Result;
 use crate::gpu::device::{Gpu, vulkan};
@@ -15,8 +18,8 @@ const SETS: usize = 64;
 /// Descriptors of each kind in a pool: more than a set of any pass has, for each of its sets.
 const DESCRIPTORS: u32 = 16 * SETS as u32;
 
-/// The sets of one frame at a time.
-pub(super) struct DescriptorSets {
+/// The descriptor sets of one frame at a time.
+pub(in crate::gpu::frame) struct DescriptorSets {
     gpu: Gpu,
     pools: Vec<vk::DescriptorPool>,
     /// Sets taken since the reset.

@@ -1,14 +1,14 @@
-//! Stands between this crate and a driver, for tests: counts what lives on a device, and makes the
-//! n-th allocation or submission fail as a driver would.
+//! Fault injection and leak detection: counts the objects that live on a device, and makes the n-th allocation or
+//! submission fail as a driver would.
 //!
-//! [`Gpu::open`](super::Gpu::open) with a [`Watch`] replaces the device's table of calls by one that
-//! asks the watch first (`watch/calls.rs`), so that it sees the allocator's calls as well as ours, and
-//! no other code knows of it. A call that is made to fail never reaches the driver or the layers; one
-//! that waits does, so that what the host then destroys is no longer in use.
+//! [`Gpu::open`](crate::gpu::Gpu::open) with a [`Watch`] replaces the device's table of functions by one that asks
+//! the watch first (`watch/calls.rs`). The watch therefore sees the memory allocator's calls as well as ours, and no
+//! other code knows about it. A call that is made to fail does not reach the driver or the layers. The exception is a
+//! call that waits, so that objects which the host destroys afterwards are no longer in use.
 
 mod calls;
 
-pub(super) use calls::watched;
+pub(in crate::gpu) use calls::watched;
 
 use crate::error::Error;
 use ash::vk;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
 
-/// A call that is to fail, counted from 1 since [`Watch::arm`].
+/// The call that fails, counted from 1 since [`Watch::arm`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// The n-th call that makes an object or memory, or binds or maps memory: out of device memory.
@@ -41,7 +41,7 @@ impl FromStr for Fault {
     }
 }
 
-/// Kinds of what lives on a device.
+/// The kinds of objects that live on a device.
 const KINDS: [&str; 14] = [
     "device memory",
     "buffers",
@@ -59,7 +59,7 @@ const KINDS: [&str; 14] = [
     "semaphores",
 ];
 
-/// What a device was asked for, and what of it still lives.
+/// Counts of a device's calls and of its living objects, and the call that is to fail.
 #[derive(Debug, Default)]
 pub struct Watch {
     live: [AtomicI64; KINDS.len()],
