@@ -1,11 +1,11 @@
 //! A device that runs out of memory or is lost, at every allocation and every submission of a small
 //! run: a typed error, nothing left behind, and the next run is as if nothing had been.
+//!
+//! The tests take turns because each makes and destroys devices under the validation layers: see
+//! [`common::gpu`](crate::common::gpu).
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::two_quads;
+use crate::alone;
+use crate::common::two_quads;
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
@@ -14,16 +14,9 @@ use ssct::methods::{self, METHODS, MethodInfo, Setup};
 use ssct::scene::{Camera, Lens, Scene, View};
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [16, 9];
-
-/// One test at a time. In one of some twenty runs of three at once the process died of a signal, somewhere among
-/// instances, layers and devices that are made and broken by several threads; where is not known.
-fn alone() -> MutexGuard<'static, ()> {
-    static ONE: Mutex<()> = Mutex::new(());
-    ONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 fn open(watch: &Arc<Watch>) -> Result<Gpu> {
     Gpu::open(&DeviceQuery { validation: true, watch: Some(Arc::clone(watch)), ..DeviceQuery::default() })

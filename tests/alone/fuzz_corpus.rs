@@ -2,20 +2,13 @@
 //! the fuzz targets have. No panic, and no more memory than an input of its length may take. And headers
 //! that claim more than their files can hold, each refused in a sentence.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-#[path = "../fuzz/src/entry.rs"]
+#[path = "../../fuzz/src/entry.rs"]
 mod entry;
-#[path = "../fuzz/src/memory.rs"]
-mod memory;
 
-use memory::bounded;
+use crate::alone;
+use crate::memory::bounded;
 use ssct::scene::{CameraPath, Encoding, Texture, gbuffer_file};
 use std::path::Path;
-use std::sync::{Mutex, MutexGuard, PoisonError};
-
-#[global_allocator]
-static MEMORY: memory::Counting = memory::Counting;
 
 /// Mutations of a target's inputs, all together.
 const MUTATIONS: u64 = 2000;
@@ -55,12 +48,6 @@ fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
         }
     }
     bytes
-}
-
-/// Memory is counted for the whole process: one at a time.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[test]

@@ -1,46 +1,17 @@
 //! A soak: frames while sizes and methods change, and in the end nothing more lives than after the first
 //! rounds, on the device and on the host.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{clutter_camera, expected_failures, two_quads};
+use crate::common::{clutter_camera, expected_failures, two_quads};
+use crate::{alone, memory};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup};
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::Write;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Bytes that Rust code holds.
-static HEAP: AtomicUsize = AtomicUsize::new(0);
-
-/// The system's allocator, counted.
-struct Counted;
-
-// SAFETY: every call is the system's own.
-unsafe impl GlobalAlloc for Counted {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        HEAP.fetch_add(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's layout.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        HEAP.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller's pointer and layout.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counted = Counted;
 
 /// What is held at the end of a round.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,7 +33,7 @@ impl Held {
         Self {
             live: digest(&watch.live()),
             device: [gpu.allocated_bytes(), gpu.reserved_bytes()],
-            heap: HEAP.load(Ordering::Relaxed),
+            heap: memory::live(),
             resident: pages * 4096,
         }
     }
@@ -136,6 +107,7 @@ fn check(held: &[Held], warm: usize) {
 
 #[test]
 fn nothing_grows_while_sizes_and_methods_change() {
+    let _alone = alone();
     let methods = ["unified", "ssct", "sslr", "planar"].map(|name| methods::find(name).unwrap());
     let (_, held) = soak(&methods, &SIZES[1..4], 8, 4);
     check(&held, 1);
@@ -144,6 +116,7 @@ fn nothing_grows_while_sizes_and_methods_change() {
 #[test]
 #[ignore = "minutes: ten thousand frames (make soak)"]
 fn nothing_grows_in_ten_thousand_frames() {
+    let _alone = alone();
     let methods: Vec<_> = METHODS.iter().collect();
     let (rounds, frames_each) = (4, 39);
     assert!(rounds * frames_each * methods.len() * SIZES.len() >= 10_000);

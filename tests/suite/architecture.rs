@@ -1,8 +1,6 @@
 //! The import rules and the other invariants of the architecture, read off the sources: imports point
 //! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use std::path::Path;
 
 /// A module of the crate's root, and those that it may import.

@@ -1,11 +1,7 @@
 //! The analytic highlights of `area-light` against quadrature: each pixel's lobe sampled by a grid of
 //! directions that are traced against the light.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Builder, camera, gpu};
+use crate::common::{Builder, camera, gpu};
 use glam::{DVec3, Vec3};
 use ssct::math::phong;
 use ssct::methods::{Setup, find};

@@ -1,11 +1,7 @@
 //! `billboard` against the triangles: an impostor that stands exactly where a picture hangs must be seen
 //! where the picture's reflection is, and what hides the picture hides it once occlusion is on.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Builder, camera, gpu};
+use crate::common::{Builder, camera, gpu};
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::{Setup, find};

@@ -1,11 +1,7 @@
 //! The chains of the GPU equal their twins on the CPU at every kind of size: odd, prime, one texel
 //! wide or high, one texel, powers of two, and sizes of the thesis's table.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
+use crate::common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};

@@ -1,10 +1,6 @@
 //! The command as a user meets it: exit statuses, sentences, files, and what goes to which stream.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::folder::Folder;
+use crate::common::folder::Folder;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;

@@ -1,10 +1,6 @@
 //! `ssct compare` on runs and images whose differences are known.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::folder::Folder;
+use crate::common::folder::Folder;
 use serde_json::Value;
 
 const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\

@@ -1,11 +1,7 @@
 //! The cone of the shaders is the cone of `math::cone` (thesis §4.2.8, Eq. 4.5, 4.6, Alg. 5): from the
 //! hits and the chains that were read back, the host predicts every pixel's reflection.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
+use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
 use glam::{DVec2, Vec3};
 use ssct::gpu::Pixels;
 use ssct::math::cone::{Circle, circles};

@@ -2,12 +2,8 @@
 //! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
 //! screen-space method a map shows where the method fades.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
+use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show};
 use ash::vk;
-use common::{Builder, camera, clutter, clutter_camera, gpu, show};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::error::Error;
 use ssct::gpu::{Buffer, FrameContext};
@@ -233,7 +229,7 @@ fn a_fallback_shows_where_the_method_fades() {
             let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
             let (mut part, mut whole) = (0, 0);
             for (i, found) in both.get("reflection").texels().enumerate() {
-                let of = |shown: &common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
+                let of = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
                 let (local, back) = (of(&alone), of(&behind));
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);

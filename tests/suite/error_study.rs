@@ -1,6 +1,5 @@
 //! `ssct error` on a small view: finite figures for every reference, kept cells, files; and the time
 //! records whose passes add up to the frame.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use serde_json::Value;
 use std::path::Path;

@@ -1,12 +1,8 @@
 //! `ssct figures`: the files it makes, what is left out and why, and its page, small; shown by a headless
 //! Chromium where there is one.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::folder::Folder;
-use common::html::{attributes, chromium};
+use crate::common::folder::Folder;
+use crate::common::html::{attributes, chromium};
 use image::RgbImage;
 use std::path::Path;
 

@@ -1,11 +1,7 @@
 //! The filters of SSLR and of the poster equal their twins on the CPU: the mask-weighted chain, the
 //! reflection's mip level, and the Gaussian volumes.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
+use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::linear_to_srgb;
 use ssct::methods::{Preset, Setup};

@@ -1,7 +1,6 @@
 //! A G-buffer that goes to a file and comes back gives the same image, to the bit, as the direct run.
-#![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use ssct::gpu::{DeviceQuery, Gpu};
+use crate::common::gpu;
 use ssct::methods::{METHODS, Setup};
 use ssct::scene::{gbuffer_file, library};
 use ssct::study::timing::camera;
@@ -9,7 +8,7 @@ use ssct::study::{Globals, Shot, Stage, gbuffer, image};
 
 #[test]
 fn export_and_reflect_are_the_direct_run_to_the_bit() {
-    let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
+    let gpu = gpu();
     let scene = library::scene("rooms").unwrap();
     let view = scene.view("corridor").unwrap();
     let folder = tempfile::tempdir().unwrap();

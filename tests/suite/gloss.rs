@@ -1,11 +1,7 @@
 //! The gloss of `unified`: its error against the screen reference beside `ssct`'s, roughness that
 //! varies over the image, and rest under a moving camera.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::gpu;
+use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::OracleVersion;

@@ -1,11 +1,7 @@
 //! Small images of the built-in scenes, kept in `tests/golden/`, and compared by FLIP. To renew them
-//! after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test golden`, and look at them.
+//! after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::gpu;
+use crate::common::gpu;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup};
 use ssct::metrics::flip::FlipMap;

@@ -1,9 +1,5 @@
 //! The Hi-Z ray tracing's twin on the CPU against the shader, ray by ray, over the pass's own chain.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
 use glam::{Vec2, Vec3};
 use ssct::gpu::Pixels;
 use ssct::methods::thesis::{self, Variant};
@@ -22,7 +18,7 @@ const SIZE: [u32; 2] = [97, 55];
 
 #[test]
 fn every_ray_ends_where_the_shader_says() {
-    let gpu = common::gpu();
+    let gpu = crate::common::gpu();
     let scene = library::scene("rooms").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let setup = Setup { split: true, ..Setup::new(SIZE) };

@@ -1,11 +1,9 @@
 //! The built-in impostors against the triangles: each shows, texel by texel, what a ray along its
 //! normal sees of the lit scene, the right way round.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use glam::{DVec3, Vec3};
 use ssct::math::srgb_to_linear;
-use ssct::passes::lighting::MAX_LIGHTS;
+use ssct::passes::scene_data::MAX_LIGHTS;
 use ssct::reference::bvh::Ray;
 use ssct::reference::surface::World;
 use ssct::scene::{Encoding, Impostor, Material, Scene, library};

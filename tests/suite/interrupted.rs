@@ -1,9 +1,6 @@
 //! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
 //! What was measured stays, and nothing is measured twice.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-#![cfg(unix)]
-
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};

@@ -2,11 +2,7 @@
 //! and the published methods are as far from both as NUMERICS ("Hits", "Gloss") says, which was
 //! measured with other programs.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{gpu, shared_scenes};
+use crate::common::{gpu, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};

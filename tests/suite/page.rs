@@ -1,12 +1,8 @@
 //! The study's page: made from small records and pictures in a temporary folder, read as text, and
 //! shown by a headless Chromium where there is one.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::folder::Folder;
-use common::html::{attributes, chromium};
+use crate::common::folder::Folder;
+use crate::common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
 use ssct::math::OracleVersion;
 use ssct::methods::{Fallback, Preset};

@@ -1,11 +1,7 @@
 //! `planar` against the triangles: on a flat mirror both ask what one ray sees, by a mirrored camera and by
 //! tracing it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Builder, camera, gpu, show};
+use crate::common::{Builder, camera, gpu, show};
 use glam::Vec3;
 use ssct::gpu::Gpu;
 use ssct::methods::{Setup, find};

@@ -1,10 +1,9 @@
 //! The precision ladder: it begins at the truth, falls as formats get coarser, and its rung of this project's
 //! own formats is what the G-buffer's images hold.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
+use crate::common::gpu;
 use glam::Vec3;
-use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
+use ssct::gpu::FrameContext;
 use ssct::methods::{self, Setup};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::surface::World;
@@ -19,7 +18,7 @@ const SIZE: [u32; 2] = [161, 91];
 
 #[test]
 fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
-    let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).unwrap();
+    let gpu = gpu();
     let scene = library::scene("rooms").unwrap();
     let view = scene.view("corridor").unwrap();
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: None };

@@ -1,11 +1,7 @@
 //! Reflections at half resolution (thesis §4.4): in place, of the right surface, and for a quarter of
 //! the rays.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{clutter, clutter_camera, gpu, show};
+use crate::common::{clutter, clutter_camera, gpu, show};
 use ssct::gpu::Pixels;
 use ssct::gpu::frame::Mode;
 use ssct::methods::{Setup, find};

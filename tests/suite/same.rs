@@ -2,11 +2,7 @@
 //! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
 //! a process of its own.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{clutter, clutter_camera, expected_failures, gpu};
+use crate::common::{clutter, clutter_camera, expected_failures, gpu};
 use sha2::{Digest, Sha256};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
@@ -67,7 +63,7 @@ fn child() {
 /// The images of a process with some variables set, and its subgroup size; `None` if it crashed.
 fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<String, String>, u32)> {
     let output = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "child", "--ignored", "--nocapture"])
+        .args(["--exact", "same::child", "--ignored", "--nocapture"])
         .env(GBUFFER, file)
         .envs(variables.iter().copied())
         .output()

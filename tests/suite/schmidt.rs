@@ -1,11 +1,7 @@
 //! `ssr` and `ssr-fast` against the closed form of a mirror before a wall, and against what their
 //! listings say of every hit.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
+use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::math::projection::{project, unproject};
 use ssct::methods::{Setup, Tuning};

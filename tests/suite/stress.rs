@@ -1,11 +1,7 @@
 //! The quick stress study as a gate: every method survives every case without a validation message, and
 //! the judged one without a fault.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::folder::Folder;
+use crate::common::folder::Folder;
 use serde_json::Value;
 
 #[test]

@@ -1,11 +1,7 @@
 //! `unified` on the device: its pyramid and its hits are its twin's to the bit, and its hits are the
 //! oracle's on every view (DEFINITIONS, "Oracle").
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
-use common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes};
+use crate::common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;

@@ -2,12 +2,8 @@
 //! in any mode, but for the allow-list; and each entry of the list is one that they do say. That
 //! they listen at all is shown in `gpu::validation`, by a hazard that they must see.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
-mod common;
-
+use crate::common::{check_validation, clutter, clutter_camera, expected_failures, is_gpu_assisted, own_gpu};
 use ash::vk;
-use common::{check_validation, clutter, clutter_camera, expected_failures, gpu, is_gpu_assisted};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::memory::Place;
 use ssct::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
@@ -54,7 +50,7 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
 
 #[test]
 fn every_method_in_every_mode_is_valid() {
-    let gpu = gpu();
+    let gpu = own_gpu();
     // Instrumented, it is compiled for half a minute; methods made while it is kept share it.
     let compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
     let scene = clutter();
@@ -116,7 +112,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         return;
     }
     let said = |bytes: u64| {
-        let gpu = gpu();
+        let gpu = own_gpu();
         let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();
         let buffer =
             |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();

@@ -2,8 +2,6 @@
 //! (xdotool), without any display, and in a build without the window. What needs no window system is
 //! tested in `src/app/view/tests`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -1,8 +1,6 @@
 //! The world reference on Crytek Sponza, where `../shared/scenes` is there: a quarter of a million
 //! triangles and masked plants.
 
-#![allow(clippy::expect_used)]
-
 use ssct::reference::first_hits::FirstHits;
 use ssct::reference::surface::World;
 use ssct::scene::{Camera, scene_file};

@@ -1,8 +1,6 @@
 //! The world reference's own first hits against the G-buffer and the lit colour of the GPU: two
 //! implementations of geometry, materials, normals and light that share no code.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{METHODS, Setup};

@@ -1,7 +1,7 @@
 //! Hits and colours of the Hi-Z methods against the closed form, pixel by pixel, near and far.
 
+use super::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Builder, Shown, camera, gpu, show};
-use crate::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::methods::{Preset, Setup};
 use ssct::passes::PathCode;

@@ -1,8 +1,8 @@
 //! Where rays of the marches and of the poster's cones end, against where they should: within a step, within
 //! epsilon, within a part of a pixel.
 
+use super::{Case, EYE, WALL_Z, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Shown, gpu, show};
-use crate::{Case, EYE, WALL_Z, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3};
 use ssct::math::projection::project;
 use ssct::methods::{Preset, Setup, Tuning};

@@ -1,16 +1,12 @@
 //! A mirror under a known pattern: for every pixel the host computes in f64 where the mirror ray
 //! meets the wall and where that point is on screen, and the methods must find it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 mod closed_form;
-#[path = "../common/mod.rs"]
-mod common;
 mod marches;
 mod picture;
 mod ramp;
 
-use common::{Builder, Shown, camera};
+use crate::common::{Builder, Shown, camera};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::math::display_byte;
 use ssct::math::projection::{project, unproject};

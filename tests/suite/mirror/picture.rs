@@ -1,7 +1,7 @@
 //! The picture as a whole: which way round it is, what options change in it and what they don't, sky and windows.
 
+use super::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, window};
-use crate::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Pixels;
 use ssct::methods::{self, Preset, Setup, Tuning};

@@ -1,7 +1,7 @@
 //! A mirror ramp, whose rays go towards the camera too: who traces them, and how hits fade.
 
+use super::{Case, EYE, bytes, mirror_ray, on_screen, path, reflecting};
 use crate::common::{Builder, Shown, camera, gpu, show};
-use crate::{Case, EYE, bytes, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Gpu;
 use ssct::methods::Setup;

@@ -235,3 +235,64 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     let huge = folder.load("a.obj", &ObjOptions { scale: 1000.0, ..LEFT }).unwrap();
     assert!(huge.lens.far_m > huge.views[0].eye.length() + 7000.0);
 }
+
+#[test]
+fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
+    let before = with_a_path(ssct::scene::library::scene("street").unwrap());
+    let (offset, factor) = (Vec3::new(3.0, -5.0, 7.0), 2.0);
+    let mut moved = before.clone();
+    moved.translate(offset);
+    let mut scaled = before.clone();
+    scaled.scale(factor);
+    for scene in [&moved, &scaled] {
+        assert_eq!(places(scene).len(), places(&before).len());
+        assert_eq!(scene.lens, before.lens);
+    }
+    for ((was, is), large) in places(&before).into_iter().zip(places(&moved)).zip(places(&scaled)) {
+        assert!(is.distance(was + offset) < 1e-4, "{was} became {is}");
+        assert!(large.distance(factor * was) < 1e-4, "{was} became {large}");
+    }
+    // What lies between the key frames goes along as well.
+    for share in [0.0, 0.3, 0.5, 0.9] {
+        let [was, is, large] = [&before, &moved, &scaled].map(|s| s.paths[0].at(share).0);
+        assert!(is.distance(was + offset) < 1e-4 && large.distance(factor * was) < 1e-4, "{share}");
+    }
+}
+
+fn with_a_path(mut scene: Scene) -> Scene {
+    let path = ssct::scene::CameraPath::through_views(&scene).unwrap();
+    scene.paths.push(path);
+    scene.lights.push(ssct::scene::Light::Point { position: Vec3::ONE, energy: 1.0 });
+    scene
+}
+
+/// Every point of a scene, kind by kind; none of the kinds is empty.
+fn places(scene: &Scene) -> Vec<Vec3> {
+    use ssct::scene::{AreaShape, Light};
+    let vertices = scene.meshes.iter().flat_map(|m| m.vertices.iter().map(|v| Vec3::from(v.position)));
+    let bounds = scene.meshes.iter().flat_map(|m| [m.bounds.min, m.bounds.max]);
+    let views = scene.views.iter().flat_map(|v| [v.eye, v.look_at]);
+    let keys = scene.paths.iter().flat_map(|p| p.keys().iter().flat_map(|k| [k.eye, k.look_at]));
+    let lights = scene.lights.iter().filter_map(|l| match l {
+        Light::Point { position, .. } => Some(*position),
+        Light::Directional { .. } => None,
+    });
+    let probes = scene.probes.iter().flat_map(|p| [p.position, p.bounds.min, p.bounds.max]);
+    let impostors = scene.impostors.iter().map(|i| i.centre);
+    let area_lights = scene.area_lights.iter().map(|l| match l.shape {
+        AreaShape::Sphere { centre, .. } | AreaShape::Rectangle { centre, .. } => centre,
+        AreaShape::Capsule { a, .. } => a,
+    });
+    let kinds: [Vec<Vec3>; 8] = [
+        vertices.collect(),
+        bounds.collect(),
+        views.collect(),
+        keys.collect(),
+        lights.collect(),
+        probes.collect(),
+        impostors.collect(),
+        area_lights.collect(),
+    ];
+    assert!(kinds.iter().all(|places| !places.is_empty()));
+    kinds.concat()
+}

@@ -1,8 +1,6 @@
 //! Loading scenes: every quirk of OBJ, MTL and scene files that is promised to be handled, every
 //! error with its sentence, the shared scenes where they are there, and mutated files.
 
-#![allow(clippy::unwrap_used, clippy::expect_used)]
-
 mod errors;
 mod geometry;
 mod materials;
