@@ -5,7 +5,7 @@
 //! [`common::gpu`](crate::common::gpu).
 
 use crate::alone;
-use crate::common::two_quads;
+use crate::common::{Builder, two_quads};
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
@@ -164,4 +164,34 @@ fn a_frame_that_was_not_submitted_changed_nothing() {
         stage.run(&shot, Mode::Timed).unwrap();
         gpu.check_validation().unwrap();
     }
+}
+
+#[test]
+fn a_frame_that_cannot_grow_is_an_error_and_the_next_one_grows() {
+    let _alone = alone();
+    let mut b = Builder::new("many materials");
+    for n in 0..3000 {
+        let material = b.matt(Vec3::splat((n % 7) as f32 / 7.0));
+        let corner = Vec3::new((n % 60) as f32 * 0.1 - 3.0, (n / 60) as f32 * 0.06, 6.0);
+        b.quad(material, corner, Vec3::X * 0.1, Vec3::Y * 0.06, Vec3::NEG_Z);
+    }
+    let watch = Arc::<Watch>::default();
+    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let mut stage = Stage::new(&on.gpu, &b.0).unwrap();
+    let shot = shot(&mut stage, methods::find("ssct").unwrap(), &b.0).unwrap();
+    let before = on.live();
+    let mut faults = 0;
+    // The frame needs more memory for its uniform blocks than it has to begin with.
+    let drawn = loop {
+        on.watch.arm(Some(Fault::Allocation(faults + 1)));
+        match stage.run(&shot, Mode::Plain) {
+            Ok((_, drawn)) => break drawn,
+            Err(error) => assert!(is_of(&error, Fault::Allocation(faults + 1)), "{error}"),
+        }
+        assert_eq!(on.live(), before, "fault {}", faults + 1);
+        faults += 1;
+    };
+    assert!(faults >= 2, "a buffer and what binds its memory");
+    assert_eq!(drawn.meshes, 3000);
+    on.gpu.check_validation().unwrap();
 }
