@@ -1,4 +1,4 @@
-//! What the fuzz targets share with each other and, by its files, with `tests/fuzz_corpus.rs`.
+//! What the fuzz targets share with each other and, by its files, with `tests/alone/fuzz_corpus.rs`.
 
 pub mod entry;
 mod memory;

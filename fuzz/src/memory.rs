@@ -13,6 +13,11 @@ pub struct Counting;
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
+/// Bytes that are allocated now.
+pub fn live() -> usize {
+    LIVE.load(Relaxed)
+}
+
 fn more(bytes: usize) {
     PEAK.fetch_max(LIVE.fetch_add(bytes, Relaxed) + bytes, Relaxed);
 }
@@ -48,7 +53,7 @@ unsafe impl GlobalAlloc for Counting {
 /// Runs an entry on an input and returns its result. Panics if it takes more memory than an input of that
 /// length may; memory taken by other threads counts as well.
 pub fn bounded<T>(entry: impl FnOnce(&[u8]) -> T, data: &[u8]) -> T {
-    let before = LIVE.load(Relaxed);
+    let before = live();
     PEAK.store(before, Relaxed);
     let made = entry(data);
     let taken = PEAK.load(Relaxed).saturating_sub(before);

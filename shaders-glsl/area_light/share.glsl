@@ -8,7 +8,7 @@
 // x0 and x1 fills Phi(G(x1)) - Phi(G(x0)). Like the representative point (Karis 2013) this looks only at
 // where the light is nearest; unlike it, also at how far it goes on, so that the highlight of a light keeps
 // its energy: it tends to the light's radiance as the lobe narrows, and to the light's solid angle times
-// the lobe as the light shrinks. tests/area_light.rs states the error.
+// the lobe as the light shrinks. tests/suite/area_light.rs states the error.
 
 // -ln(1 - sin^2 x) = -2 ln cos x, exact where x is small.
 float LogCos(float x) {

@@ -9,10 +9,11 @@ mod draw;
 mod quirks;
 mod target;
 mod transfer;
+mod uniforms;
 
 use super::device::{Gpu, vulkan};
 use super::image::{ImageSlice, Sampler};
-use super::memory::{Buffer, Place};
+use super::memory::Buffer;
 use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
@@ -94,7 +95,7 @@ pub struct FrameContext {
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    uniforms: Buffer,
+    uniforms: uniforms::Uniforms,
     timestamps: Timestamps,
     statistics: Option<Statistics>,
     settling: Option<settle::Settling>,
@@ -102,14 +103,11 @@ pub struct FrameContext {
     sets: Option<sets::DescriptorSets>,
 }
 
-const UNIFORM_BYTES: u64 = 1 << 20;
-
 impl FrameContext {
     /// What frames need on a device.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let device = gpu.raw();
-        let uniforms =
-            Buffer::new(gpu, "frame uniforms", UNIFORM_BYTES, vk::BufferUsageFlags::UNIFORM_BUFFER, Place::Upload)?;
+        let uniforms = uniforms::Uniforms::new(gpu)?;
         let timestamps = Timestamps::new(gpu)?;
         let statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
         let settling = settle::Settling::new(gpu)?;
@@ -161,6 +159,7 @@ impl FrameContext {
                 sets.reset()?;
             }
         }
+        self.uniforms.reset();
         match mode {
             Mode::Plain => {}
             Mode::Timed => self.timestamps.reset(),
@@ -173,7 +172,6 @@ impl FrameContext {
         let mut frame = Frame {
             context: self,
             mode,
-            uniform_bytes: 0,
             passes: Vec::new(),
             skipped: Vec::new(),
             counted: false,
@@ -181,7 +179,7 @@ impl FrameContext {
             undo: Undo::default(),
             settled: Vec::new(),
         };
-        frame.stamp();
+        frame.stamp()?;
         Ok(frame)
     }
 
@@ -208,7 +206,6 @@ impl Drop for FrameContext {
 pub struct Frame<'c> {
     context: &'c mut FrameContext,
     mode: Mode,
-    uniform_bytes: u64,
     passes: Vec<(String, bool)>,
     skipped: Vec<Skipped>,
     counted: bool,
@@ -274,7 +271,7 @@ impl Frame<'_> {
     }
 
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
-        self.stamp();
+        self.stamp()?;
         let device = self.context.gpu.raw();
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.context.commands)];
         let submit = vk::SubmitInfo2::default()
@@ -328,25 +325,23 @@ impl Frame<'_> {
         if self.mode == Mode::Timed {
             self.full_barrier();
         }
-        self.stamp();
-        if let (Mode::Counted, Some(statistics)) = (self.mode, &self.context.statistics) {
-            statistics.begin(commands);
+        self.stamp()?;
+        if let (Mode::Counted, Some(statistics)) = (self.mode, &mut self.context.statistics) {
+            statistics.begin(commands)?;
         }
         record(self)?;
         if let (Mode::Counted, Some(statistics)) = (self.mode, &mut self.context.statistics) {
             statistics.end(commands);
         }
-        self.stamp();
+        self.stamp()?;
         self.context.gpu.end_label(commands);
         self.passes.push((name.to_owned(), self.counted));
         Ok(())
     }
 
-    fn stamp(&mut self) {
-        if self.mode == Mode::Timed {
-            let commands = self.context.commands;
-            self.context.timestamps.stamp(commands);
-        }
+    fn stamp(&mut self) -> Result<()> {
+        let commands = self.context.commands;
+        if self.mode == Mode::Timed { self.context.timestamps.stamp(commands) } else { Ok(()) }
     }
 
     fn device(&self) -> &ash::Device {

@@ -10,6 +10,7 @@ pub mod frame;
 #[cfg(feature = "window")]
 pub mod glsl;
 pub mod image;
+mod limits;
 pub mod memory;
 #[cfg(feature = "window")]
 pub mod overlay;

@@ -4,6 +4,7 @@
 
 use super::device::{Gpu, vulkan};
 use super::image;
+use super::limits;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
@@ -101,6 +102,7 @@ impl Layout {
                 }
             }
         }
+        limits::check(gpu, &shaders.iter().map(|(shader, _)| *shader).collect::<Vec<_>>(), &bindings)?;
         let stages = shaders.iter().fold(vk::ShaderStageFlags::empty(), |s, (_, stage)| s | *stage);
         let push_size = shaders.iter().map(|(s, _)| s.push_constant_size).max().unwrap_or(0);
         let name = shaders.last().map_or("", |(s, _)| s.name);

@@ -1,5 +1,5 @@
 //! Highlights of lights with an extent (thesis §3.1.1): which share of each pixel's reflection lobe the
-//! light fills, in closed form. `area_light/share.glsl` says how, `tests/area_light.rs` how well.
+//! light fills, in closed form. `area_light/share.glsl` says how, `tests/suite/area_light.rs` how well.
 
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};

@@ -7,9 +7,6 @@ use crate::gpu::shader::{LightBlock, LightData, SCENE_LIGHTING_FRAG};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
 use crate::scene::{Camera, Light};
 
-/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
-pub const MAX_LIGHTS: usize = 16;
-
 /// The pipeline.
 pub struct LightingPass {
     pipeline: GraphicsPipeline,
@@ -56,9 +53,9 @@ impl LightingPass {
     }
 }
 
-/// Lights in view space. Lights beyond [`MAX_LIGHTS`] are left out; loading refuses such scenes.
+/// Lights in view space, no more than [`SceneData`] uploads.
 fn light_block(lights: &[Light], camera: &Camera) -> LightBlock {
-    let mut block = LightBlock { count: lights.len().min(MAX_LIGHTS) as u32, ..LightBlock::default() };
+    let mut block = LightBlock { count: lights.len() as u32, ..LightBlock::default() };
     for (data, light) in block.lights.iter_mut().zip(lights) {
         let (place, energy) = match *light {
             Light::Point { position, energy } => (camera.world_to_view.transform_point3(position).extend(1.0), energy),

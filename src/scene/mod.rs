@@ -245,55 +245,73 @@ impl View {
     }
 }
 
+/// What of a scene scales and moves by rules of its own.
+struct Extended<'a> {
+    paths: &'a mut [CameraPath],
+    probes: &'a mut [Probe],
+    impostors: &'a mut [Impostor],
+    area_lights: &'a mut [AreaLight],
+}
+
 impl Scene {
     /// Bounds of all meshes.
     pub fn bounds(&self) -> Aabb {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin: those of views, lights, probes and impostors too.
+    /// Scales all coordinates about the origin: those of views, paths, lights, probes and impostors too. Lenses and
+    /// energies stay.
     pub fn scale(&mut self, factor: f32) {
-        for mesh in &mut self.meshes {
-            for v in &mut mesh.vertices {
-                v.position = v.position.map(|c| c * factor);
-            }
-            mesh.bounds = Aabb::of(&mesh.vertices);
-        }
-        for view in &mut self.views {
-            view.eye *= factor;
-            view.look_at *= factor;
-        }
-        self.paths.iter_mut().for_each(|p| p.scale(factor));
-        for light in &mut self.lights {
-            if let Light::Point { position, .. } = light {
-                *position *= factor;
-            }
-        }
-        self.probes.iter_mut().for_each(|p| p.scale(factor));
-        self.impostors.iter_mut().for_each(|i| i.scale(factor));
-        self.area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
+        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p * factor);
+        paths.iter_mut().for_each(|p| p.scale(factor));
+        probes.iter_mut().for_each(|p| p.scale(factor));
+        impostors.iter_mut().for_each(|i| i.scale(factor));
+        area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
     }
 
     /// Moves everything that has a place.
     pub fn translate(&mut self, offset: Vec3) {
-        for mesh in &mut self.meshes {
-            for v in &mut mesh.vertices {
-                v.position = (Vec3::from(v.position) + offset).to_array();
+        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p + offset);
+        paths.iter_mut().for_each(|p| p.translate(offset));
+        probes.iter_mut().for_each(|p| p.translate(offset));
+        impostors.iter_mut().for_each(|i| i.centre += offset);
+        area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
+    }
+
+    /// Moves what has a place and no extent; gives what has an extent to the caller. Every field is named, so that a
+    /// new one cannot be forgotten.
+    fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
+        let Self {
+            name: _,
+            meshes,
+            materials: _,
+            textures: _,
+            lights,
+            probes,
+            impostors,
+            area_lights,
+            lens: _,
+            views,
+            paths,
+            warnings: _,
+        } = self;
+        for mesh in meshes {
+            let Mesh { name: _, vertices, indices: _, material: _, bounds } = mesh;
+            for v in vertices.iter_mut() {
+                v.position = moved(v.position.into()).to_array();
             }
-            mesh.bounds = Aabb::of(&mesh.vertices);
+            *bounds = Aabb::of(vertices);
         }
-        for view in &mut self.views {
-            view.eye += offset;
-            view.look_at += offset;
+        for View { name: _, eye, look_at, lens: _, materials: _ } in views {
+            (*eye, *look_at) = (moved(*eye), moved(*look_at));
         }
-        for light in &mut self.lights {
-            if let Light::Point { position, .. } = light {
-                *position += offset;
+        for light in lights {
+            match light {
+                Light::Point { position, energy: _ } => *position = moved(*position),
+                Light::Directional { direction: _, energy: _ } => {}
             }
         }
-        self.probes.iter_mut().for_each(|p| p.translate(offset));
-        self.impostors.iter_mut().for_each(|i| i.centre += offset);
-        self.area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
+        Extended { paths, probes, impostors, area_lights }
     }
 
     /// The number of triangles.

@@ -162,6 +162,14 @@ impl CameraPath {
         }
     }
 
+    /// Moves every key frame.
+    pub fn translate(&mut self, offset: Vec3) {
+        for key in &mut self.keys {
+            key.eye += offset;
+            key.look_at += offset;
+        }
+    }
+
     /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
     pub fn at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);

@@ -231,6 +231,7 @@ pub(super) fn open_device(
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
     let features = vk::PhysicalDeviceFeatures::default()
+        .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
         .large_points(supported.large_points == vk::TRUE)

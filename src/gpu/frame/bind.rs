@@ -1,7 +1,8 @@
 //! Binding pipelines and what they read.
 
-use super::{Frame, Resource, UNIFORM_BYTES};
+use super::{Frame, Resource};
 use crate::error::Result;
+use crate::gpu::image::ImageSlice;
 use crate::gpu::pipeline::Layout;
 use crate::gpu::shader::BindingKind;
 use ash::vk;
@@ -30,11 +31,12 @@ impl Frame<'_> {
             let Some(binding) = layout.binding(binding_name) else {
                 panic!("{name} has no binding {binding_name:?}: {:?}", layout.bindings)
             };
-            let (image, buffer, kind) = self.descriptor(*resource);
+            let (image, buffer, kind) = self.descriptor(*resource)?;
             assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
             let many = match resource {
                 Resource::SampledArray(slices, sampler) => {
-                    slices.iter().map(|s| self.descriptor(Resource::Sampled(*s, *sampler)).0).collect()
+                    let image = |s: &ImageSlice| Ok(self.descriptor(Resource::Sampled(*s, *sampler))?.0);
+                    slices.iter().map(image).collect::<Result<_>>()?
                 }
                 _ => vec![image],
             };
@@ -79,7 +81,10 @@ impl Frame<'_> {
         Ok(())
     }
 
-    fn descriptor(&mut self, resource: Resource) -> (vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind) {
+    fn descriptor(
+        &mut self,
+        resource: Resource,
+    ) -> Result<(vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind)> {
         let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
         let kind = match resource {
             Resource::Sampled(slice, sampler) => {
@@ -100,23 +105,10 @@ impl Frame<'_> {
                 BindingKind::StorageBuffer
             }
             Resource::Uniform(bytes) => {
-                let offset = self.uniform(bytes);
-                buffer = buffer.buffer(self.context.uniforms.handle()).offset(offset).range(bytes.len() as u64);
+                buffer = self.context.uniforms.put(bytes)?;
                 BindingKind::UniformBuffer
             }
         };
-        (image, buffer, kind)
-    }
-
-    /// Puts a uniform block into this frame's memory; returns its offset.
-    fn uniform(&mut self, bytes: &[u8]) -> u64 {
-        let alignment = self.context.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
-        let offset = self.uniform_bytes.next_multiple_of(alignment);
-        self.uniform_bytes = offset + bytes.len() as u64;
-        assert!(self.uniform_bytes <= UNIFORM_BYTES, "a frame has more than {UNIFORM_BYTES} bytes of uniforms");
-        if let Ok(memory) = self.context.uniforms.bytes_mut() {
-            memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
-        }
-        offset
+        Ok((image, buffer, kind))
     }
 }

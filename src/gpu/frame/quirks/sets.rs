@@ -9,14 +9,15 @@
 
 use crate::error::Result;
 use crate::gpu::device::{Gpu, vulkan};
+use crate::gpu::limits::MAX_DESCRIPTORS;
 use crate::gpu::shader::BindingKind;
 use ash::vk;
 
 /// Sets of a pool.
 const SETS: usize = 64;
 
-/// Descriptors of each kind in a pool: more than a set of any pass has, for each of its sets.
-const DESCRIPTORS: u32 = 16 * SETS as u32;
+/// Descriptors of each kind in a pool, enough for its sets.
+const DESCRIPTORS: u32 = MAX_DESCRIPTORS * SETS as u32;
 
 /// The descriptor sets of one frame at a time.
 pub(in crate::gpu::frame) struct DescriptorSets {

@@ -1,0 +1,200 @@
+//! The import rules and the other invariants of the architecture, read off the sources: imports point
+//! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder.
+
+use std::path::Path;
+
+/// A module of the crate's root, and those that it may import.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("error", &[]),
+    // Values and their names: what every layer may have parameters by.
+    ("parameter", &["error"]),
+    ("math", &["error", "parameter"]),
+    ("scene", &["error", "math"]),
+    ("gpu", &["error", "parameter", "math"]),
+    ("reference", &["error", "math", "scene"]),
+    ("metrics", &["error", "math", "scene", "reference"]),
+    ("passes", &["error", "parameter", "math", "scene", "gpu"]),
+    ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
+    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
+    ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
+    (
+        "app",
+        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study", "report"],
+    ),
+    ("main", &["app"]),
+    ("lib", &[]),
+];
+
+/// Modules of `passes` that are no pass: what several of them read.
+const SHARED_BY_PASSES: &[&str] = &["scene_data", "tiles"];
+
+/// Words that only these files may contain, and do.
+const ONLY_IN: &[(&str, &[&str])] = &[
+    ("cmd_pipeline_barrier2", &["gpu/frame.rs"]),
+    ("ImageMemoryBarrier2", &["gpu/frame.rs"]),
+    ("BufferMemoryBarrier2", &["gpu/frame.rs"]),
+    // The wrappers of the calls, and the one file that calls the wrappers.
+    ("cmd_write_timestamp2", &["gpu/timing.rs"]),
+    (".stamp(", &["gpu/frame.rs"]),
+    ("cmd_begin_query", &["gpu/timing.rs"]),
+    ("cmd_begin_debug_utils_label", &["gpu/device.rs"]),
+    (".begin_label(", &["gpu/frame.rs"]),
+    (".end_label(", &["gpu/frame.rs"]),
+];
+
+/// A source file: its path under `src/`, and its code without comments and unit tests.
+struct Source {
+    path: String,
+    code: String,
+}
+
+/// Comments and the unit tests at a file's end, which may import what they like, left out.
+fn code(text: &str) -> String {
+    let shipped = text.split("#[cfg(test)]\nmod ").next().unwrap();
+    shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+fn sources() -> Vec<Source> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let (mut folders, mut found) = (vec![root.clone()], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") && path.file_stem().is_some_and(|s| s != "tests") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let path = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
+                found.push(Source { path, code: code(&text) });
+            }
+        }
+    }
+    assert!(found.len() > 50, "only {} sources found", found.len());
+    found
+}
+
+/// The names that follow a prefix, as in `crate::gpu::Image` or `crate::{gpu, math::cone}`.
+fn names_after(code: &str, prefix: &str) -> Vec<String> {
+    let word = |s: &str| s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut names = Vec::new();
+    for (at, _) in code.match_indices(prefix) {
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+            continue;
+        }
+        let rest = &code[at + prefix.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            names.push(word(rest));
+            continue;
+        };
+        // The first word of each item, at the list's own depth.
+        let (mut depth, mut item) = (0, String::new());
+        for c in list.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => names.push(word(&std::mem::take(&mut item))),
+                _ if depth == 0 => item.push(c),
+                _ => {}
+            }
+        }
+        names.push(word(&item));
+    }
+    names.retain(|n| !n.is_empty());
+    names
+}
+
+/// What a file imports against the rule of the layers.
+fn wrong_imports(path: &str, code: &str) -> Vec<String> {
+    let module = path.split(['/', '.']).next().unwrap();
+    let Some((_, below)) = LAYERS.iter().find(|(name, _)| *name == module) else {
+        return vec![format!("{path}: the module {module} stands in no layer")];
+    };
+    let prefix = if module == "main" { "ssct::" } else { "crate::" };
+    let wrong = |n: &String| n != module && !below.contains(&n.as_str());
+    names_after(code, prefix).into_iter().filter(wrong).map(|n| format!("{path} imports {n}")).collect()
+}
+
+/// The sibling passes that a pass imports.
+fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
+    let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
+    let wrong = |n: &String| passes.contains(n);
+    names.into_iter().filter(wrong).map(|n| format!("{path} imports the pass {n}")).collect()
+}
+
+#[test]
+fn imports_point_down_only() {
+    let wrong: Vec<_> = sources().iter().flat_map(|s| wrong_imports(&s.path, &s.code)).collect();
+    assert_eq!(wrong, [""; 0]);
+}
+
+#[test]
+fn the_references_share_nothing_with_the_gpu() {
+    for layer in ["reference", "metrics"] {
+        let (_, below) = LAYERS.iter().find(|(name, _)| *name == layer).unwrap();
+        assert!(["gpu", "passes", "methods"].iter().all(|n| !below.contains(n)), "{layer}");
+    }
+    let vulkan = |s: &&Source| s.path.starts_with("reference/") && s.code.contains("ash::");
+    assert_eq!(sources().iter().filter(vulkan).map(|s| s.path.clone()).collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn a_pass_imports_no_other_pass() {
+    let sources = sources();
+    let stem = |s: &Source| Some(s.path.strip_prefix("passes/")?.strip_suffix(".rs")?.to_owned());
+    let passes: Vec<_> =
+        sources.iter().filter_map(stem).filter(|n| n != "mod" && !SHARED_BY_PASSES.contains(&n.as_str())).collect();
+    assert!(passes.len() >= 7, "{passes:?}");
+    let in_passes = || sources.iter().filter(|s| s.path.starts_with("passes/"));
+    let wrong: Vec<_> = in_passes().flat_map(|s| wrong_siblings(&s.path, &s.code, &passes)).collect();
+    assert_eq!(wrong, [""; 0]);
+    for shared in SHARED_BY_PASSES {
+        let s = in_passes().find(|s| s.path == format!("passes/{shared}.rs")).expect("the file");
+        assert!(!s.code.contains("fn record"), "{shared} records, so it is a pass");
+    }
+}
+
+#[test]
+fn one_file_writes_barriers_timestamps_and_labels() {
+    let sources = sources();
+    for (word, allowed) in ONLY_IN {
+        let found: Vec<_> = sources.iter().filter(|s| s.code.contains(word)).map(|s| s.path.as_str()).collect();
+        assert_eq!(found, *allowed, "{word}");
+    }
+}
+
+#[test]
+fn unsafe_code_stays_in_gpu() {
+    let mut found = 0;
+    for s in sources().iter().filter(|s| !names_after(&s.code, "unsafe").is_empty() || s.code.contains("unsafe {")) {
+        assert!(s.path.starts_with("gpu/"), "{}", s.path);
+        found += 1;
+    }
+    assert!(found >= 5, "the word is found where it is");
+}
+
+#[test]
+fn only_the_command_prints() {
+    for s in sources().iter().filter(|s| !s.path.starts_with("app/")) {
+        for word in ["println!", "print!(", "dbg!(", "stdout()"] {
+            assert!(!s.code.contains(word), "{}: {word}", s.path);
+        }
+    }
+}
+
+#[test]
+fn the_scan_sees_what_it_should() {
+    let text = "use crate::gpu::{Frame, Gpu};\nuse crate::{\n    math::cone::{a, b},\n    methods, // crate::study\n};\n\
+                fn f() -> crate::app::X { my_crate::report::y() }\n#[cfg(test)]\nmod tests { use crate::study; }";
+    assert_eq!(names_after(&code(text), "crate::"), ["gpu", "math", "methods", "app"]);
+    assert_eq!(wrong_imports("scene/obj.rs", "use crate::gpu::Image;"), ["scene/obj.rs imports gpu"]);
+    assert_eq!(wrong_imports("reference/oracle.rs", "use crate::passes::HiZ;"), ["reference/oracle.rs imports passes"]);
+    assert_eq!(wrong_imports("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
+    assert_eq!(wrong_imports("main.rs", "ssct::app::run(); ssct::gpu::x();"), ["main.rs imports gpu"]);
+    assert_eq!(wrong_imports("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
+    let passes = ["hi_z".to_owned()];
+    assert_eq!(wrong_siblings("passes/cone.rs", "use super::{HiZ, hi_z::X};", &passes).len(), 1);
+    assert_eq!(wrong_siblings("passes/cone.rs", "use crate::passes::hi_z;", &passes).len(), 1);
+    assert_eq!(wrong_siblings("passes/cone.rs", "use super::HiZ;", &passes).len(), 0);
+}
