@@ -158,16 +158,24 @@ fn runs_with_other_flags_are_no_pair() {
     };
     let plain = run("plain", &[]);
     let others = ["--normal-deviation", "0.5", "--resolution-scale", "0.5", "--fallback", "environment"];
-    for (name, flags, row) in [
-        ("split", &["--split"][..], "  own  ssct (split)  "),
-        ("others", &others, "  0.5  ssct (scale 0.5, before environment)  "),
+    for (name, flags, row, differs) in [
+        ("split", &["--split"][..], "  own  ssct (split)  ", "split false in A, true in B"),
+        ("cone", &["--cone-samples", "3"], "  own  ssct (cone-samples 3)  ", "cone_samples 7 in A, 3 in B"),
+        ("lens", &["--near", "0.2"], "  own  ssct  ", "near_m 0.1 in A, 0.2 in B"),
+        (
+            "others",
+            &others,
+            "  0.5  ssct (resolution-scale 0.5, fallback environment)  ",
+            "fallback none in A, environment in B; normal_deviation not set in A, 0.5 in B; resolution_scale 1 in A, 0.5 in B",
+        ),
     ] {
         let (_, rows) = &run(name, flags).split_once('\n').map(|(h, rows)| (h.to_owned(), rows.to_owned())).unwrap();
         fails(&folder, &["plain", name], 1, "no pass in common");
+        fails(&folder, &["plain", name], 1, differs);
         folder.write("both.csv", plain.clone() + rows);
         let text = said(&folder, &["plain", "both.csv"]);
         let (_, only) = text.split_once("Only in B:").unwrap();
-        assert!(only.contains(row), "{text}");
+        assert!(only.contains(row) && only.contains(differs), "{text}");
     }
 }
 
@@ -248,7 +256,7 @@ fn mistakes_are_sentences() {
         "of one size are compared; small.png has 8x8 pixels, large.png has 9x8",
     );
     fails(&folder, &["small.png", "broken.png"], 1, "broken.png: cannot be decoded");
-    fails(&folder, &["small.png", "broken.exr"], 1, "broken.exr: cannot be read as an OpenEXR image");
+    fails(&folder, &["small.png", "broken.exr"], 1, "broken.exr: no OpenEXR image");
     fails(&folder, &["small.png", "missing.exr"], 1, "missing.exr");
     let row = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,trace,true";
     for (content, words) in [
@@ -287,7 +295,7 @@ fn an_exr_that_cannot_be_read_is_refused() {
         Image::from_layer(layer).write().to_file(folder.path(name)).unwrap();
     };
     write("depth.exr", ["R", "G", "depth"]);
-    fails(&folder, &["a.exr", "depth.exr"], 1, "depth.exr: cannot be read as an OpenEXR image");
+    fails(&folder, &["a.exr", "depth.exr"], 1, "depth.exr: no OpenEXR image");
     // Of channel B: name, pixel type (2 is 32-bit float), linearity and reserved bytes, then the samplings.
     write("coarse.exr", ["R", "G", "B"]);
     let mut bytes = std::fs::read(folder.path("coarse.exr")).unwrap();

@@ -78,7 +78,7 @@ pub struct ViewOptions {
     /// Width and height of the picture in pixels; the panel stands beside it.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
-    /// What of the panel is open.
+    /// The part of the panel that is open.
     #[arg(long, value_enum, default_value_t)]
     pub panel: Tab,
     /// Show an intermediate, or the heat map `steps`, instead of the finished image.
@@ -87,10 +87,10 @@ pub struct ViewOptions {
     /// The pixel whose ray is drawn; for `--panel ray`.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pick: Option<[u32; 2]>,
-    /// Key frames of the camera (the file of `ssct time --path`); with --frames the frames follow them.
+    /// Key frames of the camera, in a file as for `ssct time --path`; with --frames, the frames follow them.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// ShaderWatch shaders here; without it, in ./shaders-glsl if that is there.
+    /// The folder of shaders to watch; without it, ./shaders-glsl if there is one.
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
@@ -99,13 +99,13 @@ pub struct ViewOptions {
     /// Show N frames, take no input, and quit.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Write what is seen after the frames: .png (the window) or .exr (the picture alone, linear).
+    /// Write what is shown after the frames: .png (the window) or .exr (the picture alone, linear).
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub screenshot: Option<PathBuf>,
     /// Write the frames as an animated .gif.
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub animation: Option<PathBuf>,
-    /// After the frames stay open so long, and take input.
+    /// After the frames, stay open for this time and take input.
     #[arg(long, value_name = "SECONDS", requires = "frames", value_parser = seconds)]
     pub stay: Option<Duration>,
     /// Print what was shown and submitted, as JSON.
