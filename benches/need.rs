@@ -14,13 +14,12 @@
 use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
-use ssct::methods::{Effect, Input, Setup, unified};
+use ssct::methods::{Effect, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::reference::unified::Traversal;
 use ssct::scene::{Camera, GBufferData, library};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
@@ -45,11 +44,7 @@ fn times(report: &FrameReport) -> [f64; 3] {
     [of(&|_| true), of(&|name| name == "pyramid"), of(&is_fixed)]
 }
 
-fn setup(extent: [u32; 2]) -> Setup {
-    Setup { reflection: false, ..Setup::new(extent) }
-}
-
-/// A G-buffer in which only a rectangle in the middle reflects; it holds the given share of the pixels.
+/// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
 fn masked(data: &GBufferData, share: f64) -> GBufferData {
     let mut masked = data.clone();
     let [w, h] = [data.width, data.height].map(|n| (f64::from(n) * share.sqrt()).round() as u32);
@@ -115,8 +110,9 @@ fn main() {
         let mut rows = Vec::new();
         for view in &scene.views {
             let materials = || globals.materials(&scene, view);
-            let seen = camera(&scene, view, SIZE);
-            let shot = Shot::new(&mut stage, &unified::INFO, &setup(SIZE), seen, materials()).expect("a shot");
+            let seen = view.camera(&scene, SIZE);
+            let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, seen, materials())
+                .expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
             let parts = [1.0, 0.1, 0.0].map(|share| {
@@ -130,10 +126,12 @@ fn main() {
             let covered = covered(&parts[1]);
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
-            let effect = Effect::new(&mut stage.context, &unified::INFO, &setup(SIZE), None).expect("the effect");
+            let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, None)
+                .expect("the effect");
             let shots = GROWTH.map(|size| {
-                let seen = camera(&scene, view, size);
-                Shot::new(&mut stage, &unified::INFO, &setup(size), seen, materials()).expect("a shot")
+                let seen = view.camera(&scene, size);
+                Shot::new(&mut stage, &unified::INFO, &Setup::new(size), Wants::IMAGE, seen, materials())
+                    .expect("a shot")
             });
 
             let walked = shots.each_ref().map(|shot| {

@@ -16,14 +16,13 @@
 use rayon::prelude::*;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::math::OracleVersion;
-use ssct::methods::{Setup, ssct as thesis};
+use ssct::methods::{Setup, Wants, ssct as thesis};
 use ssct::metrics::world::{agreement, is_same_place};
 use ssct::reference::oracle::{Meeting, Oracle};
 use ssct::reference::ray::RaySetup;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::world_hits;
 use ssct::scene::{Scene, View, library, scene_file};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::path::Path;
 
@@ -33,8 +32,9 @@ type Place = Option<[f64; 2]>;
 
 fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
-    let setup = Setup { split: true, ..Setup::new(size) };
-    let shot = Shot::new(stage, &thesis::INFO, &setup, camera(scene, view, size), materials.clone()).expect("a shot");
+    let setup = Setup::new(size);
+    let shot = Shot::new(stage, &thesis::INFO, &setup, Wants::HITS, view.camera(scene, size), materials.clone())
+        .expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");
     let hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
     let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));

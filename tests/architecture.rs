@@ -9,16 +9,21 @@ use std::path::Path;
 /// A module of the crate's root, and those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
     ("error", &[]),
-    ("math", &["error"]),
+    // Values and their names: what every layer may have parameters by.
+    ("parameter", &["error"]),
+    ("math", &["error", "parameter"]),
     ("scene", &["error", "math"]),
-    ("gpu", &["error", "math"]),
+    ("gpu", &["error", "parameter", "math"]),
     ("reference", &["error", "math", "scene"]),
     ("metrics", &["error", "math", "scene", "reference"]),
-    ("passes", &["error", "math", "scene", "gpu"]),
-    ("methods", &["error", "math", "scene", "gpu", "passes"]),
-    ("study", &["error", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
-    ("report", &["error", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
-    ("app", &["error", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study", "report"]),
+    ("passes", &["error", "parameter", "math", "scene", "gpu"]),
+    ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
+    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
+    ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
+    (
+        "app",
+        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study", "report"],
+    ),
     ("main", &["app"]),
     ("lib", &[]),
 ];

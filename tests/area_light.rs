@@ -8,7 +8,7 @@ mod common;
 use common::{Builder, camera, gpu};
 use glam::{DVec3, Vec3};
 use ssct::math::phong;
-use ssct::methods::{Setup, find};
+use ssct::methods::{Setup, Wants, find};
 use ssct::reference::first_hits::{FirstHits, Receiver};
 use ssct::reference::lobe::lobe_direction;
 use ssct::scene::{AreaLight, AreaShape, Material, Scene};
@@ -85,7 +85,9 @@ fn errors(shape: AreaShape, roughness: f32) -> (f64, f64) {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let camera = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
     let materials: Vec<Material> = scene.materials.iter().map(|m| Material { roughness, ..m.clone() }).collect();
-    let shot = Shot::new(&mut stage, find("area-light").unwrap(), &Setup::new(EXTENT), camera, materials).unwrap();
+    let shot =
+        Shot::new(&mut stage, find("area-light").unwrap(), &Setup::new(EXTENT), Wants::REFLECTION, camera, materials)
+            .unwrap();
     let reflection = render(&mut stage, &shot, false).unwrap().reflection;
     gpu.check_validation().unwrap();
     let receivers = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap()).receivers;
@@ -172,7 +174,9 @@ fn a_mirror_shows_the_light_itself_and_a_rectangle_is_dark_from_behind() {
         let camera = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
         let mut stage = Stage::new(&gpu, &scene).unwrap();
         let method = find("area-light").unwrap();
-        let shot = Shot::new(&mut stage, method, &Setup::new(EXTENT), camera, scene.materials.clone()).unwrap();
+        let shot =
+            Shot::new(&mut stage, method, &Setup::new(EXTENT), Wants::REFLECTION, camera, scene.materials.clone())
+                .unwrap();
         let reflection = render(&mut stage, &shot, false).unwrap().reflection;
         let receivers = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap()).receivers;
         let (mut met, mut wrong) = (0, 0);

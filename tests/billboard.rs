@@ -8,8 +8,9 @@ mod common;
 use common::{Builder, camera, gpu};
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::methods::{Setup, find};
-use ssct::passes::billboard::{Billboards, Occlusion, Order};
+use ssct::methods::billboard::BillboardParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct::passes::billboard::{Occlusion, Order};
 use ssct::reference::first_hits::FirstHits;
 use ssct::reference::surface::World;
 use ssct::reference::world::{Escape, WorldReference};
@@ -57,10 +58,12 @@ struct Seen {
 
 fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Seen {
     let mut stage = Stage::new(gpu, scene).unwrap();
-    let setup = Setup { billboards: Billboards { order, occlusion }, ..Setup::new(EXTENT) };
+    let setup = Setup::new(EXTENT).with(|p: &mut BillboardParams| {
+        (p.billboard_order, p.billboard_occlusion) = (order, occlusion);
+    });
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
     let method = find("billboard").unwrap();
-    let shot = Shot::new(&mut stage, method, &setup, camera, scene.materials.clone()).unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap();
     let reflection = render(&mut stage, &shot, false).unwrap().reflection;
     gpu.check_validation().unwrap();
     let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());

@@ -10,6 +10,7 @@ use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::methods::Setup;
+use ssct::methods::ssct::ThesisDrawing;
 use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::Level;
@@ -17,7 +18,7 @@ use ssct::reference::hi_z::{self, MinMax};
 use ssct::reference::random::Stream;
 use ssct::reference::visibility::{self, Range};
 use ssct::scene::{GBufferData, scene_file};
-use ssct::study::{Globals, timing};
+use ssct::study::Globals;
 
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],
@@ -37,7 +38,7 @@ const SIZES: [[u32; 2]; 14] = [
 ];
 
 fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
-    let setup = Setup { chain_filter: filter, split: true, ..Setup::new(extent) };
+    let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.chain_filter = filter);
     show(gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
 }
 
@@ -90,8 +91,8 @@ fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     let gpu = gpu();
     let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
     for (view, extent) in scene.views.iter().zip([[321, 179], [240, 135], [127, 61]]) {
-        let setup = Setup { split: true, ..Setup::new(extent) };
-        let camera = timing::camera(&scene, view, extent);
+        let setup = Setup::new(extent);
+        let camera = view.camera(&scene, extent);
         check_depth(&show(&gpu, &scene, camera, "ssct", &setup, &Globals::default()));
     }
 }

@@ -9,7 +9,8 @@ use common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, sho
 use glam::{DVec2, Vec3};
 use ssct::gpu::Pixels;
 use ssct::math::cone::{Circle, circles};
-use ssct::methods::{Preset, Setup};
+use ssct::methods::Setup;
+use ssct::parameter::Preset;
 use ssct::passes::PathCode;
 use ssct::study::Globals;
 
@@ -69,7 +70,7 @@ fn reflections_are_those_of_the_closed_form_circles() {
         ("hzct", Preset::Published, 0.6),
         ("hzct", Preset::Author, 1.0),
     ] {
-        let setup = Setup { preset, split: true, ..Setup::new(extent) };
+        let setup = Setup::new(extent).of_preset(preset);
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let shown = show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &globals);
         let (hits, reflection, material) = (shown.get("hits"), shown.get("reflection"), shown.get("material"));
@@ -121,7 +122,7 @@ fn one_colour_stays_that_colour_at_any_roughness() {
     for (preset, roughness) in
         [(Preset::Published, 0.0), (Preset::Published, 0.05), (Preset::Author, 0.3), (Preset::Author, 1.0)]
     {
-        let setup = Setup { preset, split: true, ..Setup::new(extent) };
+        let setup = Setup::new(extent).of_preset(preset);
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
         let shown = show(&gpu, &b.0, view, "ssct", &setup, &globals);
         let lit = shown.get("color").at(0, 0);

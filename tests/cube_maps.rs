@@ -14,7 +14,7 @@ use ssct::gpu::{Buffer, FrameContext};
 use ssct::math::phong;
 use ssct::math::projection::unproject;
 use ssct::methods::capture::capture;
-use ssct::methods::{Fallback, METHODS, SceneInput, Setup, find};
+use ssct::methods::{EffectParams, Fallback, METHODS, SceneInput, Setup, Wants, find};
 use ssct::passes::cube_filter::{CubeFilterPass, FACE_SIZE, LEVELS, level_roughness};
 use ssct::passes::scene_data::SceneData;
 use ssct::scene::{Aabb, Camera, Probe, Scene, sky};
@@ -224,7 +224,7 @@ fn a_fallback_shows_where_the_method_fades() {
     let extent = [321, 239];
     let globals = Globals { roughness: Some(0.1), ..Globals::default() };
     let image = |method: &str, fallback| {
-        let setup = Setup { fallback, ..Setup::new(extent) };
+        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
         show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &globals)
     };
     for (fallback, name) in [(Fallback::Pccm, "pccm"), (Fallback::Environment, "environment")] {
@@ -267,10 +267,10 @@ fn what_has_no_fallback_says_so() {
     let extent = [16, 16];
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let setup = Setup { fallback: Fallback::Environment, ..Setup::new(extent) };
+    let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = Fallback::Environment);
     let view = clutter_camera(extent);
     let of = |stage: &mut Stage, method: &str, setup: &Setup| {
-        Shot::new(stage, find(method).unwrap(), setup, view, scene.materials.clone())
+        Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone())
     };
     for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
         let Err(Error::Usage(said)) = of(&mut stage, method.name, &setup) else { panic!("{}", method.name) };

@@ -75,25 +75,26 @@ fn unified_is_held_against_the_oracle_that_it_follows() {
     let how = ["--size", "161x90", "--samples", "1", "--rays", "2", "--json"];
     let records = ssct(&[&what[..], &how].concat());
     let agreement = |version: Value, against: &str| {
-        let is_it = |r: &&Value| r["method"] == "unified" && r["against"] == against && r["resolution_scale"] == 1.0;
-        let mut of = records.iter().filter(|r| is_it(r) && r["oracle"] == version);
+        let is_it =
+            |r: &&Value| r["method"] == "unified" && r["against"] == against && r["setup"]["resolution_scale"] == 1.0;
+        let mut of = records.iter().filter(|r| is_it(r) && r["setup"]["oracle"] == version);
         let (found, more) = (of.next(), of.next());
         assert!(more.is_none(), "one record for oracle {version} against {against}");
         found.unwrap_or_else(|| panic!("oracle {version} against {against}"))["hit_agreement"].as_f64().unwrap()
     };
-    // The study's settings of `unified` are both versions; the first is not said.
-    let versions = [Value::Null, 2.into()];
+    // The study tries both versions of `unified`.
+    let versions = [Value::from(1), 2.into()];
     for version in &versions {
         assert!(agreement(version.clone(), "oracle") >= 0.9999, "{version}");
     }
     let [wrong, wrong_of_second] = versions.map(|version| 1.0 - agreement(version, "world"));
     assert!(wrong_of_second < 0.8 * wrong, "{wrong_of_second} of {wrong}");
     let pictures = records.iter().filter(|r| r["method"] == "screen-reference");
-    assert_eq!(pictures.map(|r| r["oracle"].clone()).collect::<Vec<_>>(), [Value::Null, 2.into()]);
+    assert_eq!(pictures.map(|r| r["setup"]["oracle"].clone()).collect::<Vec<_>>(), [Value::from(1), 2.into()]);
     // Another method is judged by the one that is asked for.
     let of = ["--no-sweep", "--oracle", "2"];
     let records = ssct(&[&what[..5], &["--method", "ssct,unified", "--roughness", "0"], &how, &of].concat());
-    assert!(records.iter().all(|r| r["oracle"] == 2), "{records:?}");
+    assert!(records.iter().all(|r| r["setup"]["oracle"] == 2), "{records:?}");
 }
 
 #[test]
@@ -116,10 +117,10 @@ fn what_shows_the_environment_is_held_against_a_world_with_it() {
     assert_eq!(against(&behind, "ssct"), ["oracle", "world"]);
     let world = |records: &[Value]| {
         let found = records.iter().find(|r| r["method"] == "ssct" && r["against"] == "world").unwrap();
-        (found["params"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())
+        (found["setup"]["fallback"].clone(), found["rmse"].as_f64().unwrap(), found["hit_agreement"].clone())
     };
     let (plain, behind) = (world(&plain), world(&behind));
-    assert_eq!((plain.0, behind.0), (Value::Null, "environment".into()));
+    assert_eq!((plain.0, behind.0), ("none".into(), "environment".into()));
     assert_ne!(plain.1, behind.1);
     assert_eq!(plain.2, behind.2, "the hits are the method's own");
 }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
-use ssct::methods::{self, METHODS, MethodInfo, Setup};
+use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
 use ssct::scene::{Camera, Lens, Scene, View};
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
@@ -32,7 +32,7 @@ fn open(watch: &Arc<Watch>) -> Result<Gpu> {
 fn shot(stage: &mut Stage, method: &MethodInfo, scene: &Scene) -> Result<Shot> {
     let camera = Camera::new(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 1.0, 6.0), Lens::default(), 16.0 / 9.0);
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(scene, &View::default());
-    Shot::new(stage, method, &Setup { split: true, ..Setup::new(EXTENT) }, camera, materials)
+    Shot::new(stage, method, &Setup::new(EXTENT), Wants::HITS, camera, materials)
 }
 
 /// Every kind of thing that a study does with a shot: times, counts, draws, reads back.

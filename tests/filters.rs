@@ -8,13 +8,15 @@ mod common;
 use common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::linear_to_srgb;
-use ssct::methods::{Preset, Setup};
+use ssct::methods::Setup;
+use ssct::methods::poster::PosterParams;
+use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::study::Globals;
 
 fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-    let setup = Setup { preset, split: true, ..Setup::new(extent) };
+    let setup = Setup::new(extent).of_preset(preset);
     show(gpu, &clutter(), clutter_camera(extent), "sslr", &setup, &globals)
 }
 
@@ -123,7 +125,7 @@ fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
 fn slices_of_the_volumes_are_gaussians_of_each_other() {
     let gpu = gpu();
     for extent in [[1, 1], [127, 61], [160, 90]] {
-        let setup = Setup { poster_filter: PosterFilter::Volume, split: true, ..Setup::new(extent) };
+        let setup = Setup::new(extent).with(|p: &mut PosterParams| p.poster_filter = PosterFilter::Volume);
         let shown = show(&gpu, &clutter(), clutter_camera(extent), "poster", &setup, &Globals::default());
         let slices = shown.levels("filtered-color");
         assert_eq!(slices[0], shown.get("color"), "slice 0 is the lit colour");

@@ -2,9 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::methods::{METHODS, Setup};
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::scene::{gbuffer_file, library};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer, image};
 
 #[test]
@@ -15,11 +14,13 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
     let folder = tempfile::tempdir().unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     for extent in [[161, 119], [64, 64]] {
-        let camera = camera(&scene, view, extent);
+        let camera = view.camera(&scene, extent);
         let globals = Globals { roughness: Some(0.1), ..Globals::default() };
         for method in METHODS.iter().filter(|m| m.is_screen_space()) {
             let setup = Setup::new(extent);
-            let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, view)).unwrap();
+            let shot =
+                Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, globals.materials(&scene, view))
+                    .unwrap();
             let direct = image::render(&mut stage, &shot, false).unwrap();
             let data = gbuffer::read(&mut stage.context, &shot).unwrap();
             let path = folder.path().join("g.exr");

@@ -9,12 +9,11 @@ use common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::OracleVersion;
-use ssct::methods::{self, Setup};
+use ssct::methods::{self, Setup, Wants};
 use ssct::metrics::image::masked_rmse;
 use ssct::reference::screen::{Sampling, ScreenReference};
 use ssct::scene::{GBufferData, View, library};
 use ssct::study::gbuffer::{self, reflect};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
@@ -25,8 +24,10 @@ fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f
     let view = View { eye: view.eye + right, look_at: view.look_at + right, ..view.clone() };
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
     let mut stage = Stage::new(gpu, &scene).unwrap();
-    let (materials, camera) = (globals.materials(&scene, &view), camera(&scene, &view, extent));
-    let shot = Shot::new(&mut stage, methods::find("hzct").unwrap(), &Setup::new(extent), camera, materials).unwrap();
+    let (materials, camera) = (globals.materials(&scene, &view), view.camera(&scene, extent));
+    let shot =
+        Shot::new(&mut stage, methods::find("hzct").unwrap(), &Setup::new(extent), Wants::IMAGE, camera, materials)
+            .unwrap();
     stage.output(&shot).unwrap();
     gbuffer::read(&mut stage.context, &shot).unwrap()
 }

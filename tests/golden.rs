@@ -5,14 +5,16 @@
 
 mod common;
 
-use common::gpu;
+use common::{gpu, unfaded};
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::methods::{METHODS, Setup};
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::metrics::flip::FlipMap;
+use ssct::parameter::Preset;
+use ssct::passes::color_chain::ChainFilter;
 use ssct::report::images::{Rgb, display};
 use ssct::scene::library;
 use ssct::study::image::render;
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 use std::path::{Path, PathBuf};
 
@@ -106,9 +108,10 @@ fn check(gpu: &Gpu) {
             let view = scene.view(view).unwrap();
             let globals = Globals { roughness: *roughness, ..Globals::default() };
             for method in METHODS {
-                let camera = camera(&scene, view, EXTENT);
+                let camera = view.camera(&scene, EXTENT);
                 let materials = globals.materials(&scene, view);
-                let shot = Shot::new(&mut stage, method, &Setup::new(EXTENT), camera, materials).unwrap();
+                let shot =
+                    Shot::new(&mut stage, method, &Setup::new(EXTENT), Wants::REFLECTION, camera, materials).unwrap();
                 let image = display(&render(&mut stage, &shot, false).unwrap().composite);
                 wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
             }
@@ -130,15 +133,23 @@ fn a_changed_pass_is_seen() {
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);
     let mut image = |setup: &Setup| {
-        let shot = Shot::new(&mut stage, &METHODS[0], setup, camera(&scene, view, EXTENT), materials.clone()).unwrap();
+        let shot = Shot::new(
+            &mut stage,
+            &METHODS[0],
+            setup,
+            Wants::REFLECTION,
+            view.camera(&scene, EXTENT),
+            materials.clone(),
+        )
+        .unwrap();
         display(&render(&mut stage, &shot, false).unwrap().composite)
     };
     let usual = Setup::new(EXTENT);
     let known = image(&usual);
     for (what, setup) in [
-        ("preset", Setup { preset: ssct::methods::Preset::Author, ..usual }),
-        ("filter", Setup { chain_filter: ssct::passes::color_chain::ChainFilter::Gaussian, ..usual }),
-        ("fade", Setup { fade: false, ..usual }),
+        ("preset", usual.of_preset(Preset::Author)),
+        ("filter", usual.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian)),
+        ("fade", unfaded(EXTENT)),
     ] {
         let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
         println!("{what}: FLIP {mean:.5}");

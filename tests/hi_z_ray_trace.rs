@@ -6,15 +6,14 @@ mod common;
 
 use glam::{Vec2, Vec3};
 use ssct::gpu::Pixels;
-use ssct::methods::thesis::{self, Variant};
-use ssct::methods::{self, Setup};
+use ssct::methods::thesis::{self, HiZParams};
+use ssct::methods::{self, Setup, Wants};
 use ssct::passes::{Content, PathCode};
 use ssct::reference::Level;
 use ssct::reference::hi_z::MinMax;
 use ssct::reference::hi_z_ray_trace::{Constants, End, reflection_ray, trace};
 use ssct::scene::library;
 use ssct::study::image::render;
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 
 /// No power of two, so that levels have odd sides.
@@ -25,13 +24,13 @@ fn every_ray_ends_where_the_shader_says() {
     let gpu = common::gpu();
     let scene = library::scene("rooms").unwrap();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
-    let setup = Setup { split: true, ..Setup::new(SIZE) };
+    let setup = Setup::new(SIZE);
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };
     for name in ["corridor", "window"] {
         let view = scene.view(name).unwrap();
-        let camera = camera(&scene, view, SIZE);
+        let camera = view.camera(&scene, SIZE);
         let method = methods::find("ssct").unwrap();
-        let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, view)).unwrap();
+        let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, globals.materials(&scene, view)).unwrap();
         let all = render(&mut stage, &shot, true).unwrap().intermediates.unwrap();
         let find = |stem: &str| -> &Pixels { &all.iter().find(|(s, ..)| s == stem).unwrap().2 };
         let (normals, hits) = (find("normal"), find("hits"));
@@ -45,8 +44,8 @@ fn every_ray_ends_where_the_shader_says() {
             })
             .collect();
         assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
-        let variant = Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: true };
-        let numbers = thesis::parameters(&variant, &camera, SIZE, chain.len() as u32);
+        let published: HiZParams = setup.of();
+        let numbers = published.fill(thesis::block(&camera, SIZE, chain.len() as u32, true));
         let constants = Constants {
             start_level: numbers.start_level as u32,
             iterations: numbers.iterations as u32,

@@ -11,17 +11,17 @@ use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::OracleVersion;
-use ssct::methods::{self, Preset, Setup};
+use ssct::methods::{self, Setup, Wants};
 use ssct::metrics::HitAgreement;
 use ssct::metrics::image::{masked_relative_mse, masked_rmse};
 use ssct::metrics::world::agreement as agreement_with_world;
+use ssct::parameter::Preset;
 use ssct::reference::screen::Sampling;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::world_hits;
 use ssct::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
 use ssct::scene::{GBufferData, Scene, Vertex, scene_file};
 use ssct::study::gbuffer::{self, hit_positions};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 use std::time::Instant;
 
@@ -38,11 +38,11 @@ struct Rendered {
 
 fn render(gpu: &Gpu, scene: &Scene, view: &str, size: [u32; 2], method: &str, roughness: f32) -> Rendered {
     let view = scene.view(view).unwrap();
-    let setup = Setup { preset: Preset::Author, split: true, ..Setup::new(size) };
+    let setup = Setup::new(size).of_preset(Preset::Author);
     let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(0.0) };
-    let (camera, materials) = (camera(scene, view, size), globals.materials(scene, view));
+    let (camera, materials) = (view.camera(scene, size), globals.materials(scene, view));
     let mut stage = Stage::new(gpu, scene).unwrap();
-    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), &setup, camera, materials).unwrap();
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), &setup, Wants::HITS, camera, materials).unwrap();
     let (_, _, output) = stage.output(&shot).unwrap();
     Rendered {
         hits: hit_positions(&stage.context.read(output.traced.hits.unwrap().0.all()).unwrap()),

@@ -8,18 +8,18 @@ mod common;
 use common::folder::Folder;
 use common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
-use ssct::math::OracleVersion;
-use ssct::methods::{Fallback, Preset};
+use ssct::methods::{Setup, find};
 use ssct::metrics::HitAgreement;
-use ssct::passes::color_chain::ChainFilter;
+use ssct::parameter::Preset;
 use ssct::passes::gbuffer::Drawn;
 use ssct::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use ssct::report::images::Rgb;
 use ssct::report::{error_report, plot};
-use ssct::study::error::{Against, ErrorRecord, Params};
-use ssct::study::record::{Head, PassRecord};
+use ssct::scene::Lens;
+use ssct::study::error::{Against, ErrorRecord};
+use ssct::study::record::{Head, PassRecord, Program, recorded};
 use ssct::study::table::compare;
-use ssct::study::{Stats, TimeRecord};
+use ssct::study::{Globals, Stats, TimeRecord};
 use std::path::Path;
 
 /// Phone and desktop, in CSS pixels.
@@ -31,22 +31,18 @@ fn device() -> DeviceInfo {
 }
 
 fn head(kind: &str, method: &str, roughness: f32) -> Head {
+    let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(roughness) };
     Head {
         kind: kind.into(),
-        definitions: 1,
-        version: "0".into(),
-        commit: "c".into(),
+        program: Program { definitions: 1, version: "0".into(), commit: "c".into(), device: device() },
         scene: "rooms".into(),
         view: "two-cylinders".into(),
         method: method.into(),
         preset: Preset::Published,
         width: 640,
-        resolution_scale: 1.0,
-        oracle: OracleVersion::V1,
         height: 480,
         roughness: Some(roughness),
-        normal_deviation: Some(roughness),
-        device: device(),
+        setup: recorded(&Setup::new([640, 480]), find(method).ok(), &Lens::default(), &globals),
     }
 }
 
@@ -56,8 +52,6 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
         |name: &&str| PassRecord { name: (*name).to_owned(), counted: true, stats: Stats::of(&[ms / 7.0]), work: None };
     TimeRecord {
         head: head("time", method, roughness),
-        split: false,
-        fallback: Fallback::None,
         passes: passes.iter().map(pass).collect(),
         total: Stats::of(&[ms]),
         frame: Stats::of(&[ms]),
@@ -71,15 +65,6 @@ fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
 fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
     ErrorRecord {
         head: head("error", method, 0.0),
-        params: Params {
-            chain_filter: ChainFilter::Hardware,
-            march: Default::default(),
-            poster_filter: Default::default(),
-            fallback: Fallback::None,
-            billboards: Default::default(),
-            mirrors: Default::default(),
-            tuning: Default::default(),
-        },
         time_ms: Some(ms),
         against,
         hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
@@ -326,8 +311,13 @@ fn medians_by_roughness_are_of_a_method_s_first_variant() {
         head(&mut record.head);
         record
     };
-    let of_oracle_2 = other(|head| head.oracle = OracleVersion::V2);
-    let records = [base, of_oracle_2.clone(), of_oracle_2.clone(), other(|head| head.resolution_scale = 0.5)];
+    let of_oracle_2 = other(|head| drop(head.setup.insert("oracle".into(), 2.into())));
+    let records = [
+        base,
+        of_oracle_2.clone(),
+        of_oracle_2.clone(),
+        other(|head| drop(head.setup.insert("resolution_scale".into(), 0.5.into()))),
+    ];
     assert_eq!(error_report::source_cells(&records)[1], ["unified, screen", "0.0200"]);
     assert_eq!(error_report::source_cells(&[of_oracle_2])[1], ["unified, screen", "0.0800"]);
 }

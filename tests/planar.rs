@@ -8,8 +8,9 @@ mod common;
 use common::{Builder, camera, gpu, show};
 use glam::Vec3;
 use ssct::gpu::Gpu;
-use ssct::methods::{Setup, find};
-use ssct::passes::planar::{Mirrors, Variant};
+use ssct::methods::planar::PlanarParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct::passes::planar::MirrorDrawing;
 use ssct::reference::first_hits::FirstHits;
 use ssct::reference::surface::World;
 use ssct::reference::world::{Escape, WorldReference};
@@ -46,11 +47,15 @@ fn look(extent: [u32; 2]) -> Camera {
     camera(Vec3::new(0.3, 1.4, 0.0), Vec3::new(0.5, 1.0, 4.0), extent)
 }
 
-fn shot(gpu: &Gpu, scene: &Scene, variant: Variant, planes: u32) -> (Stage, Shot) {
+fn setup(variant: MirrorDrawing, planes: u32) -> Setup {
+    Setup::new(EXTENT).with(|p: &mut PlanarParams| (p.planar_variant, p.planar_planes) = (variant, planes))
+}
+
+fn shot(gpu: &Gpu, scene: &Scene, variant: MirrorDrawing, planes: u32) -> (Stage, Shot) {
     let mut stage = Stage::new(gpu, scene).unwrap();
-    let setup = Setup { mirrors: Mirrors { variant, planes }, ..Setup::new(EXTENT) };
+    let setup = setup(variant, planes);
     let method = find("planar").unwrap();
-    let shot = Shot::new(&mut stage, method, &setup, look(EXTENT), scene.materials.clone()).unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, look(EXTENT), scene.materials.clone()).unwrap();
     (stage, shot)
 }
 
@@ -59,7 +64,7 @@ fn a_mirror_shows_what_its_rays_meet() {
     let gpu = gpu();
     let scene = scene();
     let mut images = Vec::new();
-    for variant in [Variant::Stencil, Variant::Target] {
+    for variant in [MirrorDrawing::Stencil, MirrorDrawing::Target] {
         for planes in [1, 2] {
             let (mut stage, shot) = shot(&gpu, &scene, variant, planes);
             let reflection = render(&mut stage, &shot, false).unwrap().reflection;
@@ -104,11 +109,11 @@ fn the_stencil_spares_what_the_mirror_does_not_show() {
     let gpu = gpu();
     let scene = scene();
     let drawn = |variant| {
-        let setup = Setup { mirrors: Mirrors { variant, planes: 1 }, ..Setup::new(EXTENT) };
+        let setup = setup(variant, 1);
         let shown = show(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
         shown.get("mirrored-normal").texels().filter(|n| n[..3] != [0.0; 3]).count()
     };
-    let (stencil, target) = (drawn(Variant::Stencil), drawn(Variant::Target));
+    let (stencil, target) = (drawn(MirrorDrawing::Stencil), drawn(MirrorDrawing::Target));
     println!("{stencil} pixels drawn inside the stencil, {target} without");
     assert!(stencil > 4_000 && stencil < target * 9 / 10, "{stencil} of {target}");
 }

@@ -13,7 +13,6 @@ use ssct::study::Globals;
 use ssct::study::precision::{
     ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
-use ssct::study::timing::camera;
 
 const SIZE: [u32; 2] = [161, 91];
 
@@ -25,7 +24,7 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: None };
 
     let materials = globals.materials(&scene, view);
-    let exact = Exact::trace(&World::new(&scene, &materials), &camera(&scene, view, SIZE), SIZE);
+    let exact = Exact::trace(&World::new(&scene, &materials), &view.camera(&scene, SIZE), SIZE);
     let own = Storage::OWN.store(&exact);
     let mut context = FrameContext::new(&gpu).unwrap();
     let images = GBufferImages::upload(&mut context, &exact.data).unwrap();

@@ -8,7 +8,7 @@ mod common;
 use common::{clutter, clutter_camera, gpu, show};
 use ssct::gpu::Pixels;
 use ssct::gpu::frame::Mode;
-use ssct::methods::{Setup, find};
+use ssct::methods::{EffectParams, Setup, Wants, find};
 use ssct::metrics::rmse;
 use ssct::scene::View;
 use ssct::study::{Globals, Shot, Stage};
@@ -22,12 +22,17 @@ fn moved(image: &Pixels, dx: i32, dy: i32) -> Vec<f32> {
     pixels.flat_map(|(x, y)| image.at(at(x, dx, image.width), at(y, dy, image.height)).to_vec()).collect()
 }
 
+/// Half and quarter resolution, by full pixels a side of a traced one.
+fn divided(extent: [u32; 2], divisor: u32) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.resolution_scale = 1.0 / divisor as f32)
+}
+
 #[test]
 fn half_resolution_lies_where_full_resolution_does() {
     let gpu = gpu();
     for extent in [[640, 480], [321, 239]] {
         let of = |divisor| {
-            let setup = Setup { divisor, ..Setup::new(extent) };
+            let setup = divided(extent, divisor);
             show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &GLOSSY)
         };
         let (full, half) = (of(1), of(2));
@@ -54,9 +59,10 @@ fn half_resolution_traces_a_quarter_of_the_pixels() {
     let materials = GLOSSY.materials(&clutter(), &View::default());
     let mut invocations = |divisor| {
         let extent = [640, 480];
-        let setup = Setup { divisor, ..Setup::new(extent) };
+        let setup = divided(extent, divisor);
         let camera = clutter_camera(extent);
-        let shot = Shot::new(&mut stage, find("ssct").unwrap(), &setup, camera, materials.clone()).unwrap();
+        let shot =
+            Shot::new(&mut stage, find("ssct").unwrap(), &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
         let (report, _) = stage.run(&shot, Mode::Counted).unwrap();
         let index = report.recorded.iter().position(|p| p == "trace+cone").unwrap();
         report.work[index].fragment_invocations

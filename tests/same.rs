@@ -10,7 +10,7 @@ use common::{clutter, clutter_camera, expected_failures, gpu};
 use sha2::{Digest, Sha256};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
-use ssct::methods::{METHODS, Setup};
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::scene::{View, gbuffer_file};
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
@@ -44,7 +44,7 @@ fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
             hash(&[&made.reflection, &made.composite])
         } else {
             let camera = clutter_camera(EXTENT);
-            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+            let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
             let made = render(&mut stage, &shot, false).unwrap();
             hash(&[&made.reflection, &made.composite])
         };
@@ -94,7 +94,9 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
     let scene = clutter();
     let mut stage = Stage::new(&gpu, &scene).unwrap();
     let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
-    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(EXTENT), clutter_camera(EXTENT), materials).unwrap();
+    let shot =
+        Shot::new(&mut stage, &METHODS[0], &Setup::new(EXTENT), Wants::REFLECTION, clutter_camera(EXTENT), materials)
+            .unwrap();
     stage.run(&shot, Mode::Plain).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
     std::fs::write(&file, gbuffer_file::encode(&data, &file).unwrap()).unwrap();

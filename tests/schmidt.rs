@@ -5,10 +5,11 @@
 
 mod common;
 
-use common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show};
+use common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, unfaded};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::math::projection::{project, unproject};
-use ssct::methods::{Setup, Tuning};
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::{EffectParams, Setup, find};
 use ssct::passes::PathCode;
 use ssct::scene::{Camera, Lens};
 use ssct::study::Globals;
@@ -34,7 +35,7 @@ fn wall(camera: Camera, extent: [u32; 2], method: &str, fade: bool) -> Shown {
     b.quad(picture, Vec3::new(-12.0, -1.0, WALL_Z as f32), Vec3::X * 24.0, Vec3::Y * 12.0, -Vec3::Z);
     let mirror = b.mirror();
     b.quad(mirror, Vec3::new(-12.0, 0.0, 0.0), Vec3::X * 24.0, Vec3::Z * WALL_Z as f32, Vec3::Y);
-    let setup = Setup { split: true, fade, ..Setup::new(extent) };
+    let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fade = fade);
     show(&gpu(), &b.0, camera, method, &setup, &Globals::default())
 }
 
@@ -99,7 +100,7 @@ fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
     let extent = [320, 240];
     let gpu = gpu();
     for method in ["ssr", "ssr-fast"] {
-        let setup = Setup { split: true, fade: false, ..Setup::new(extent) };
+        let setup = unfaded(extent);
         let shown = show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &Globals::default());
         let (hits, depth, lit) = (shown.get("hits"), shown.get("depth"), shown.get("color"));
         let (mut count, mut misses) = (0, 0);
@@ -132,22 +133,23 @@ fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
 fn steps_and_blur_do_what_they_say() {
     let extent = [320, 240];
     let gpu = gpu();
-    let image = |method: &str, tuning| {
-        let setup = Setup { split: true, fade: false, tuning, ..Setup::new(extent) };
+    let image = |method: &str, pixel_step: u32, distance_blur: bool| {
+        let setup = unfaded(extent).with(|p: &mut SsrFastParams| {
+            (p.pixel_step, p.distance_blur) = (pixel_step, distance_blur);
+        });
         show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &Globals::default())
     };
-    let none = Tuning::default();
-    let step = |n| Tuning { pixel_step: Some(n), ..none };
+    let published =
+        |method: &str| show(&gpu, &clutter(), clutter_camera(extent), method, &unfaded(extent), &Globals::default());
     for method in ["ssr", "ssr-fast"] {
-        assert_eq!(image(method, none).get("hits"), image(method, step(1)).get("hits"), "printed is 1");
-        assert_ne!(image(method, none).get("hits"), image(method, step(4)).get("hits"));
+        assert_eq!(published(method).get("hits"), image(method, 1, false).get("hits"), "printed is 1");
+        assert_ne!(published(method).get("hits"), image(method, 4, false).get("hits"));
     }
     // The blur changes colours and no hit; listing 4 has none.
-    let blur = Tuning { distance_blur: true, ..none };
-    let (plain, blurred) = (image("ssr-fast", none), image("ssr-fast", blur));
+    let (plain, blurred) = (image("ssr-fast", 1, false), image("ssr-fast", 1, true));
     assert_eq!(plain.get("hits"), blurred.get("hits"));
     assert_ne!(plain.get("reflection"), blurred.get("reflection"));
-    assert_eq!(image("ssr", none).get("reflection"), image("ssr", blur).get("reflection"));
+    assert!(find("ssr").unwrap().read().iter().all(|p| p.name != "distance_blur"));
     // As printed, level 7 is added and not counted: near the viewer that is one sample and the mean of
     // the surroundings, over one.
     let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();

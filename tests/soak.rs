@@ -8,7 +8,7 @@ mod common;
 use common::{clutter_camera, expected_failures, two_quads};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Watch};
-use ssct::methods::{self, METHODS, MethodInfo, Setup};
+use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
@@ -93,7 +93,8 @@ fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize,
             let roughness = Some([0.0, 0.05, 0.3][(n + round) % 3]);
             let materials = Globals { roughness, ..Globals::default() }.materials(&scene, &View::default());
             let camera = clutter_camera(extent);
-            let shot = Shot::new(&mut stage, method, &Setup::new(extent), camera, materials).unwrap();
+            let shot =
+                Shot::new(&mut stage, method, &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
             for frame in 1..frames_each {
                 stage.run(&shot, [Mode::Plain, Mode::Timed, Mode::Counted][frame % 3]).unwrap();
             }

@@ -5,13 +5,13 @@
 
 mod common;
 
-use common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes};
+use common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes, unfaded};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::math::OracleVersion;
-use ssct::methods::{self, Fallback, Input, Method, Setup, unified};
+use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
 use ssct::metrics::hits::HitAgreement;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
@@ -20,7 +20,7 @@ use ssct::reference::random::Stream;
 use ssct::reference::unified::{Code, Parameters, Traversal};
 use ssct::reference::{Hierarchy, MissReason, Outcome};
 use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, View, library, scene_file};
-use ssct::study::{Globals, Shot, Stage, gbuffer, timing};
+use ssct::study::{Globals, Shot, Stage, gbuffer};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
 const SIZES: [[u32; 2]; 12] = [
@@ -48,8 +48,8 @@ fn compiled(gpu: &Gpu) -> PyramidPass {
     PyramidPass::new(gpu, [1, 1]).unwrap()
 }
 
-fn setup(extent: [u32; 2]) -> Setup {
-    Setup { split: true, ..Setup::new(extent) }
+fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.oracle = oracle)
 }
 
 /// A G-buffer of one kind with mirrors that reflect in any direction, or in depth only.
@@ -87,7 +87,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let pass = PyramidPass::new(gpu, extent).unwrap();
-    let method = (methods::find("unified").unwrap().create)(gpu, &Setup { oracle, ..setup(extent) }).unwrap();
+    let method = unified::INFO.alone(gpu, &setup(extent, oracle), Wants::HITS).unwrap();
     let mut frame = context.begin(Mode::Plain).unwrap();
     let parameters = unified::parameters(&data.camera, extent, true);
     let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
@@ -161,7 +161,9 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         (0..4).for_each(|kind| add(&random_gbuffer(kind, extent)));
         let mut stage = Stage::new(&gpu, &clutter()).unwrap();
         let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&clutter(), &View::default());
-        let shot = Shot::new(&mut stage, &unified::INFO, &setup(extent), clutter_camera(extent), materials).unwrap();
+        let shot =
+            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::HITS, clutter_camera(extent), materials)
+                .unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
@@ -195,9 +197,9 @@ fn agreement(
     oracle: OracleVersion,
 ) -> (HitAgreement, f64, usize) {
     let globals = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
-    let camera = timing::camera(scene, view, extent);
+    let camera = view.camera(scene, extent);
     let shot =
-        Shot::new(stage, &unified::INFO, &Setup { oracle, ..setup(extent) }, camera, globals.materials(scene, view))
+        Shot::new(stage, &unified::INFO, &setup(extent, oracle), Wants::HITS, camera, globals.materials(scene, view))
             .unwrap();
     let (_, _, output) = stage.output(&shot).unwrap();
     let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
@@ -287,8 +289,15 @@ fn a_frame_records_what_its_materials_need() {
     let extent = [127, 61];
     let mut passes = |globals: Globals| {
         let materials = globals.materials(&scene, &View::default());
-        let shot =
-            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), clutter_camera(extent), materials).unwrap();
+        let shot = Shot::new(
+            &mut stage,
+            &unified::INFO,
+            &Setup::new(extent),
+            Wants::REFLECTION,
+            clutter_camera(extent),
+            materials,
+        )
+        .unwrap();
         let (report, _, output) = stage.output(&shot).unwrap();
         let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0)).unwrap();
         let composite = stage.context.read(output.composite.level(0)).unwrap();
@@ -329,7 +338,7 @@ impl Corridor {
         let scene = library::scene("rooms").unwrap();
         let view = scene.view("corridor").unwrap().clone();
         let extent = [127, 61];
-        let camera = timing::camera(&scene, &view, extent);
+        let camera = view.camera(&scene, extent);
         Self { scene, view, extent, camera }
     }
 
@@ -356,12 +365,13 @@ fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
-        let plain = Setup { fade: false, ..Setup::new(extent) };
-        let shot = Shot::new(&mut stage, &unified::INFO, &plain, camera, materials).unwrap();
+        let plain = unfaded(extent);
+        let shot = Shot::new(&mut stage, &unified::INFO, &plain, Wants::REFLECTION, camera, materials).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         // The method alone: it knows that something is behind, and leaves showing it to others.
         let [alone, over] = [Fallback::None, Fallback::Environment].map(|fallback| {
-            let method = (unified::INFO.create)(&gpu, &Setup { fallback, ..plain }).unwrap();
+            let setup = plain.with(|p: &mut EffectParams| p.fallback = fallback);
+            let method = unified::INFO.alone(&gpu, &setup, Wants::REFLECTION).unwrap();
             corridor.made(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
         });
         let (mut pixels, mut partly) = (0, 0);
@@ -388,7 +398,8 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.1, 0.5] {
         let materials = corridor.materials(roughness);
-        let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), camera, materials).unwrap();
+        let shot =
+            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
         stage.run(&shot, Mode::Plain).unwrap();
         let all = gbuffer::read(&mut stage.context, &shot).unwrap();
         // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.
@@ -402,7 +413,7 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
         let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
         let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
         let run = |context: &mut FrameContext, frames: &[usize]| {
-            let method = (unified::INFO.create)(&gpu, &Setup::new(extent)).unwrap();
+            let method = unified::INFO.alone(&gpu, &Setup::new(extent), Wants::REFLECTION).unwrap();
             frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
         };
         let alone = run(&mut stage.context, &[1]);
@@ -422,12 +433,12 @@ fn every_way_to_draw_makes_the_same_image() {
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
-        let images = |stage: &mut Stage, split: bool, known: bool| {
-            let setup = Setup { split, ..Setup::new(extent) };
-            let shot = Shot::new(stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+        let images = |stage: &mut Stage, hits: bool, known: bool| {
+            let (setup, wants) = (Setup::new(extent), Wants { hits, reflection: true });
+            let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
-            assert_eq!(report.recorded.iter().any(|p| p == "composite"), split, "{:?}", report.recorded);
-            let method = (unified::INFO.create)(&gpu, &setup).unwrap();
+            assert_eq!(report.recorded.iter().any(|p| p == "composite"), hits, "{:?}", report.recorded);
+            let method = unified::INFO.alone(&gpu, &setup, wants).unwrap();
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
             let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
@@ -436,15 +447,15 @@ fn every_way_to_draw_makes_the_same_image() {
         };
         let whole = images(&mut stage, false, true);
         assert!(whole[1].values.iter().any(|v| *v > 0.1));
-        for (split, known, how) in
+        for (hits, known, how) in
             [(true, true, "with hits"), (false, false, "over lists"), (true, false, "over lists with hits")]
         {
-            assert!(images(&mut stage, split, known) == whole, "{roughness} {how}");
+            assert!(images(&mut stage, hits, known) == whole, "{roughness} {how}");
         }
         // Without a reflection of its own, the image is the same.
         let mut composite = |reflection: bool| {
-            let setup = Setup { reflection, ..Setup::new(extent) };
-            let shot = Shot::new(&mut stage, &unified::INFO, &setup, camera, materials.clone()).unwrap();
+            let (setup, wants) = (Setup::new(extent), Wants { hits: false, reflection });
+            let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (_, _, output) = stage.output(&shot).unwrap();
             assert_eq!(output.traced.reflection.is_some(), reflection);
             stage.context.read(output.composite.level(0)).unwrap()

@@ -13,10 +13,15 @@ use ssct::gpu::memory::Place;
 use ssct::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
 use ssct::gpu::validation::ALLOWED;
 use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, Resource};
-use ssct::methods::{Fallback, METHODS, MethodInfo, Preset, Setup, Tuning};
+use ssct::methods::linear::LinearParams;
+use ssct::methods::poster::PosterParams;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
+use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
-use ssct::passes::linear_trace::March;
+use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
 use ssct::passes::tiles;
 use ssct::scene::View;
@@ -24,31 +29,36 @@ use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
-fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<Setup> {
+fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     let usual = Setup::new(extent);
     // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
     // of the time.
     if !method.is_screen_space() || extent[0] > 500 || (extent == [1, 1] && is_gpu_assisted()) {
-        return vec![usual];
+        return vec![(usual, Wants::REFLECTION)];
     }
     let mut setups = Vec::new();
     for preset in [Preset::Published, Preset::Author] {
-        for split in [false, true] {
+        for (split, wants) in [(false, Wants::REFLECTION), (false, Wants::HITS), (true, Wants::HITS)] {
             for (chain_filter, march) in
-                [(ChainFilter::Hardware, March::Growing), (ChainFilter::Gaussian, March::Fixed)]
+                [(ChainFilter::Hardware, LinearMarch::Growing), (ChainFilter::Gaussian, LinearMarch::Fixed)]
             {
                 // Volumes of the largest size would take most of the test's time.
                 let small = extent[0] < 200 && chain_filter == ChainFilter::Gaussian;
                 let poster_filter = if small { PosterFilter::Volume } else { PosterFilter::Mip };
-                setups.push(Setup { preset, split, chain_filter, march, poster_filter, ..usual });
+                let setup = usual.of_preset(preset);
+                let setup = setup.with(|p: &mut ThesisDrawing| (p.split, p.chain_filter) = (split, chain_filter));
+                let setup = setup.with(|p: &mut LinearParams| p.march = march);
+                setups.push((setup.with(|p: &mut PosterParams| p.poster_filter = poster_filter), wants));
             }
         }
     }
-    let blur = Tuning { distance_blur: true, ..Tuning::default() };
-    setups.push(Setup { tuning: blur, fallback: Fallback::Environment, ..usual });
-    setups.push(Setup { fallback: Fallback::Pccm, ..usual });
-    setups.push(Setup { divisor: 2, split: true, ..usual });
-    setups.push(Setup { divisor: 4, fallback: Fallback::Environment, ..usual });
+    let around = |change: &dyn Fn(&mut EffectParams)| usual.with(|p: &mut EffectParams| change(p));
+    let blurred = around(&|p| p.fallback = Fallback::Environment).with(|p: &mut SsrFastParams| p.distance_blur = true);
+    setups.push((blurred, Wants::REFLECTION));
+    setups.push((around(&|p| p.fallback = Fallback::Pccm), Wants::REFLECTION));
+    setups.push((around(&|p| p.resolution_scale = 0.5), Wants::HITS));
+    let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
+    setups.push((quarter, Wants::REFLECTION));
     setups
 }
 
@@ -65,9 +75,9 @@ fn every_method_in_every_mode_is_valid() {
     let sizes = &[[1, 1], [127, 61], [641, 479]][..if is_gpu_assisted() { 2 } else { 3 }];
     for &extent in sizes {
         for method in METHODS {
-            for setup in setups(method, extent) {
+            for (setup, wants) in setups(method, extent) {
                 let camera = clutter_camera(extent);
-                let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+                let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone()).unwrap();
                 let what = format!("{}, {setup:?}", method.name);
                 // Twice each: the second frame's barriers start from the first's states.
                 for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {
@@ -85,9 +95,9 @@ fn every_method_in_every_mode_is_valid() {
     }
     // And each of its settings: variants that are off by default.
     for method in METHODS {
-        for setup in (method.settings)(Setup::new([127, 61])) {
+        for setup in method.sweep(&Setup::new([127, 61])) {
             let camera = clutter_camera(setup.extent);
-            let shot = Shot::new(&mut stage, method, &setup, camera, materials.clone()).unwrap();
+            let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
             for mode in [Mode::Plain, Mode::Plain, Mode::Timed] {
                 stage.run(&shot, mode).unwrap();
                 check_validation(&gpu).unwrap_or_else(|e| panic!("{}, {setup:?}, {mode:?}: {e}", method.name));

@@ -5,12 +5,11 @@
 
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
-use ssct::methods::{METHODS, Setup};
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::reference::first_hits::FirstHits;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::{WorldHit, world_hits};
 use ssct::scene::{Camera, GBufferData, library};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -32,9 +31,10 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
     if !maps {
         materials.iter_mut().for_each(|m| (m.albedo_map, m.normal_map) = (None, None));
     }
-    let camera = camera(&scene, view, SIZE);
+    let camera = view.camera(&scene, SIZE);
     let mut stage = Stage::new(&gpu, &scene).expect("device memory");
-    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(SIZE), camera, materials.clone()).expect("a shot");
+    let shot =
+        Shot::new(&mut stage, &METHODS[0], &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone()).expect("a shot");
     image::render(&mut stage, &shot, false).expect("a frame");
     let images = shot.gbuffer.gbuffer();
     let [depth, normal, material, color] =

@@ -7,6 +7,7 @@ mod error;
 mod error_cells;
 mod figures;
 mod gbuffer;
+mod parameters;
 mod precision;
 mod progress;
 mod reference;

@@ -26,7 +26,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
-        names => methods::choose(names, &resolve::setup(&common.method_options, [1, 1]))?,
+        names => methods::choose(names, &common.method_options.setup([1, 1]))?,
     };
     let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, table)?;
@@ -34,7 +34,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
     }
     let gpu = resolve::gpu(&common.device)?;
-    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let setup = common.method_options.setup(sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
     let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples };
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
@@ -101,7 +101,7 @@ pub fn device_line(device: &DeviceInfo) -> String {
 fn text(records: &[TimeRecord], table: bool) -> String {
     let mut text = String::new();
     if let Some(first) = records.first() {
-        text += &device_line(&first.head.device);
+        text += &device_line(&first.head.program.device);
     }
     if table {
         text += &tables::table_5_8(&compare(records));

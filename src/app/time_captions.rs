@@ -54,7 +54,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
             methods: compared,
             sizes: vec![caption.size],
             globals: globals.clone(),
-            setup: resolve::setup(&options.common.method_options, caption.size),
+            setup: options.common.method_options.setup(caption.size),
             warmup: options.warmup,
             samples: options.samples,
         };

@@ -15,7 +15,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     let mut scene = resolve::scene(&common.place, "rooms")?;
     let path = resolve::path(&scene, path)?;
     let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
-    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let setup = common.method_options.setup(sizes[0]);
     let methods = methods::choose(&options.method, &setup)?;
     scene.lens = resolve::lens(&common.place, scene.lens)?;
     let gpu = resolve::gpu(&common.device)?;

@@ -1,19 +1,16 @@
 //! The version of the oracle that decides what a ray hits in screen space.
 
-use serde::{Deserialize, Serialize};
+use crate::parameter::{Domain, Field, Value};
 
 /// A version of the oracle ([`reference::oracle`](crate::reference::oracle)). The method `unified` can follow
 /// either.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize, Deserialize)]
-#[serde(into = "u32", try_from = "u32")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
     /// DEFINITIONS, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
-    #[value(name = "1")]
     V1,
     /// As version 1, but the ray must come from in front. It passes the first block if it leaves that surface;
     /// if it meets a block from behind, or past the edge of a surface, it misses.
-    #[value(name = "2")]
     V2,
 }
 
@@ -33,14 +30,20 @@ impl From<OracleVersion> for u32 {
     }
 }
 
-impl TryFrom<u32> for OracleVersion {
-    type Error = String;
+impl Field for OracleVersion {
+    fn domain() -> Domain {
+        Domain::Count(1, 2)
+    }
 
-    fn try_from(number: u32) -> Result<Self, String> {
-        match number {
-            1 => Ok(Self::V1),
-            2 => Ok(Self::V2),
-            _ => Err(format!("there is no version {number} of the oracle")),
+    fn value(self) -> Value {
+        Value::Count(self.into())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Count(1) => Some(Self::V1),
+            Value::Count(2) => Some(Self::V2),
+            _ => None,
         }
     }
 }

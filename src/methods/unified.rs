@@ -50,7 +50,7 @@
 //! the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its own. Wide
 //! lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
-//! is no randomness and no history. Over a fallback ([`Setup::fallback`]) the share of the rays that miss is not
+//! is no randomness and no history. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
 //! # What was measured (lavapipe, CPU time of the effect, against the same walk)
@@ -104,11 +104,10 @@
 //! take 0.9 of the time, at 1.08 times the error and with a quarter to a third more change. (Both against six rays
 //! gathered, not nine.)
 
-use super::{Input, Method, MethodInfo, Sees, Setup, Traced};
+use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
-use crate::math::OracleVersion;
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::pyramid::{self, PyramidPass};
@@ -122,14 +121,9 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "unified",
     summary: "one exact Hi-Z traversal for every direction; only what the scene needs",
     source: "this project",
-    sees: Sees::Screen,
-    settings: |base| {
-        // From in front alone, beside what the base says.
-        let from_in_front = Setup { oracle: OracleVersion::V2, ..base };
-        let more = (base.oracle != OracleVersion::V2).then_some(from_in_front);
-        super::full_and_half(base).into_iter().chain(more).collect()
-    },
-    create: |gpu, setup| Ok(Box::new(UnifiedMethod::new(gpu, setup)?)),
+    follows_oracle: true,
+    create: |gpu, making| Ok(Box::new(UnifiedMethod::new(gpu, making)?)),
+    ..MethodInfo::SCREEN
 };
 
 /// The passes in their order, and what the last of them draw into.
@@ -141,28 +135,34 @@ pub struct UnifiedMethod {
     gloss: UnifiedGlossPass,
     composite: Image,
     reflection: Option<Image>,
-    setup: Setup,
+    fade: bool,
+    /// Whether hits are wanted beside the image.
+    hits: bool,
+    /// Whether the image is finished by the passes that know the reflection.
+    composites: bool,
 }
 
 impl UnifiedMethod {
     /// Makes pipelines and images.
-    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let extent = setup.extent;
+    pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
         let image = |name| Image::target(gpu, name, LIT_COLOR, extent);
         // The shader that writes hits writes the reflection, too.
-        let reflection = setup.reflection || setup.split;
+        let reflection = making.reflection || hits;
         // STRIP, ORACLE and OVER of parameters.glsl: nobody pays for what another setup asks for.
-        let over = !setup.fallback.is_none();
-        let constants = [pyramid::strip(extent) as i32, u32::from(setup.oracle) as i32, i32::from(over)];
+        let over = effect.fallback != Fallback::None;
+        let constants = [pyramid::strip(extent) as i32, u32::from(effect.oracle) as i32, i32::from(over)];
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
-            trace: UnifiedTracePass::new(gpu, extent, reflection, setup.split, &constants)?,
-            gloss: UnifiedGlossPass::new(gpu, extent, reflection, setup.split, &constants)?,
+            trace: UnifiedTracePass::new(gpu, extent, reflection, hits, &constants)?,
+            gloss: UnifiedGlossPass::new(gpu, extent, reflection, hits, &constants)?,
             composite: image("composite")?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
-            setup: *setup,
+            fade: effect.fade,
+            hits,
+            composites: making.composite,
         })
     }
 }
@@ -177,7 +177,7 @@ impl Method for UnifiedMethod {
             }
             return Ok(Traced::nothing(gbuffer));
         }
-        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.setup.fade);
+        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
         let pyramid = self.pyramid.record(frame, gbuffer, &parameters)?;
         if reflectors.glossy() {
@@ -187,7 +187,7 @@ impl Method for UnifiedMethod {
         }
 
         // Over the tiles that hold each kind of reflector; everywhere, where all that is lit is of one kind.
-        let tiles = if reflectors.everywhere && reflectors.kinds() == 1 && !self.setup.split {
+        let tiles = if reflectors.everywhere && reflectors.kinds() == 1 && !self.hits {
             frame.skip("classify", "every material that is drawn and lit reflects, and in one way");
             None
         } else {
@@ -196,7 +196,7 @@ impl Method for UnifiedMethod {
             Some(tiles)
         };
         let mut hits = None;
-        if reflectors.mirrors || self.setup.split {
+        if reflectors.mirrors || self.hits {
             let traced = UnifiedTraceInput { gbuffer: *gbuffer, pyramid, tiles, canvas };
             hits = self.trace.record(frame, &traced, &parameters)?;
         } else {
@@ -204,7 +204,7 @@ impl Method for UnifiedMethod {
         }
         self.gloss.record(frame, gbuffer, pyramid, &parameters, canvas, tiles)?;
 
-        let composite = self.setup.composite.then_some(canvas.composite);
+        let composite = self.composites.then_some(canvas.composite);
         let reflection = canvas.reflection.map(Reflection);
         Ok(Traced { reflection, composite, hits, intermediates: Vec::new() })
     }

@@ -6,6 +6,7 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Sampler, Target};
+use crate::parameter::choices;
 use crate::scene::{Camera, Impostor};
 use glam::Mat4;
 
@@ -13,40 +14,26 @@ use glam::Mat4;
 /// `schmidt/billboard_reflections.glsl`.
 pub const MAX_IMPOSTORS: usize = 16;
 
-/// Which of several billboards on a ray shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
-    #[default]
-    Printed,
-    /// The last of the list that lies ahead.
-    Unbroken,
-    /// The nearest, blended over those behind it by its alpha, and from behind none.
-    Nearest,
+choices! {
+    /// Which of several billboards on a ray shows.
+    pub enum Order {
+        /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
+        Printed = "printed",
+        /// The last of the list that lies ahead.
+        Unbroken = "unbroken",
+        /// The nearest, blended over those behind it by its alpha, and from behind none.
+        Nearest = "nearest",
+    }
 }
 
-/// What hides a billboard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Occlusion {
-    /// Nothing, as published (figure 41).
-    #[default]
-    None,
-    /// What the depth buffer shows on the way to it.
-    Depth,
-}
-
-/// How billboards are traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Billboards {
-    /// Which shows.
-    #[serde(rename = "billboard_order")]
-    pub order: Order,
-    /// What hides them.
-    #[serde(rename = "billboard_occlusion")]
-    pub occlusion: Occlusion,
+choices! {
+    /// What hides a billboard.
+    pub enum Occlusion {
+        /// Nothing, as published (figure 41).
+        None = "none",
+        /// What the depth buffer shows on the way to it.
+        Depth = "depth",
+    }
 }
 
 /// Pipeline and image of one size.
@@ -79,14 +66,15 @@ impl BillboardPass {
         gbuffer: &GBuffer,
         scene: &SceneData,
         camera: &Camera,
-        billboards: Billboards,
+        order: Order,
+        occlusion: Occlusion,
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
-            order: billboards.order as i32,
-            occlusion: i32::from(billboards.occlusion == Occlusion::Depth),
+            order: order as i32,
+            occlusion: i32::from(occlusion == Occlusion::Depth),
             ..BillboardBlock::default()
         };
         let mut textures: [ImageSlice; MAX_IMPOSTORS] = [scene.white.all(); MAX_IMPOSTORS];

@@ -8,17 +8,17 @@ use crate::gpu::shader::{BlurBlock, THESIS_GAUSSIAN_BLUR_FRAG, UNIFIED_COLOR_COA
 use crate::gpu::{
     ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image,
 };
+use crate::parameter::choices;
 use ash::vk;
 
-/// How the chain is filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ChainFilter {
-    /// Each level is a linear blit of the one below: the GPU's own mip generation.
-    #[default]
-    Hardware,
-    /// Each level is a 7-tap separable Gaussian of the one below.
-    Gaussian,
+choices! {
+    /// How the chain is filtered.
+    pub enum ChainFilter {
+        /// Each level is a linear blit of the one below: the GPU's own mip generation.
+        Hardware = "hardware",
+        /// Each level is a 7-tap separable Gaussian of the one below.
+        Gaussian = "gaussian",
+    }
 }
 
 /// How the levels are made.

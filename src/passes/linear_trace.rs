@@ -7,16 +7,16 @@ use crate::gpu::shader::{
     THESIS_LINEAR_GROWING_HITS_FRAG, ThesisBlock,
 };
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
+use crate::parameter::choices;
 
-/// Which of the two listings marches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum March {
-    /// The second: a stride that grows, and a binary search.
-    #[default]
-    Growing,
-    /// The first: a constant stride, and nothing after it.
-    Fixed,
+choices! {
+    /// Which of the two listings marches.
+    pub enum LinearMarch {
+        /// The second: a stride that grows, and a binary search.
+        Growing = "growing",
+        /// The first: a constant stride, and nothing after it.
+        Fixed = "fixed",
+    }
 }
 
 /// Pipeline and images of one size.
@@ -27,12 +27,12 @@ pub struct LinearTracePass {
 
 impl LinearTracePass {
     /// With the hits or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, with_hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, with_hits: bool) -> Result<Self> {
         let shader = match (march, with_hits) {
-            (March::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
-            (March::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,
-            (March::Fixed, false) => &THESIS_LINEAR_FIXED_FRAG,
-            (March::Fixed, true) => &THESIS_LINEAR_FIXED_HITS_FRAG,
+            (LinearMarch::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
+            (LinearMarch::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,
+            (LinearMarch::Fixed, false) => &THESIS_LINEAR_FIXED_FRAG,
+            (LinearMarch::Fixed, true) => &THESIS_LINEAR_FIXED_HITS_FRAG,
         };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(with_hits))?,

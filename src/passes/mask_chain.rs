@@ -5,15 +5,17 @@ use super::RayTraceColor;
 use crate::error::Result;
 use crate::gpu::shader::{BlurBlock, THESIS_SSLR_BLUR_FRAG};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::parameter::choices;
 use ash::vk;
 
-/// How both chains are filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MaskFilter {
-    /// 7-tap separable Gaussian; where the mask is 0 the central pixel is read instead.
-    Weighted,
-    /// The GPU's own mip generation; the mask has no say.
-    Hardware,
+choices! {
+    /// How both chains are filtered.
+    pub enum MaskFilter {
+        /// 7-tap separable Gaussian; where the mask is 0 the central pixel is read instead.
+        Weighted = "weighted",
+        /// The GPU's own mip generation; the mask has no say.
+        Hardware = "hardware",
+    }
 }
 
 /// Pipeline and the images between the two directions of the Gaussian.

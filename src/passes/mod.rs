@@ -37,6 +37,7 @@ pub mod visibility;
 use crate::error::Result;
 use crate::gpu::shader::CameraBlock;
 use crate::gpu::{Frame, Gpu, Image, Resource, Target};
+use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
 
@@ -231,15 +232,14 @@ pub struct FilteredGBuffer<'a> {
     pub color: &'a Image,
 }
 
-/// How the G-buffer is pre-filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PosterFilter {
-    /// Hardware mip-mapping (the poster's figure 2a).
-    #[default]
-    Mip,
-    /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
-    Volume,
+choices! {
+    /// How the G-buffer is pre-filtered.
+    pub enum PosterFilter {
+        /// Hardware mip-mapping (the poster's figure 2a).
+        Mip = "mip",
+        /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
+        Volume = "volume",
+    }
 }
 
 /// What an image's numbers are, for whoever draws it.

@@ -5,42 +5,23 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{PLANAR_COPY_FRAG, PLANAR_LOOKUP_FRAG, PLANAR_MARK_FRAG, PlaneBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec4;
 
-/// How a mirror gets its mirrored scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Variant {
-    /// Drawn only where the stencil marks the mirror: the thesis's first method.
-    #[default]
-    Stencil,
-    /// Drawn whole into a render target, which is a texture on the mirror: its second.
-    Target,
+choices! {
+    /// How a mirror gets its mirrored scene.
+    pub enum MirrorDrawing {
+        /// Drawn only where the stencil marks the mirror: the thesis's first method.
+        Stencil = "stencil",
+        /// Drawn whole into a render target, which is a texture on the mirror: its second.
+        Target = "target",
+    }
 }
 
 /// The most planes that one frame mirrors the scene at: each costs a scene of its own.
 pub const MAX_PLANES: u32 = 8;
-
-/// Which planes are mirrors, and how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Mirrors {
-    /// How.
-    #[serde(rename = "planar_variant")]
-    pub variant: Variant,
-    /// How many planes, those that cover most of the screen, 1…[`MAX_PLANES`].
-    #[serde(rename = "planar_planes")]
-    pub planes: u32,
-}
-
-impl Default for Mirrors {
-    /// The dominant plane alone: the thesis speaks of one mirror.
-    fn default() -> Self {
-        Self { variant: Variant::default(), planes: 1 }
-    }
-}
 
 /// Pipelines and the image of one size.
 pub struct PlanarPass {

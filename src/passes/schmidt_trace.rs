@@ -11,7 +11,7 @@ use crate::scene::Camera;
 
 /// Which march.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum March {
+pub enum SchmidtMarch {
     /// Listing 4: a sample a pixel.
     PerPixel,
     /// Listing 5: ten steps forward, a tenth back.
@@ -26,12 +26,12 @@ pub struct SchmidtTracePass {
 
 impl SchmidtTracePass {
     /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, hits: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool) -> Result<Self> {
         let shader = match (march, hits) {
-            (March::PerPixel, false) => &SCHMIDT_SSR_FRAG,
-            (March::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,
-            (March::Optimized, false) => &SCHMIDT_SSR_FAST_FRAG,
-            (March::Optimized, true) => &SCHMIDT_SSR_FAST_HITS_FRAG,
+            (SchmidtMarch::PerPixel, false) => &SCHMIDT_SSR_FRAG,
+            (SchmidtMarch::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,
+            (SchmidtMarch::Optimized, false) => &SCHMIDT_SSR_FAST_FRAG,
+            (SchmidtMarch::Optimized, true) => &SCHMIDT_SSR_FAST_HITS_FRAG,
         };
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(hits))?,

@@ -112,6 +112,6 @@ const RULE: &str = "The G-buffer is traced in f64 through the pixels' centres, s
 
 fn page(records: &[PrecisionRecord], plots: &[Plot], command: &str) -> String {
     let plots: Vec<_> = plots.iter().map(|p| (p.title.as_str(), p.svg.as_str())).collect();
-    let device = records.first().map(|r| &r.head.device);
+    let device = records.first().map(|r| &r.head.program.device);
     html::plots_page("Precision ladder", device, command, &plots, (RULE, &cells(records)))
 }

@@ -238,6 +238,13 @@ impl Aabb {
     }
 }
 
+impl View {
+    /// Its camera for an image of a size in pixels, with its own lens or the scene's.
+    pub fn camera(&self, scene: &Scene, [width, height]: [u32; 2]) -> Camera {
+        Camera::new(self.eye, self.look_at, self.lens.unwrap_or(scene.lens), width as f32 / height as f32)
+    }
+}
+
 impl Scene {
     /// Bounds of all meshes.
     pub fn bounds(&self) -> Aabb {

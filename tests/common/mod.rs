@@ -8,7 +8,7 @@ pub mod html;
 
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
-use ssct::methods::{self, Setup};
+use ssct::methods::{self, EffectParams, Setup, Wants};
 use ssct::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View,
@@ -215,14 +215,31 @@ impl Shown {
     }
 }
 
-/// Renders a scene with every intermediate, and fails on any message of the layers.
+/// Renders a scene with every intermediate and the hits, and fails on any message of the layers.
 pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Shown {
+    show_with(gpu, scene, (camera, globals), method, setup, Wants::HITS)
+}
+
+/// The same, with what is wanted beside the image.
+pub fn show_with(
+    gpu: &Gpu,
+    scene: &Scene,
+    (camera, globals): (Camera, &Globals),
+    method: &str,
+    setup: &Setup,
+    wants: Wants,
+) -> Shown {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
-    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, camera, materials).unwrap();
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, wants, camera, materials).unwrap();
     let image = render(&mut stage, &shot, true).unwrap();
     gpu.check_validation().unwrap();
     Shown { image, camera }
+}
+
+/// A setup at a size in which nothing fades.
+pub fn unfaded(extent: [u32; 2]) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.fade = false)
 }
 
 /// A material that shows the sky.

@@ -1,9 +1,10 @@
 //! Hits and colours of the Hi-Z methods against the closed form, pixel by pixel, near and far.
 
-use crate::common::{Builder, Shown, camera, gpu, show};
+use crate::common::{Builder, Shown, camera, gpu, show, unfaded};
 use crate::{CELL, CELLS, Case, EYE, WALL_Z, bytes, cell_color, is_near, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3, Vec3};
-use ssct::methods::{Preset, Setup};
+use ssct::methods::Setup;
+use ssct::parameter::Preset;
 use ssct::passes::PathCode;
 use ssct::study::Globals;
 
@@ -76,7 +77,7 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 ("hzct", Preset::Author),
             ] {
                 let what = format!("{method}, {preset:?}, roll {roll}, {extent:?}");
-                let setup = Setup { preset, split: true, fade: false, ..Setup::new(extent) };
+                let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &scene, case.camera(extent), method, &setup, &Globals::default());
                 // A ray is pushed half a pixel past each boundary that it crosses (erratum), so one
                 // that meets the wall within its first cells stands behind it when it is first
@@ -126,7 +127,7 @@ fn far_rays_fall_back_as_published() {
     let extent = [160, 240];
     let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
     for (method, beyond) in [("ssct", Some(false)), ("hzct", None)] {
-        let setup = Setup { split: true, ..Setup::new(extent) };
+        let setup = Setup::new(extent);
         let shown = show(&gpu, &b.0, view, method, &setup, &Globals::default());
         let (mut near, mut far) = (0, 0);
         for (x, y, uv) in reflecting(&shown) {

@@ -1,13 +1,15 @@
 //! Where rays of the marches and of the poster's cones end, against where they should: within a step, within
 //! epsilon, within a part of a pixel.
 
-use crate::common::{Shown, gpu, show};
+use crate::common::{Shown, gpu, show, unfaded};
 use crate::{Case, EYE, WALL_Z, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3};
 use ssct::math::projection::project;
-use ssct::methods::{Preset, Setup, Tuning};
+use ssct::methods::linear::LinearParams;
+use ssct::methods::poster::PosterParams;
+use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
-use ssct::passes::linear_trace::March;
+use ssct::passes::linear_trace::LinearMarch;
 use ssct::study::Globals;
 
 /// Where a ray of a case ended, beside where it should: lengths along the ray in screen space, that is in
@@ -76,25 +78,23 @@ fn uniform_marches_end_within_a_step_behind_the_wall() {
     let gpu = gpu();
     // Method, set-up, roughness, stride, steps, and where in the last step the hit lies: behind the wall
     // by 0 to 1 of it, or, from the step's middle, by -1/2 to 1/2.
-    let usual = |extent| Setup { split: true, fade: false, ..Setup::new(extent) };
     let fixed = |extent, stride| {
-        let tuning = Tuning { march_stride: Some(stride), ..Tuning::default() };
-        Setup { march: March::Fixed, tuning, ..usual(extent) }
+        unfaded(extent).with(|p: &mut LinearParams| (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, stride))
     };
-    let author = |extent| Setup { preset: Preset::Author, ..usual(extent) };
+    let author = |extent| unfaded(extent).of_preset(Preset::Author);
     for extent in [[512, 256], [321, 239]] {
         for (method, setup, roughness, stride, steps, first) in [
             ("linear", fixed(extent, 0.01), 0.0, 0.01, 100.0, 0.0),
             ("linear", fixed(extent, 0.004), 0.0, 0.004, 100.0, 0.0),
-            ("sslr", usual(extent), 0.0, 0.001, 200.0, 0.0),
-            ("sslr", usual(extent), 0.1, 0.0109, 200.0, 0.0),
+            ("sslr", unfaded(extent), 0.0, 0.001, 200.0, 0.0),
+            ("sslr", unfaded(extent), 0.1, 0.0109, 200.0, 0.0),
             ("sslr", author(extent), 0.1, 0.0109, 200.0, -0.5),
         ] {
             for roll in [0.0, 0.3] {
                 let case = Case { roll };
                 let globals = Globals { roughness: Some(roughness), ..Globals::default() };
                 let shown = show(&gpu, &case.scene(), case.camera(extent), method, &setup, &globals);
-                let what = format!("{method}, {:?}, stride {stride}, roll {roll}, {extent:?}", setup.preset);
+                let what = format!("{method}, {:?}, stride {stride}, roll {roll}, {extent:?}", setup.values.preset);
                 let all = ended(&case, &shown);
                 // A pixel's side as a length, and Alg. 2's error as one.
                 let pixel = 1.0 / f64::from(extent[1]);
@@ -139,7 +139,7 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
         for (preset, epsilon) in [(Preset::Published, 0.01), (Preset::Author, 2e-4)] {
             for roll in [0.0, 0.3] {
                 let case = Case { roll };
-                let setup = Setup { preset, split: true, fade: false, ..Setup::new(extent) };
+                let setup = unfaded(extent).of_preset(preset);
                 let shown = show(&gpu, &case.scene(), case.camera(extent), "linear", &setup, &Globals::default());
                 let what = format!("linear, {preset:?}, roll {roll}, {extent:?}");
                 let all = ended(&case, &shown);
@@ -162,7 +162,7 @@ fn cones_of_no_width_meet_the_wall_where_they_should() {
     for poster_filter in [PosterFilter::Mip, PosterFilter::Volume] {
         for (preset, least) in [(Preset::Published, 0.97), (Preset::Author, 0.99)] {
             let case = Case { roll: 0.3 };
-            let setup = Setup { preset, poster_filter, split: true, fade: false, ..Setup::new(extent) };
+            let setup = unfaded(extent).of_preset(preset).with(|p: &mut PosterParams| p.poster_filter = poster_filter);
             let shown = show(&gpu, &case.scene(), case.camera(extent), "poster", &setup, &Globals::default());
             let what = format!("poster, {poster_filter:?}, {preset:?}");
             let mut all = ended(&case, &shown);

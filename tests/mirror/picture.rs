@@ -1,12 +1,16 @@
 //! The picture as a whole: which way round it is, what options change in it and what they don't, sky and windows.
 
-use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, window};
+use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, show_with, unfaded, window};
 use crate::{Case, EYE, bytes, mirror_ray, on_screen, path};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Pixels;
-use ssct::methods::{self, Preset, Setup, Tuning};
+use ssct::methods::linear::LinearParams;
+use ssct::methods::poster::PosterParams;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{self, Setup, Wants};
 use ssct::metrics::rmse;
-use ssct::passes::linear_trace::March;
+use ssct::parameter::Preset;
+use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::{PathCode, PosterFilter};
 use ssct::scene::Scene;
 use ssct::study::Globals;
@@ -45,21 +49,20 @@ fn right_is_right_and_down_is_up() {
     let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
     // With no roughness SSLR reaches a fifth of the screen only. The poster as published loses rays whose
     // step leaves the screen.
-    let usual = Setup { split: true, fade: false, ..Setup::new(extent) };
-    let author = Setup { preset: Preset::Author, ..usual };
-    let volume = Setup { poster_filter: PosterFilter::Volume, ..author };
-    let fixed =
-        Setup { march: March::Fixed, tuning: Tuning { march_stride: Some(0.01), ..Tuning::default() }, ..usual };
+    let usual = unfaded(extent);
+    let author = usual.of_preset(Preset::Author);
+    let volume = author.with(|p: &mut PosterParams| p.poster_filter = PosterFilter::Volume);
+    let fixed = usual.with(|p: &mut LinearParams| (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01));
     for (method, setup, roughness) in [
-        ("ssct", usual, 0.0),
-        ("hzct", usual, 0.0),
-        ("sslr", usual, 0.03),
-        ("linear", author, 0.0),
+        ("ssct", usual.clone(), 0.0),
+        ("hzct", usual.clone(), 0.0),
+        ("sslr", usual.clone(), 0.03),
+        ("linear", author.clone(), 0.0),
         ("linear", fixed, 0.0),
         ("poster", author, 0.0),
         ("poster", volume, 0.0),
-        ("ssr", usual, 0.0),
-        ("ssr-fast", usual, 0.0),
+        ("ssr", usual.clone(), 0.0),
+        ("ssr-fast", usual.clone(), 0.0),
         // The wall is a side of the proxy box, so that the map is exact there.
         ("pccm", usual, 0.0),
     ] {
@@ -84,20 +87,23 @@ fn right_is_right_and_down_is_up() {
 }
 
 #[test]
-fn split_and_combined_give_the_same_reflection() {
+fn split_combined_and_with_hits_give_the_same_reflection() {
     let gpu = gpu();
     let extent = [321, 239];
     for method in methods::METHODS.iter().filter(|m| m.is_screen_space()) {
         for (preset, roughness) in [(Preset::Published, 0.0), (Preset::Published, 0.3), (Preset::Author, 0.1)] {
-            let [split, combined] = [true, false].map(|split| {
-                let setup = Setup { preset, split, ..Setup::new(extent) };
-                let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-                show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals)
-            });
+            let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+            let shown = |split: bool, wants: Wants| {
+                let setup = Setup::new(extent).of_preset(preset).with(|p: &mut ThesisDrawing| p.split = split);
+                show_with(&gpu, &clutter(), (clutter_camera(extent), &globals), method.name, &setup, wants)
+            };
+            let combined = shown(false, Wants::REFLECTION);
             let bits = |p: &Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            for what in ["reflection", "composite"] {
-                let same = bits(split.get(what)) == bits(combined.get(what));
-                assert!(same, "{}, {preset:?}, roughness {roughness}: the {what} differs", method.name);
+            for (other, how) in [(shown(true, Wants::REFLECTION), "split"), (shown(false, Wants::HITS), "with hits")] {
+                for what in ["reflection", "composite"] {
+                    let same = bits(other.get(what)) == bits(combined.get(what));
+                    assert!(same, "{}, {preset:?}, roughness {roughness}: the {what} differs {how}", method.name);
+                }
             }
         }
     }
@@ -135,7 +141,7 @@ fn without_reflectivity_the_composite_is_the_lit_colour() {
     for method in methods::METHODS.iter().filter(|m| m.is_screen_space()) {
         let of = |reflectivity| {
             let globals = Globals { reflectivity, ..Globals::default() };
-            let setup = Setup { split: true, ..Setup::new(extent) };
+            let setup = Setup::new(extent);
             show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals)
         };
         let dull = of(0.0);
@@ -165,7 +171,7 @@ fn sky_does_not_reflect_but_windows_are_hit() {
     let extent = [320, 240];
     let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
     for method in ["ssct", "hzct"] {
-        let setup = Setup { split: true, fade: false, ..Setup::new(extent) };
+        let setup = unfaded(extent);
         let shown = show(&gpu, &b.0, view, method, &setup, &Globals::default());
         let (depth, hits, lit) = (shown.get("depth"), shown.get("hits"), shown.get("color"));
         let (mut sky, mut glass, mut in_mirror) = (0, 0, 0);

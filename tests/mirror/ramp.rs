@@ -4,7 +4,7 @@ use crate::common::{Builder, Shown, camera, gpu, show};
 use crate::{Case, EYE, bytes, mirror_ray, on_screen, path, reflecting};
 use glam::{DVec2, DVec3, Vec3};
 use ssct::gpu::Gpu;
-use ssct::methods::Setup;
+use ssct::methods::{EffectParams, Setup};
 use ssct::passes::PathCode;
 use ssct::study::Globals;
 
@@ -31,7 +31,7 @@ impl Ramp {
         b.light(Vec3::Y);
         b.quad(red, Vec3::new(-9.0, 3.0, 2.0), Vec3::X * 18.0, Vec3::Z * 10.0, -Vec3::Y);
         let extent = [320, 240];
-        let setup = Setup { split: true, fade, ..Setup::new(extent) };
+        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fade = fade);
         let view = camera(EYE.as_vec3(), EYE.as_vec3() + Vec3::Z, extent);
         show(gpu, &b.0, view, method, &setup, &Globals::default())
     }
@@ -81,7 +81,7 @@ fn hits_fade_towards_the_border_and_hzct_towards_the_camera() {
         let (mut none, mut part, mut whole, mut grazing) = (0, 0, 0, 0);
         let case = Case { roll: 0.3 };
         let extent = [320, 240];
-        let setup = Setup { split: true, ..Setup::new(extent) };
+        let setup = Setup::new(extent);
         let wall = show(&gpu, &case.scene(), case.camera(extent), method, &setup, &Globals::default());
         let ramp = Ramp::show(&gpu, method, true);
         for (shown, is_ramp) in [(&wall, false), (&ramp, true)] {

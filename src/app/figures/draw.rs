@@ -5,7 +5,7 @@ use super::workshop::Workshop;
 use crate::error::Error;
 use crate::gpu::Pixels;
 use crate::methods::Setup;
-use crate::methods::thesis::{self, Variant};
+use crate::methods::thesis::{self, HiZParams};
 use crate::passes::{Content, PathCode};
 use crate::reference::Level;
 use crate::reference::hi_z::MinMax;
@@ -128,9 +128,8 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fini
     let chain = hi_z(&all);
     let normals = find(&all, "normal")?;
     let extent = [normals.width, normals.height];
-    let setup = Setup::new(extent);
-    let variant = Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: true };
-    let numbers = thesis::parameters(&variant, &camera, extent, chain.len() as u32);
+    let published: HiZParams = Setup::new(extent).of();
+    let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
     let constants = Constants {
         start_level: numbers.start_level as u32,
         iterations: numbers.iterations as u32,

@@ -5,11 +5,10 @@ use crate::app::cli::{Cli, Command, RenderOptions};
 use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{self, METHODS};
+use crate::methods::{self, METHODS, Wants};
 use crate::report::figures;
 use crate::report::images::{Rgb, display};
 use crate::scene::{Camera, Scene, library};
-use crate::study::timing::camera;
 use crate::study::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
 
@@ -100,9 +99,10 @@ impl<'a> Workshop<'a> {
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
         let Loaded { scene, stage } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
-        let setup = render::setup(options, inside);
-        let camera = camera(scene, &view, options.size);
-        let shot = Shot::new(stage, method, &setup, camera, globals.materials(scene, &view))?;
+        let setup = render::setup(options);
+        let wants = if inside { Wants::HITS } else { Wants::REFLECTION };
+        let camera = view.camera(scene, options.size);
+        let shot = Shot::new(stage, method, &setup, wants, camera, globals.materials(scene, &view))?;
         Ok((image::render(stage, &shot, inside)?, camera))
     }
 }

@@ -87,7 +87,7 @@ impl Viewer {
             materials: wanted.materials.clone(),
             camera: wanted.camera,
             extent: wanted.extent,
-            escape: match wanted.sides.first().map(|s| s.setup.fallback) {
+            escape: match wanted.sides.first().map(|s| s.setup.effect().fallback) {
                 None | Some(Fallback::None) => Escape::Black,
                 Some(_) => Escape::Environment,
             },

@@ -4,7 +4,7 @@
 use super::state::Side;
 use crate::gpu::Pixels;
 use crate::math::OracleVersion;
-use crate::methods::thesis::{self, Variant};
+use crate::methods::thesis::{self, HiZParams};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
 use crate::passes::tiles::TILE;
@@ -192,11 +192,10 @@ impl Inspection {
     /// Prepares the analysis of a method's frame.
     pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
-        let hi_z = |fallback| {
-            let variant =
-                Variant { preset: side.setup.preset, tuning: side.setup.tuning, fallback, fade: side.setup.fade };
+        let hi_z = || {
             let levels = crate::gpu::image::full_chain(extent);
-            let block = thesis::parameters(&variant, &gbuffer.camera, extent, levels);
+            let numbers: HiZParams = side.setup.of();
+            let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {
                 width: gbuffer.width,
                 height: gbuffer.height,
@@ -213,15 +212,15 @@ impl Inspection {
                 chain: chain(&depth),
             }
         };
-        // At a lower resolution, the rays belong to other pixels.
-        let twin = match side.method.name {
-            _ if side.setup.divisor != 1 => None,
-            "ssct" => Some(hi_z(true)),
-            "hzct" => Some(hi_z(false)),
-            "unified" => Some(Twin::Unified),
+        // At a lower resolution the rays are those of other pixels.
+        let effect = side.setup.effect();
+        let twin = match side.method {
+            _ if effect.divisor() != 1 => None,
+            method if method.traces_hi_z => Some(hi_z()),
+            method if method.follows_oracle => Some(Twin::Unified),
             _ => None,
         };
-        Self { gbuffer, hits, twin, oracle: side.setup.oracle }
+        Self { gbuffer, hits, twin, oracle: effect.oracle }
     }
 
     /// The number of rays for each way of ending.

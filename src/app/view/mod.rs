@@ -24,6 +24,7 @@ mod viewer;
 mod window;
 
 use super::cli::{Cli, CommonOptions, size};
+use super::parameters::choice;
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, PresentMode, swapchain};
@@ -94,7 +95,7 @@ pub struct ViewOptions {
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<PresentMode>(), default_value = "fifo")]
     pub present_mode: PresentMode,
     /// Show N frames, take no input, and quit.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{FrameReport, Gpu, Image, Pixels};
-use crate::methods::{Intermediate, Setup};
+use crate::methods::{Intermediate, Wants};
 use crate::passes::Content;
 use crate::passes::look::KeepPass;
 use crate::scene::{Camera, Material, Scene};
@@ -71,11 +71,11 @@ pub struct Pictures {
     /// The scene on the device.
     pub stage: Stage,
     shown: [Option<ShownMethod>; 2],
-    /// The first method with its ray trace as a separate pass, which outputs the hits.
-    split: Option<(Side, Shot)>,
-    /// The request that the pictures show, unless they are stale.
+    /// The first method made to say where its rays ended.
+    with_hits: Option<(Side, Shot)>,
+    /// The frame that the pictures are of, if nothing made them stale.
     rendered: Option<FrameRequest>,
-    /// The last request that was rendered.
+    /// The last frame that was rendered at all.
     last: Option<FrameRequest>,
     materials: Vec<Material>,
 }
@@ -86,7 +86,7 @@ impl Pictures {
         Ok(Self {
             stage: Stage::new(gpu, scene)?,
             shown: [None, None],
-            split: None,
+            with_hits: None,
             rendered: None,
             last: None,
             materials: Vec::new(),
@@ -106,14 +106,14 @@ impl Pictures {
     /// Discards all pipelines, which the next frame makes anew, and all measured times.
     pub fn discard_pipelines(&mut self) {
         self.shown = [None, None];
-        self.split = None;
+        self.with_hits = None;
         self.rendered = None;
     }
 
     /// Makes the pipelines of the last frame as a test and discards them.
     pub fn try_pipelines(&mut self) -> Result<()> {
         let Some(wanted) = self.last.clone() else { return Ok(()) };
-        wanted.sides.iter().try_for_each(|side| self.shot(side, &wanted).map(|_| ()))
+        wanted.sides.iter().try_for_each(|side| self.shot(side, Wants::REFLECTION, &wanted).map(|_| ()))
     }
 
     /// The method shown first or second; `None` before it was rendered.
@@ -143,7 +143,7 @@ impl Pictures {
                 // The old images are freed before the new ones are allocated.
                 let history = self.shown[i].take().map(|s| s.history).unwrap_or_default();
                 self.shown[i] = Some(ShownMethod {
-                    shot: self.shot(side, wanted)?,
+                    shot: self.shot(side, Wants::REFLECTION, wanted)?,
                     side: side.clone(),
                     kept: KeepPass::new(self.stage.context.gpu(), wanted.extent)?,
                     content: Content::Color,
@@ -161,7 +161,7 @@ impl Pictures {
             }
         }
         if new_materials {
-            self.split = None;
+            self.with_hits = None;
             self.materials.clone_from(&wanted.materials);
         }
         self.rendered = Some(wanted.clone());
@@ -184,8 +184,8 @@ impl Pictures {
             }
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
-        if hits.is_none() && first.side.setup.divisor == 1 {
-            hits = self.split_hits(&wanted)?;
+        if hits.is_none() && first.side.setup.effect().divisor() == 1 {
+            hits = self.hits(&wanted)?;
         }
         let Some(first) = &self.shown[0] else { return Ok(analysis) };
         let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
@@ -198,21 +198,16 @@ impl Pictures {
         Ok(analysis)
     }
 
-    /// The hits of the first method, with ray trace and cone trace as two passes; the rays are the same.
-    fn split_hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
+    /// Where the rays of the first method ended.
+    fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
         let side = &wanted.sides[0];
-        let mut split = side.clone();
-        split.setup.split = true;
-        if !self
-            .split
-            .as_ref()
-            .is_some_and(|(made, shot)| *made == split && shot.gbuffer.gbuffer().depth.extent() == wanted.extent)
-        {
-            self.split = None;
-            let shot = self.shot(&split, wanted)?;
-            self.split = Some((split, shot));
+        let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
+        if !self.with_hits.as_ref().is_some_and(fits) {
+            self.with_hits = None;
+            let shot = self.shot(side, Wants::HITS, wanted)?;
+            self.with_hits = Some((side.clone(), shot));
         }
-        let Some((_, shot)) = &mut self.split else { return Ok(None) };
+        let Some((_, shot)) = &mut self.with_hits else { return Ok(None) };
         shot.camera = wanted.camera;
         let (_, _, output) = self.stage.output(shot)?;
         output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()
@@ -227,9 +222,9 @@ impl Pictures {
         self.stage.context.once(|frame| shown.kept.record(frame, image.all()))
     }
 
-    fn shot(&mut self, side: &Side, wanted: &FrameRequest) -> Result<Shot> {
-        let setup = Setup { extent: wanted.extent, ..side.setup };
-        Shot::new(&mut self.stage, side.method, &setup, wanted.camera, wanted.materials.clone())
+    fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
+        let setup = side.setup.at(wanted.extent);
+        Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())
     }
 }
 

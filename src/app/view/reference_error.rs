@@ -132,7 +132,6 @@ mod tests {
     use super::*;
     use crate::scene::library;
     use crate::study::Globals;
-    use crate::study::timing::camera;
 
     #[test]
     fn the_cached_reference_is_found_only_for_its_own_inputs() {
@@ -141,7 +140,7 @@ mod tests {
         let view = scene.views[0].clone();
         let globals = Globals { roughness: Some(0.0), ..Globals::default() };
         let materials = globals.materials(&scene, &view);
-        let camera = camera(&scene, &view, extent);
+        let camera = view.camera(&scene, extent);
         let cache = tempfile::tempdir().unwrap();
         let black = vec![[0.0; 3]; 32 * 18];
         let request = |reflections, materials, escape| ComparisonRequest {

@@ -321,7 +321,6 @@ impl Viewer {
             ray: self.ray.as_ref(),
             reference_error: &self.reference_error,
             reference_command: &command,
-            camera: state.camera.camera(state.view.lens.unwrap_or(self.scene.lens), 1.0),
             extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),
             shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.statuses[..])),
             counts: [self.frames, self.drawings, self.gpu.submissions()],

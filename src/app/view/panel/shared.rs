@@ -5,7 +5,7 @@ use crate::app::view::inspect::PickedRay;
 use crate::app::view::pictures::{FrameAnalysis, ImageInfo};
 use crate::app::view::reference_error::ReferenceComparison;
 use crate::app::view::reload::ShaderStatus;
-use crate::scene::{Camera, View};
+use crate::scene::View;
 use egui::{Color32, Rect, RichText, Sense, Ui};
 
 /// The data that the panel displays.
@@ -26,8 +26,6 @@ pub struct PanelData<'a> {
     pub reference_error: &'a ReferenceComparison,
     /// The command that would make the missing reference.
     pub reference_command: &'a str,
-    /// The camera.
-    pub camera: Camera,
     /// Width and height of the pictures, in pixels.
     pub extent: [u32; 2],
     /// The folder whose shaders are watched, and the status of each shader that has changed.

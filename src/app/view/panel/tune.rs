@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
         }
     }
     for i in 0..state.rendered().len() {
-        side(ui, state, i, data);
+        side(ui, state, i);
     }
     materials(ui, state);
     ui.add_space(8.0);

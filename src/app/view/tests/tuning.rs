@@ -2,12 +2,11 @@
 
 use super::super::input::Action;
 use super::super::inspect::WalkEnd;
-use super::super::panel::options::reads;
 use super::super::reload::ShaderWatch;
 use super::super::state::{Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
-use crate::methods::{METHODS, MethodInfo};
+use crate::methods::{METHODS, MethodInfo, parameters};
 use crate::passes::PathCode;
 use crate::passes::look::Compare;
 use crate::scene::path::CameraPath;
@@ -21,12 +20,22 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
     let another = [
-        ("preset", "author"),
         ("iterations", "3"),
         ("start-level", "4"),
+        ("cross-offset", "4"),
+        ("direction-tolerance", "1"),
+        ("march-stride", "0.02"),
+        ("march-steps", "2"),
+        ("march-increase", "4"),
+        ("search-steps", "0"),
+        ("search-decrease", "1"),
+        ("search-first", "8"),
+        ("search-tolerance", "1"),
         ("cone-samples", "1"),
+        ("cone-lengthened", "on"),
+        ("camera-fade", "0"),
         ("pixel-step", "7"),
-        ("distance-blur", ""),
+        ("distance-blur", "on"),
         ("chain-filter", "gaussian"),
         ("billboard-order", "nearest"),
         ("billboard-occlusion", "depth"),
@@ -35,14 +44,21 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("resolution-scale", "0.5"),
         ("march", "fixed"),
         ("poster-filter", "volume"),
-        ("march-stride", "0.02"),
-        ("split", ""),
+        ("edge-retries", "9"),
+        ("uniform-steps", "3"),
+        ("uniform-stride-min", "0.2"),
+        ("uniform-stride-max", "0.5"),
+        ("uniform-back", "1"),
+        ("mask-filter", "hardware"),
+        ("depth-sampling", "nearest"),
+        ("spreading-factor", "9"),
+        ("split", "on"),
         ("fade", "off"),
         ("fallback", "environment"),
         ("oracle", "2"),
     ];
-    let flags = Side::flags();
-    assert!(flags.iter().all(|f| another.iter().any(|(flag, _)| flag == f)), "{flags:?}");
+    let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
+    assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
     let frame = |bench: &mut Bench, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
         let side = Side::new(info, options.collect());
@@ -54,7 +70,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         (picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(), bench.viewer.passes(), images)
     };
     for info in METHODS {
-        let (read, not): (Vec<_>, Vec<_>) = another.into_iter().partition(|(flag, _)| reads(info, flag));
+        let (read, not): (Vec<_>, Vec<_>) =
+            another.into_iter().partition(|(name, _)| info.read().iter().any(|p| p.typed_name() == *name));
         let default = frame(&mut bench, info, &[]);
         assert!(frame(&mut bench, info, &not_refused(info, not)) == default, "{}: what it does not read", info.name);
         for option in read {
@@ -62,8 +79,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             if info.name == "billboard" {
                 continue;
             }
-            // With blurred distances, the colour chain is made.
-            let blurred = ("distance-blur", "");
+            // Where distances are blurred, the chain is made.
+            let blurred = ("distance-blur", "on");
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
                 _ => (vec![option], default.clone()),
