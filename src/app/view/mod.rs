@@ -23,7 +23,7 @@ mod tests;
 mod viewer;
 mod window;
 
-use super::cli::{Cli, CommonOptions, size};
+use super::cli::{CommonOptions, size};
 use super::parameters::choice;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -34,7 +34,7 @@ use crate::report::images;
 use crate::scene::path::CameraPath;
 use crate::scene::{Scene, View};
 use animation::Animation;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, ValueEnum};
 use path::PathEditor;
 use script::{Script, ScriptPlan};
 use setup::ViewerSetup;
@@ -217,7 +217,7 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
         // The method that the key `C` compares with until another one is chosen.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
-    let given = given(&std::env::args_os().collect::<Vec<_>>());
+    let given = given(&std::env::args_os().skip(1).collect::<Vec<_>>());
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
     match &sides[0].fault {
@@ -226,10 +226,10 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     }
 }
 
-/// The methods' options among the arguments of a command line.
+/// The methods' options among the arguments of `ssct view`, which begin with `view`.
 fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
-    let matches = Cli::command().try_get_matches_from(arguments).ok();
-    matches.as_ref().and_then(|m| m.subcommand_matches("view")).map(given_options).unwrap_or_default()
+    let command = ViewOptions::augment_args(clap::Command::new("view"));
+    command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
 fn state(options: &ViewOptions, scene: &Scene, view: View, globals: crate::study::Globals, sides: [Side; 2]) -> State {
