@@ -19,6 +19,7 @@ mod stress;
 mod study;
 mod time;
 mod time_captions;
+mod time_output;
 mod time_path;
 mod truth;
 #[cfg(feature = "window")]
