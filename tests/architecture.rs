@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A module of the crate's root, and those that it may import.
@@ -62,7 +62,7 @@ struct Source {
 fn code(text: &str) -> String {
     // `mod tests;` only names another file; what follows it is shipped.
     let opens_a_module =
-        |(at, attribute): &(usize, &str)| text[at + attribute.len()..].lines().next().unwrap().ends_with('{');
+        |(at, attribute): &(usize, &str)| text[at + attribute.len()..].lines().next().unwrap().contains('{');
     let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(at, _)| at);
     let shipped = &text[..end];
     shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
@@ -198,6 +198,30 @@ fn unsafe_code_stays_in_gpu() {
         found += 1;
     }
     assert!(found >= 5, "the word is found where it is");
+}
+
+#[test]
+fn no_commands_import_each_other_in_a_circle() {
+    let mut imports = BTreeMap::<String, BTreeSet<String>>::new();
+    for s in sources().iter().filter(|s| ![ALTERNATIVE, "app/mod.rs"].contains(&s.path.as_str())) {
+        let Some(path) = s.path.strip_prefix("app/") else { continue };
+        let module = path.split(['/', '.']).next().unwrap().to_owned();
+        let mut names = names_after(&s.code, "crate::app::");
+        if [format!("{module}.rs"), format!("{module}/mod.rs")].contains(&path.to_owned()) {
+            names.extend(names_after(&s.code, "super::"));
+        }
+        names.retain(|n| *n != module);
+        imports.entry(module).or_default().extend(names);
+    }
+    assert!(imports["view"].contains("cli"), "imports are found: {imports:?}");
+    // Remove modules that import no remaining module, one after another. Only circles remain.
+    let free = |left: &BTreeMap<String, BTreeSet<String>>| {
+        left.iter().find(|(_, names)| names.iter().all(|n| !left.contains_key(n))).map(|(module, _)| module.clone())
+    };
+    while let Some(module) = free(&imports) {
+        imports.remove(&module);
+    }
+    assert!(imports.is_empty(), "{imports:?}");
 }
 
 #[test]
