@@ -1,48 +1,10 @@
-//! The flags, each declared once. What they mean together is decided in `resolve`.
+//! The flags that several commands share, and those of most commands, each declared once. What they mean together is decided in `resolve`.
 
 use super::parameters::{MethodOptions, choice};
-use super::view::ViewOptions;
 use crate::report::figures::Figure;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
-
-/// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
-#[derive(Debug, Parser)]
-#[command(name = "ssct", version, about, propagate_version = true)]
-pub struct Cli {
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-/// The subcommands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// List what Vulkan offers here.
-    Devices(DevicesOptions),
-    /// Render one image.
-    Render(RenderOptions),
-    /// Time every pass on the GPU.
-    Time(TimeOptions),
-    /// Measure run time against error.
-    Error(ErrorOptions),
-    /// Try every method on G-buffers and cameras that break renderers.
-    Stress(StressOptions),
-    /// Write a G-buffer to a file, or run a method on one from any renderer.
-    #[command(subcommand, name = "gbuffer")]
-    GBuffer(GBufferCommand),
-    /// Render and time the built-in scenes, and write a page that shows it all.
-    Study(StudyOptions),
-    /// Make every figure of the theses, and a page that shows them.
-    Figures(FiguresOptions),
-    /// Fly through a scene in a window.
-    View(ViewOptions),
-    /// Write the ground truth for another renderer to check.
-    Truth(super::truth::TruthOptions),
-    /// Compare the times of two runs, or two images.
-    Compare(super::compare::CompareOptions),
-}
 
 /// Options of `ssct devices`.
 #[derive(Debug, Args)]

@@ -1,6 +1,7 @@
 //! The command: arguments, headless runs, exit status. The only place that prints.
 
 mod cli;
+mod command;
 mod compare;
 mod devices;
 mod error;
@@ -18,6 +19,7 @@ mod stress;
 mod study;
 mod time;
 mod time_captions;
+mod time_output;
 mod time_path;
 mod truth;
 #[cfg(feature = "window")]
@@ -28,7 +30,7 @@ mod view;
 
 use crate::error::Error;
 use clap::Parser;
-use cli::{Cli, Command};
+use command::{Cli, Command};
 use std::io::Write;
 use std::process::ExitCode;
 

@@ -2,15 +2,14 @@
 
 use super::cli::{Table, TimeOptions};
 use super::run::Run;
+use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Gpu};
 use crate::methods::{self, METHODS};
 use crate::report::{files, plot, tables};
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
-use std::io::Write;
 
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
@@ -43,7 +42,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = timing::records(&spec, &run.journal);
 
-    let written = Written {
+    let written = TimeOutput {
         stem: "time",
         json: files::json(&records),
         samples: ("time-samples.csv", files::samples_csv(&records)),
@@ -51,51 +50,6 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         text: text(&records, table),
     };
     written.conclude(options, run, outcome, &gpu)
-}
-
-/// What a measurement leaves.
-pub struct Written {
-    /// Of the file names.
-    pub stem: &'static str,
-    /// Records.
-    pub json: String,
-    /// Every sample: file name and CSV.
-    pub samples: (&'static str, String),
-    /// SVG.
-    pub plot: String,
-    /// For a terminal.
-    pub text: String,
-}
-
-impl Written {
-    /// The end of a run, by itself or not: what was measured is written and printed, and only then is said
-    /// what ended it.
-    pub fn conclude(&self, options: &TimeOptions, run: Run, outcome: Result<()>, gpu: &Gpu) -> anyhow::Result<()> {
-        let wrote = self.out(options);
-        run.ended(outcome)?;
-        wrote?;
-        run.finish()?;
-        Ok(gpu.check_validation()?)
-    }
-
-    /// Writes the files, if a folder is asked for, and prints the records or the text.
-    fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
-        if let Some(folder) = &options.output {
-            let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
-            files::write(&named("json"), self.json.as_bytes())?;
-            files::write(&folder.join(self.samples.0), self.samples.1.as_bytes())?;
-            files::write(&named("svg"), self.plot.as_bytes())?;
-            files::write(&named("txt"), self.text.as_bytes())?;
-        }
-        let shown = if options.json { &self.json } else { &self.text };
-        std::io::stdout().lock().write_all(shown.as_bytes())?;
-        Ok(())
-    }
-}
-
-/// The device of some records, as a line.
-pub fn device_line(device: &DeviceInfo) -> String {
-    format!("{} ({}, {})\n", device.name, device.kind, device.driver)
 }
 
 fn text(records: &[TimeRecord], table: bool) -> String {

@@ -2,7 +2,7 @@
 
 use super::cli::TimeOptions;
 use super::run::Run;
-use super::time::{Written, device_line};
+use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::methods;
 use crate::report::{files, path_report};
@@ -36,7 +36,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = records(&spec, &run.journal);
 
-    let written = Written {
+    let written = TimeOutput {
         stem: "path",
         json: files::json(&records),
         samples: ("path-frames.csv", path_report::frames_csv(&records)),

@@ -1,6 +1,9 @@
 //! The import rules and the other invariants of the architecture, read off the sources: imports point
 //! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder.
 
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// A module of the crate's root, and those that it may import.
@@ -42,15 +45,26 @@ const ONLY_IN: &[(&str, &[&str])] = &[
     (".end_label(", &["gpu/frame.rs"]),
 ];
 
+/// Names that stand for two public types or more. When the types of an entry are renamed, the entry must go.
+const SHARED_TYPE_NAMES: &[&str] =
+    &["Block", "Compared", "Parameters", "Picture", "Place", "Run", "Sample", "Side", "State", "Strip", "View"];
+
+/// This file replaces the module `app::view` where the window is not built, so its types have the same names.
+const ALTERNATIVE: &str = "app/no_view.rs";
+
 /// A source file: its path under `src/`, and its code without comments and unit tests.
 struct Source {
     path: String,
     code: String,
 }
 
-/// Comments and the unit tests at a file's end, which may import what they like, left out.
+/// The code without comments and without the unit tests at a file's end, which may import anything.
 fn code(text: &str) -> String {
-    let shipped = text.split("#[cfg(test)]\nmod ").next().unwrap();
+    // `mod tests;` only names another file; what follows it is shipped.
+    let opens_a_module =
+        |(at, attribute): &(usize, &str)| text[at + attribute.len()..].lines().next().unwrap().contains('{');
+    let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(at, _)| at);
+    let shipped = &text[..end];
     shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
 }
 
@@ -116,6 +130,18 @@ fn wrong_imports(path: &str, code: &str) -> Vec<String> {
     names_after(code, prefix).into_iter().filter(wrong).map(|n| format!("{path} imports {n}")).collect()
 }
 
+/// The types and traits that a file declares with `pub`, with or without a scope.
+fn public_types(code: &str) -> Vec<String> {
+    let declared = |line: &str| {
+        let line = line.trim_start().strip_prefix("pub")?;
+        let line = line.strip_prefix('(').map_or(Some(line), |scope| Some(scope.split_once(')')?.1))?;
+        let (kind, name) = line.trim_start().split_once(' ')?;
+        let name: String = name.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        ["struct", "enum", "trait", "type"].contains(&kind).then_some(name)
+    };
+    code.lines().filter_map(declared).collect()
+}
+
 /// The sibling passes that a pass imports.
 fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
     let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
@@ -175,6 +201,43 @@ fn unsafe_code_stays_in_gpu() {
 }
 
 #[test]
+fn no_commands_import_each_other_in_a_circle() {
+    let mut imports = BTreeMap::<String, BTreeSet<String>>::new();
+    for s in sources().iter().filter(|s| ![ALTERNATIVE, "app/mod.rs"].contains(&s.path.as_str())) {
+        let Some(path) = s.path.strip_prefix("app/") else { continue };
+        let module = path.split(['/', '.']).next().unwrap().to_owned();
+        let mut names = names_after(&s.code, "crate::app::");
+        if [format!("{module}.rs"), format!("{module}/mod.rs")].contains(&path.to_owned()) {
+            names.extend(names_after(&s.code, "super::"));
+        }
+        names.retain(|n| *n != module);
+        imports.entry(module).or_default().extend(names);
+    }
+    assert!(imports["view"].contains("cli"), "imports are found: {imports:?}");
+    // Remove modules that import no remaining module, one after another. Only circles remain.
+    let free = |left: &BTreeMap<String, BTreeSet<String>>| {
+        left.iter().find(|(_, names)| names.iter().all(|n| !left.contains_key(n))).map(|(module, _)| module.clone())
+    };
+    while let Some(module) = free(&imports) {
+        imports.remove(&module);
+    }
+    assert!(imports.is_empty(), "{imports:?}");
+}
+
+#[test]
+fn a_public_type_name_means_one_thing() {
+    let mut declared = BTreeMap::<String, Vec<String>>::new();
+    for s in sources().iter().filter(|s| s.path != ALTERNATIVE) {
+        for name in public_types(&s.code) {
+            declared.entry(name).or_default().push(s.path.clone());
+        }
+    }
+    declared.retain(|_, files| files.len() > 1);
+    let shared: Vec<&String> = declared.keys().collect();
+    assert_eq!(shared, SHARED_TYPE_NAMES, "declared twice: {declared:?}");
+}
+
+#[test]
 fn only_the_command_prints() {
     for s in sources().iter().filter(|s| !s.path.starts_with("app/")) {
         for word in ["println!", "print!(", "dbg!(", "stdout()"] {
@@ -193,6 +256,10 @@ fn the_scan_sees_what_it_should() {
     assert_eq!(wrong_imports("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
     assert_eq!(wrong_imports("main.rs", "ssct::app::run(); ssct::gpu::x();"), ["main.rs imports gpu"]);
     assert_eq!(wrong_imports("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
+    assert_eq!(code("a\n#[cfg(test)]\nmod tests;\nb\n#[cfg(test)]\nmod tests {\n}"), "a\n#[cfg(test)]\nmod tests;\nb");
+    let types =
+        "pub struct A;\n    pub(in crate::gpu) enum B {\npub type C<T> = T;\npub a: u32,\nstruct D;\npub fn e() {}";
+    assert_eq!(public_types(types), ["A", "B", "C"]);
     let passes = ["hi_z".to_owned()];
     assert_eq!(wrong_siblings("passes/cone.rs", "use super::{HiZ, hi_z::X};", &passes).len(), 1);
     assert_eq!(wrong_siblings("passes/cone.rs", "use crate::passes::hi_z;", &passes).len(), 1);

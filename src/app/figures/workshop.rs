@@ -1,7 +1,7 @@
 //! Renders the pictures of figures: the arguments of `ssct render` become pictures, while the scene stays on
 //! the device between them. The command that a page prints for a picture is therefore the one that made it.
 
-use crate::app::cli::{Cli, Command, RenderOptions};
+use crate::app::cli::RenderOptions;
 use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -23,18 +23,21 @@ struct Loaded {
     stage: Stage,
 }
 
+/// An `ssct render` by itself.
+#[derive(Parser)]
+struct Render {
+    #[command(flatten)]
+    options: RenderOptions,
+}
+
 /// Parses the options of an `ssct render` without its `-o`.
 pub fn parse(arguments: &str) -> Result<RenderOptions> {
-    let words = ["ssct", "render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
-    match Cli::try_parse_from(words).map(|c| c.command) {
-        Ok(Command::Render(options)) => Ok(options),
-        Ok(_) => Err(Error::Usage(format!("{arguments}: renders nothing"))),
-        Err(e) => {
-            let text = e.to_string();
-            let line = text.lines().next().unwrap_or_default();
-            Err(Error::Usage(line.trim_start_matches("error: ").to_owned()))
-        }
-    }
+    let words = ["render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
+    Render::try_parse_from(words).map(|render| render.options).map_err(|e| {
+        let text = e.to_string();
+        let line = text.lines().next().unwrap_or_default();
+        Error::Usage(line.trim_start_matches("error: ").to_owned())
+    })
 }
 
 /// What this program lacks to render with the given arguments: an option, a method or a scene.

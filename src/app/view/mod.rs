@@ -23,7 +23,7 @@ mod tests;
 mod viewer;
 mod window;
 
-use super::cli::{Cli, CommonOptions, size};
+use super::cli::{CommonOptions, size};
 use super::parameters::choice;
 use super::resolve;
 use crate::error::{Error, Result};
@@ -34,7 +34,7 @@ use crate::report::images;
 use crate::scene::path::CameraPath;
 use crate::scene::{Scene, View};
 use animation::Animation;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, ValueEnum};
 use path::PathEditor;
 use script::{Script, ScriptPlan};
 use setup::ViewerSetup;
@@ -79,7 +79,7 @@ pub struct ViewOptions {
     /// Width and height of the picture in pixels; the panel stands beside it.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
-    /// What of the panel is open.
+    /// The part of the panel that is open.
     #[arg(long, value_enum, default_value_t)]
     pub panel: Tab,
     /// Show an intermediate, or the heat map `steps`, instead of the finished image.
@@ -88,10 +88,10 @@ pub struct ViewOptions {
     /// The pixel whose ray is drawn; for `--panel ray`.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pick: Option<[u32; 2]>,
-    /// Key frames of the camera (the file of `ssct time --path`); with --frames the frames follow them.
+    /// Key frames of the camera, in a file as for `ssct time --path`; with --frames, the frames follow them.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// ShaderWatch shaders here; without it, in ./shaders-glsl if that is there.
+    /// The folder of shaders to watch; without it, ./shaders-glsl if there is one.
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
@@ -100,13 +100,13 @@ pub struct ViewOptions {
     /// Show N frames, take no input, and quit.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Write what is seen after the frames: .png (the window) or .exr (the picture alone, linear).
+    /// Write what is shown after the frames: .png (the window) or .exr (the picture alone, linear).
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub screenshot: Option<PathBuf>,
     /// Write the frames as an animated .gif.
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub animation: Option<PathBuf>,
-    /// After the frames stay open so long, and take input.
+    /// After the frames, stay open for this time and take input.
     #[arg(long, value_name = "SECONDS", requires = "frames", value_parser = seconds)]
     pub stay: Option<Duration>,
     /// Print what was shown and submitted, as JSON.
@@ -217,7 +217,7 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
         // The method that the key `C` compares with until another one is chosen.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
-    let given = given(&std::env::args_os().collect::<Vec<_>>());
+    let given = given(&std::env::args_os().skip(1).collect::<Vec<_>>());
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
     match &sides[0].fault {
@@ -226,10 +226,10 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     }
 }
 
-/// The methods' options among the arguments of a command line.
+/// The methods' options among the arguments of `ssct view`, which begin with `view`.
 fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
-    let matches = Cli::command().try_get_matches_from(arguments).ok();
-    matches.as_ref().and_then(|m| m.subcommand_matches("view")).map(given_options).unwrap_or_default()
+    let command = ViewOptions::augment_args(clap::Command::new("view"));
+    command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
 fn state(options: &ViewOptions, scene: &Scene, view: View, globals: crate::study::Globals, sides: [Side; 2]) -> State {
