@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc clean
+.PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
 all: build
 
@@ -78,6 +78,10 @@ bench: setup
 
 view: build
 	"$(BIN)" view
+
+# The tables and numbers in README.md and docs/, from the records under benches/runs.
+docs: setup
+	SSCT_WRITE_DOCS=1 $(CARGO) test --test docs -- records_say
 
 doc: setup
 	$(CARGO) doc --no-deps --open

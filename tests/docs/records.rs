@@ -1,0 +1,576 @@
+//! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
+
+use serde_json::Value;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+type Result<T> = std::result::Result<T, String>;
+
+/// A row of a CSV file or an object of a JSON file, by field.
+type Row = BTreeMap<String, String>;
+
+/// Roughness values of the studies, as their CSV files write them.
+pub const ROUGHNESS: [&str; 5] = ["0.0", "0.05", "0.1", "0.3", "0.6"];
+
+/// The answer to a query about some folders: a table in Markdown, which has several lines, or a number.
+pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
+    let words: Vec<&str> = query.split(' ').collect();
+    let [first, ..] = folders else { return Err("no records are named".to_owned()) };
+    let text = match words[..] {
+        ["headline"] => headline(first)?,
+        ["times", size] => times(first, size)?,
+        ["errors"] => errors(first)?,
+        ["slowest", method] => slowest(first, method)?,
+        ["least-agreement"] => least_agreement(first)?,
+        ["versions"] => versions(folders)?,
+        ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
+        ["methods"] => methods(first)?,
+        ["by-roughness"] => by_roughness(first)?,
+        ["hits"] => hits(first)?,
+        ["better-than", method] => better_than(first, method)?,
+        ["table-5.8"] => table_5_8(first)?,
+        ["sslr"] => sslr(first)?,
+        ["table-5.8-range"] => table_5_8_range(first)?,
+        ["wrong-rays"] => wrong_rays(folders)?,
+        ["why-wrong", scene, view, size] => why_wrong(first, scene, view, size)?,
+        ["need"] => need(first)?,
+        ["stress"] => stress(first)?,
+        ["stress-cases"] => stress_cases(first)?,
+        ["stress-compared", method] => stress_hits(first, method)?.0,
+        ["stress-wrong", method] => stress_hits(first, method)?.1,
+        ["precision"] => precision(first)?,
+        ["commit"] => commit(first)?,
+        _ => return Err(format!("nothing is called {query:?}")),
+    };
+    Ok(text)
+}
+
+/// Rows of a CSV file; lines that begin with # are comments.
+fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
+    let path = folder.join(file);
+    let at = |e: csv::Error| format!("{}: {e}", path.display());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(at)?;
+    let head = reader.headers().map_err(at)?.clone();
+    let row =
+        |record: csv::StringRecord| head.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
+    reader.records().map(|r| r.map(row).map_err(at)).collect()
+}
+
+fn json(folder: &Path, file: &str) -> Result<Vec<Value>> {
+    let path = folder.join(file);
+    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn text(folder: &Path, file: &str) -> Result<String> {
+    let path = folder.join(file);
+    fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+fn number(row: &Row, field: &str) -> Result<f64> {
+    let value = row.get(field).ok_or_else(|| format!("no field {field}"))?;
+    value.parse().map_err(|_| format!("{field} is {value:?}, not a number"))
+}
+
+/// A Markdown table.
+fn table(head: &[&str], rows: Vec<Vec<String>>) -> Result<String> {
+    if rows.is_empty() {
+        return Err("the table would be empty".to_owned());
+    }
+    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
+    let head: Vec<String> = head.iter().map(|h| (*h).to_owned()).collect();
+    let rule = format!("|{}\n", "---|".repeat(head.len()));
+    Ok(line(&head) + &rule + &rows.iter().map(|r| line(r)).collect::<String>())
+}
+
+/// Median; of an even number, the mean of the middle two.
+pub fn median(values: &[f64]) -> Result<f64> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.len() {
+        0 => Err("nothing to take the median of".to_owned()),
+        n => Ok((sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0),
+    }
+}
+
+fn mean(values: &[f64]) -> Result<f64> {
+    if values.is_empty() {
+        Err("nothing to take the mean of".to_owned())
+    } else {
+        Ok(values.iter().sum::<f64>() / values.len() as f64)
+    }
+}
+
+fn least(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+fn greatest(values: &[f64]) -> f64 {
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Two decimals, or three for what is small.
+fn ratio(value: f64) -> String {
+    if value < 0.02 { format!("{value:.3}") } else { format!("{value:.2}") }
+}
+
+/// Median and, in brackets, the greatest.
+fn median_and_greatest(values: &[f64]) -> Result<String> {
+    Ok(format!("{} ({})", ratio(median(values)?), ratio(greatest(values))))
+}
+
+/// Median and, in brackets, the least and the greatest.
+fn median_and_range(values: &[f64]) -> Result<String> {
+    Ok(format!("{:.2} ({:.2} to {:.2})", median(values)?, least(values), greatest(values)))
+}
+
+fn percent(share: f64, decimals: usize) -> String {
+    format!("{:.decimals$} %", 100.0 * share)
+}
+
+/// Digits in groups of three.
+fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let parts = digits.as_bytes().rchunks(3).rev().map(|part| String::from_utf8_lossy(part).into_owned());
+    parts.collect::<Vec<_>>().join(",")
+}
+
+fn shortest(roughness: &str) -> String {
+    roughness.trim_end_matches(".0").to_owned()
+}
+
+/// A view at a roughness, of the records of `scripts/bars.sh`.
+pub type Cell = (String, String, String);
+
+fn cell(row: &Row) -> Cell {
+    (row["scene"].clone(), row["view"].clone(), row["roughness"].clone())
+}
+
+/// Median times by cell and method, of a size.
+pub fn bars_times(folder: &Path, size: &str) -> Result<BTreeMap<Cell, BTreeMap<String, f64>>> {
+    let mut times: BTreeMap<Cell, BTreeMap<String, f64>> = BTreeMap::new();
+    for row in csv(folder, "times.csv")?.iter().filter(|r| format!("{}x{}", r["width"], r["height"]) == size) {
+        times.entry(cell(row)).or_default().insert(row["method"].clone(), number(row, "median_ms")?);
+    }
+    if times.is_empty() { Err(format!("no times at {size}")) } else { Ok(times) }
+}
+
+/// RMSE by cell, method and reference; against the screen with the reference's own variance taken off.
+pub fn bars_errors(folder: &Path) -> Result<BTreeMap<Cell, BTreeMap<(String, String), f64>>> {
+    let mut errors: BTreeMap<Cell, BTreeMap<(String, String), f64>> = BTreeMap::new();
+    for row in csv(folder, "errors.csv")?.iter().filter(|r| r["against"] != "oracle") {
+        let (rmse, noise) = (number(row, "rmse")?, number(row, "standard_error")?);
+        let rmse = if row["against"] == "screen" { (rmse * rmse - noise * noise).max(0.0).sqrt() } else { rmse };
+        errors.entry(cell(row)).or_default().insert((row["method"].clone(), row["against"].clone()), rmse);
+    }
+    Ok(errors)
+}
+
+/// Time of `unified` over that of a method, at a roughness, for each view.
+fn times_over(folder: &Path, size: &str, roughness: &str, method: &str) -> Result<Vec<f64>> {
+    let times = bars_times(folder, size)?;
+    let here = times.iter().filter(|((.., r), _)| r == roughness);
+    here.map(|(_, t)| {
+        let of = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
+        Ok(of("unified")? / of(method)?)
+    })
+    .collect()
+}
+
+/// Error of a method over that of another, each against a reference, at a roughness, for each view.
+fn errors_over(folder: &Path, roughness: &str, of: (&str, &str), over: (&str, &str)) -> Result<Vec<f64>> {
+    let errors = bars_errors(folder)?;
+    let here = errors.iter().filter(|((.., r), _)| r == roughness);
+    here.map(|(_, e)| {
+        let one = |(method, against): (&str, &str)| {
+            e.get(&(method.to_owned(), against.to_owned())).copied().ok_or_else(|| format!("no {method}, {against}"))
+        };
+        Ok(one(of)? / one(over)?)
+    })
+    .collect()
+}
+
+fn headline(folder: &Path) -> Result<String> {
+    let row = |roughness: &&str| {
+        let time = |method| median_and_greatest(&times_over(folder, "960x540", roughness, method)?);
+        let rmse = errors_over(folder, roughness, ("unified", "screen"), ("ssct", "screen"))?;
+        Ok(vec![shortest(roughness), time("ssct")?, time("hzct")?, median_and_greatest(&rmse)?])
+    };
+    let rows = ROUGHNESS.iter().map(row).collect::<Result<_>>()?;
+    table(&["roughness", "time over `ssct`", "time over `hzct`", "error over `ssct`"], rows)
+}
+
+fn times(folder: &Path, size: &str) -> Result<String> {
+    let row = |roughness: &&str| {
+        let time = |method| median_and_range(&times_over(folder, size, roughness, method)?);
+        Ok(vec![shortest(roughness), time("ssct")?, time("hzct")?])
+    };
+    table(&["roughness", "time over `ssct`", "time over `hzct`"], ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
+}
+
+fn errors(folder: &Path) -> Result<String> {
+    let row = |roughness: &&str| {
+        let screen = errors_over(folder, roughness, ("unified", "screen"), ("ssct", "screen"))?;
+        let world = errors_over(folder, roughness, ("unified", "world"), ("ssct", "world"))?;
+        let reach = errors_over(folder, roughness, ("unified", "world"), ("screen-reference", "world"))?;
+        let range = |v: &[f64]| {
+            Ok::<_, String>(format!("{} ({} to {})", ratio(median(v)?), ratio(least(v)), ratio(greatest(v))))
+        };
+        Ok(vec![shortest(roughness), range(&screen)?, range(&world)?, range(&reach)?])
+    };
+    let head = [
+        "roughness",
+        "against the screen, over `ssct`",
+        "against the world, over `ssct`",
+        "against the world, over the screen reference's",
+    ];
+    table(&head, ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// The greatest time of `unified` over a method's, of all sizes, views and roughness values.
+fn slowest(folder: &Path, method: &str) -> Result<String> {
+    let mut all = Vec::new();
+    for size in ["960x540", "641x479"] {
+        for roughness in ROUGHNESS {
+            all.extend(times_over(folder, size, roughness, method)?);
+        }
+    }
+    Ok(ratio(greatest(&all)))
+}
+
+fn least_agreement(folder: &Path) -> Result<String> {
+    let rows = csv(folder, "errors.csv")?;
+    let of_unified = rows.iter().filter(|r| r["method"] == "unified" && r["against"] == "oracle");
+    let agreement = of_unified.map(|r| number(r, "hit_agreement")).collect::<Result<Vec<_>>>()?;
+    median(&agreement)?;
+    // Rounded down, so that it holds.
+    Ok(format!("{:.4} %", (1e6 * least(&agreement)).floor() / 1e4))
+}
+
+/// `unified` by version 2 of the oracle over version 1: times (over `ssct`'s, medians) and the error against the world.
+fn versions(folders: &[PathBuf]) -> Result<String> {
+    let [first, second] = folders else { return Err("the records of two versions are compared".to_owned()) };
+    let (one, two) = (bars_errors(first)?, bars_errors(second)?);
+    let row = |roughness: &&str| {
+        let time = |size| {
+            let over = |folder| median(&times_over(folder, size, roughness, "ssct")?);
+            Ok::<_, String>(ratio(over(second)? / over(first)?))
+        };
+        let world = ("unified".to_owned(), "world".to_owned());
+        let cells = one.iter().filter(|((.., r), _)| r == roughness);
+        let error =
+            cells.filter_map(|(cell, e)| Some(two.get(cell)?.get(&world)? / e.get(&world)?)).collect::<Vec<_>>();
+        Ok(vec![shortest(roughness), time("960x540")?, time("641x479")?, median_and_range(&error)?])
+    };
+    let head = ["roughness", "time, 960×540", "time, 641×479", "error against the world"];
+    table(&head, ROUGHNESS.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// Least and greatest time of a method over another's, of the views of a scene: medians over the roughness values.
+fn range(folder: &Path, scene: &str, size: &str, method: &str, over: &str) -> Result<String> {
+    let mut views: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+    for ((_, view, _), t) in bars_times(folder, size)?.into_iter().filter(|((s, ..), _)| s == scene) {
+        let of = |m: &str| t.get(m).copied().ok_or_else(|| format!("no time of {m}"));
+        views.entry(view).or_default().push(of(method)? / of(over)?);
+    }
+    let medians = views.values().map(|v| median(v)).collect::<Result<Vec<_>>>()?;
+    median(&medians)?;
+    Ok(format!("{:.2} to {:.2}", least(&medians), greatest(&medians)))
+}
+
+/// Records of `ssct error` of methods as they are without a flag: at full resolution, by version 1 of the oracle.
+fn plain_errors(folder: &Path) -> Result<Vec<Value>> {
+    let all = json(folder, "error.json")?;
+    let usual = all.first().map(|r| r["params"].clone()).ok_or("no records")?;
+    let is_plain = |r: &Value| {
+        let is_full = r["resolution_scale"].as_f64().is_none_or(|s| s == 1.0);
+        is_full && r["preset"] == "published" && r["oracle"].is_null() && r["params"] == usual
+    };
+    Ok(all.into_iter().filter(is_plain).collect())
+}
+
+fn figures(records: &[Value], method: &str, against: &str, roughness: &str, field: &str) -> Vec<f64> {
+    let wanted: f64 = roughness.parse().unwrap_or(f64::NAN);
+    let of = records.iter().filter(|r| r["method"] == method && r["against"] == against);
+    of.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6))
+        .filter_map(|r| r[field].as_f64())
+        .collect()
+}
+
+/// Median RMSE, or a dash where there is none.
+fn rmse(records: &[Value], method: &str, against: &str, roughness: &str, decimals: usize) -> String {
+    let values = figures(records, method, against, roughness, "rmse");
+    median(&values).map_or("–".to_owned(), |m| format!("{m:.decimals$}"))
+}
+
+/// The names of a field in the order in which they first appear.
+fn names(records: &[Value], field: &str) -> Vec<String> {
+    let mut seen = BTreeSet::new();
+    let all = records.iter().filter_map(|r| r[field].as_str());
+    all.filter(|n| seen.insert((*n).to_owned())).map(str::to_owned).collect()
+}
+
+fn methods(folder: &Path) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let time = |method: &str| -> Vec<f64> {
+        let timed = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
+        timed.filter_map(|r| r["time_ms"].as_f64()).collect()
+    };
+    let ssct = median(&time("ssct"))?;
+    let mut rows = Vec::new();
+    for method in names(&records, "method") {
+        let Ok(ms) = median(&time(&method)) else { continue };
+        let agreement = mean(&figures(&records, &method, "oracle", "0", "hit_agreement"));
+        let mut row =
+            vec![format!("`{method}`"), ratio(ms / ssct), agreement.map_or("–".to_owned(), |a| percent(a, 1))];
+        for against in ["screen", "world"] {
+            row.extend(["0", "0.1"].map(|r| rmse(&records, &method, against, r, 3)));
+        }
+        rows.push(row);
+    }
+    let head =
+        ["method", "time over `ssct`", "right hits", "screen, ϱ 0", "screen, ϱ 0.1", "world, ϱ 0", "world, ϱ 0.1"];
+    table(&head, rows)
+}
+
+fn by_roughness(folder: &Path) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let row = |method: &str, against: &str| {
+        let errors = ROUGHNESS.map(|r| rmse(&records, method, against, r, 4));
+        [format!("`{method}`"), against.to_owned()].into_iter().chain(errors).collect::<Vec<_>>()
+    };
+    let mut rows = Vec::new();
+    for method in ["ssct", "hzct", "exact-hits+cone", "unified", "screen-reference"] {
+        let of = ["screen", "world"].map(|against| row(method, against));
+        rows.extend(of.into_iter().filter(|row| row.iter().any(|c| c.contains('.'))));
+    }
+    table(&["what", "against the", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], rows)
+}
+
+/// How hits of mirrors compare with the oracle's, mean over the views.
+fn hits(folder: &Path) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let mut rows = Vec::new();
+    for method in names(&records, "method") {
+        let share = |field| mean(&figures(&records, &method, "oracle", "0", field)).map(|s| percent(s, 1));
+        let Ok(agree) = share("hit_agreement") else { continue };
+        rows.push(vec![format!("`{method}`"), agree, share("false")?, share("missed")?, share("displaced")?]);
+    }
+    table(&["method", "right", "false", "missed", "displaced"], rows)
+}
+
+/// In how many cells of how many another method, at any setting, is both faster and nearer to the screen reference.
+fn better_than(folder: &Path, method: &str) -> Result<String> {
+    let all = json(folder, "error.json")?;
+    let plain = plain_errors(folder)?;
+    let point = |r: &Value| Some((r["time_ms"].as_f64()?, r["rmse"].as_f64()?));
+    let (mut cells, mut beaten) = (0, 0);
+    for own in plain.iter().filter(|r| r["method"] == method && r["against"] == "screen") {
+        let (ms, rmse) = point(own).ok_or("a record without a time or an error")?;
+        let same = |r: &&Value| ["against", "view", "roughness", "width"].iter().all(|f| r[f] == own[f]);
+        let others = all.iter().filter(same).filter(|r| r["method"] != method).filter_map(point);
+        cells += 1;
+        beaten += u32::from(others.into_iter().any(|(t, e)| t < ms && e < rmse));
+    }
+    if cells == 0 { Err(format!("no {method}")) } else { Ok(format!("{beaten} of {cells}")) }
+}
+
+/// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other.
+fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
+    let text = text(folder, "time.txt")?;
+    let mut rows = Vec::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [width, "x", height, rest @ ..] = &words[..] else { continue };
+        if rest.len() != 11 {
+            return Err(format!("a row of {} columns in {}/time.txt", rest.len(), folder.display()));
+        }
+        rows.push([format!("{width}×{height}")].into_iter().chain(rest.iter().map(|w| (*w).to_owned())).collect());
+    }
+    Ok(rows)
+}
+
+fn table_5_8(folder: &Path) -> Result<String> {
+    let columns = [0, 1, 2, 3, 4, 5, 8, 9];
+    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
+    let head = [
+        "size",
+        "ϱ",
+        "SSCT, thesis, ms",
+        "SSCT, here, ms",
+        "HZCT, thesis, ms",
+        "HZCT, here, ms",
+        "HZCT/SSCT, thesis",
+        "HZCT/SSCT, here",
+    ];
+    table(&head, rows)
+}
+
+fn sslr(folder: &Path) -> Result<String> {
+    let columns = [0, 1, 6, 7, 10, 11];
+    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
+    table(&["size", "ϱ", "SSLR, thesis, ms", "SSLR, here, ms", "SSLR/SSCT, thesis", "SSLR/SSCT, here"], rows)
+}
+
+/// Least and greatest HZCT/SSCT that was measured.
+fn table_5_8_range(folder: &Path) -> Result<String> {
+    let ratios =
+        rows_5_8(folder)?.iter().map(|r| r[9].parse::<f64>().map_err(|e| e.to_string())).collect::<Result<Vec<_>>>()?;
+    median(&ratios)?;
+    Ok(format!("{:.2} to {:.2}", least(&ratios), greatest(&ratios)))
+}
+
+/// The mirror rays that `unified` shows wrongly over those that `ssct` does, median and greatest over the views that
+/// the second folder has times of.
+fn wrong_rays(folders: &[PathBuf]) -> Result<String> {
+    let [truth, bars] = folders else { return Err("views of the one folder are chosen by the other".to_owned()) };
+    let times = bars_times(bars, "960x540")?;
+    let views: BTreeSet<_> = times.keys().map(|(scene, view, _)| (scene.clone(), view.clone())).collect();
+    let all = csv(truth, "truth.csv")?;
+    let mut rows = Vec::new();
+    for size in ["960x540", "641x479"] {
+        for oracle in ["1", "2"] {
+            let here = all.iter().filter(|r| r["size"] == size && r["oracle"] == oracle);
+            let chosen = here.filter(|r| views.contains(&(r["scene"].clone(), r["view"].clone())));
+            let over = chosen.map(|r| Ok(number(r, "wrong")? / number(r, "ssct")?)).collect::<Result<Vec<_>>>()?;
+            rows.push(vec![size.replace('x', "×"), oracle.to_owned(), median_and_greatest(&over)?]);
+        }
+    }
+    table(&["size", "version of the oracle", "wrong rays, over those of `ssct`"], rows)
+}
+
+fn why_wrong(folder: &Path, scene: &str, view: &str, size: &str) -> Result<String> {
+    let all = csv(folder, "truth.csv")?;
+    let here = all.iter().filter(|r| r["scene"] == scene && r["view"] == view && r["size"] == size);
+    let fields = ["wrong", "false_side", "false_front", "displaced", "missed", "least"];
+    let row = |r: &Row| {
+        let shares = fields.iter().map(|f| Ok(percent(number(r, f)?, 1))).collect::<Result<Vec<_>>>()?;
+        let over = ratio(number(r, "wrong")? / number(r, "ssct")?);
+        Ok([r["oracle"].clone(), over].into_iter().chain(shares).collect())
+    };
+    let head = [
+        "version",
+        "wrong, over `ssct`",
+        "wrong",
+        "false, on a side",
+        "false, on a front",
+        "displaced",
+        "missed",
+        "wrong at best",
+    ];
+    table(&head, here.map(row).collect::<Result<_>>()?)
+}
+
+fn need(folder: &Path) -> Result<String> {
+    let all = csv(folder, "need.csv")?;
+    let fields = ["need", "fixed", "covered", "growth", "cells", "block_cells"];
+    let row = |r: &Row| {
+        let ratios = fields.iter().map(|f| Ok(format!("{:.2}", number(r, f)?))).collect::<Result<Vec<_>>>()?;
+        Ok([r["roughness"].clone()].into_iter().chain(ratios).collect())
+    };
+    let medians = all.iter().filter(|r| r["view"] == "median");
+    let head = [
+        "roughness",
+        "time of a tenth",
+        "of it the same for any share",
+        "pixels covered",
+        "growth of time",
+        "growth of cells",
+        "growth of cells in step",
+    ];
+    table(&head, medians.map(row).collect::<Result<_>>()?)
+}
+
+/// Cases of the stress suite by method, in the order of the records.
+fn stress_rows(folder: &Path) -> Result<Vec<(String, Vec<Row>)>> {
+    let mut methods: Vec<(String, Vec<Row>)> = Vec::new();
+    for row in csv(folder, "stress.csv")? {
+        let name = row["method"].clone();
+        match methods.iter_mut().find(|(m, _)| *m == name) {
+            Some((_, rows)) => rows.push(row),
+            None => methods.push((name, vec![row])),
+        }
+    }
+    Ok(methods)
+}
+
+fn count(row: &Row, field: &str) -> u64 {
+    row.get(field).and_then(|v| v.parse().ok()).unwrap_or(0)
+}
+
+/// Hits that were compared, and those that are not the oracle's.
+fn compared(rows: &[Row]) -> Result<(u64, u64)> {
+    let (mut all, mut wrong) = (0, 0);
+    for row in rows.iter().filter(|r| !r["hit_agreement"].is_empty()) {
+        let n = count(row, "compared");
+        all += n;
+        wrong += n - (number(row, "hit_agreement")? * n as f64).round() as u64;
+    }
+    Ok((all, wrong))
+}
+
+fn stress(folder: &Path) -> Result<String> {
+    let mut rows = Vec::new();
+    for (method, cases) in stress_rows(folder)? {
+        let passed = cases.iter().filter(|r| r["pass"].eq_ignore_ascii_case("true")).count();
+        let bad = ["nan", "inf", "negative", "exhausted"]
+            .map(|field| cases.iter().filter(|r| count(r, field) > 0).count().to_string());
+        let (all, wrong) = compared(&cases)?;
+        let right = if all == 0 { "–".to_owned() } else { percent(1.0 - wrong as f64 / all as f64, 2) };
+        let head = [format!("`{method}`"), cases.len().to_string(), passed.to_string()];
+        rows.push(head.into_iter().chain(bad).chain([right]).collect());
+    }
+    table(&["method", "cases", "passed", "with NaN", "infinite", "negative", "exhausted", "right hits"], rows)
+}
+
+/// How many cases the method with most of them has.
+fn stress_cases(folder: &Path) -> Result<String> {
+    let most = stress_rows(folder)?.iter().map(|(_, rows)| rows.len()).max();
+    most.map(|n| n.to_string()).ok_or_else(|| "no cases".to_owned())
+}
+
+fn stress_hits(folder: &Path, method: &str) -> Result<(String, String)> {
+    let all = stress_rows(folder)?;
+    let (_, rows) = all.iter().find(|(m, _)| m == method).ok_or_else(|| format!("no {method}"))?;
+    let (all, wrong) = compared(rows)?;
+    Ok((grouped(all), grouped(wrong)))
+}
+
+/// Errors by the formats of a G-buffer, mean over the views.
+fn precision(folder: &Path) -> Result<String> {
+    let all = json(folder, "precision.json")?;
+    let formats = |r: &Value| ["depth", "normal", "color"].map(|f| r["storage"][f].as_str().unwrap_or("?").to_owned());
+    let mut order: Vec<[String; 3]> = Vec::new();
+    for record in &all {
+        if !order.contains(&formats(record)) {
+            order.push(formats(record));
+        }
+    }
+    let mut rows = Vec::new();
+    for format in order {
+        let here: Vec<&Value> = all.iter().filter(|r| formats(r) == format).collect();
+        let bytes = here.first().and_then(|r| r["bytes_per_pixel"].as_u64()).ok_or("no bytes")?;
+        let mut row: Vec<String> = format.iter().map(|f| format!("`{f}`")).collect();
+        row.push(bytes.to_string());
+        for method in ["oracle", "unified", "ssct"] {
+            let mirrors = here.iter().filter(|r| r["method"] == method && r["roughness"].as_f64() == Some(0.0));
+            let wrong: Vec<f64> = mirrors.filter_map(|r| Some(1.0 - r["hit_agreement"].as_f64()?)).collect();
+            let wrong = mean(&wrong)?;
+            let decimals = [(0.01, 1), (1e-4, 2)].iter().find(|(above, _)| wrong > *above).map_or(4, |(_, d)| *d);
+            row.push(percent(wrong, decimals));
+        }
+        rows.push(row);
+    }
+    table(&["depth", "normals", "colour", "bytes", "oracle, wrong", "`unified`, wrong", "`ssct`, wrong"], rows)
+}
+
+/// The commit that a folder's records are of.
+fn commit(folder: &Path) -> Result<String> {
+    for file in ["error.json", "time.json", "precision.json"] {
+        if let Some(commit) = json(folder, file).ok().as_ref().and_then(|r| r.first()?["commit"].as_str()) {
+            return Ok(format!("`{commit}`"));
+        }
+    }
+    Err("no record says its commit".to_owned())
+}
