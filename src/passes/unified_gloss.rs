@@ -88,6 +88,13 @@ impl UnifiedGlossPass {
         })
     }
 
+    /// What the passes hand each other, for whoever checks one of them by itself: the narrow lobes' rays, the wide
+    /// ones' places and colours, and the cells' reflections and surfaces.
+    pub fn between(&self) -> [&Image; 5] {
+        let ([place, color], [reflection, surface]) = (&self.seen, &self.resolved);
+        [&self.records, place, color, reflection, surface]
+    }
+
     /// Passes "trace/narrow" and "resolve/narrow", and "trace/wide", "cells" and "resolve/wide", those that the
     /// frame's materials need. The colour's chain is there. Over `tiles` the canvas has begun; without them
     /// it holds nothing, and all that reflects has lobes of one kind.

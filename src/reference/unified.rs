@@ -5,6 +5,17 @@
 //! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
+mod gather;
+mod gloss;
+mod gloss_trace;
+mod lobe;
+mod resolve;
+
+pub use gather::Cell;
+pub use gloss::{Footprint, Gloss};
+pub use gloss_trace::{Aim, Gathered};
+pub use lobe::Lobe;
+
 use super::Level;
 use crate::math::OracleVersion;
 use crate::scene::{Camera, GBufferData};
@@ -367,6 +378,16 @@ fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
     let thickness = (least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1))) + 0.004;
     let scale = 1.0 / (1.0 + thickness);
     Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
+}
+
+/// `Sound`: what a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits.
+fn sound(v: f32) -> f32 {
+    if v > 0.0 { v.min(65504.0) } else { 0.0 }
+}
+
+/// The nearest 16-bit float.
+fn half(v: f32) -> f32 {
+    half::f16::from_f32(v).to_f32()
 }
 
 #[cfg(test)]
