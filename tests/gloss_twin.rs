@@ -15,7 +15,8 @@ use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
-use ssct::passes::unified_gloss::UnifiedGlossPass;
+use ssct::passes::tiles::UnifiedSetup;
+use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct::reference::Level;
 use ssct::reference::random::Stream;
@@ -51,11 +52,12 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
-    let constants = [pyramid::strip(extent) as i32, u32::from(way.oracle) as i32, i32::from(way.over)];
+    let setup =
+        UnifiedSetup { extent, strip: pyramid::strip(extent), oracle: way.oracle, over: way.over, reflection: true };
     let pyramid = PyramidPass::new(gpu, extent).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();
-    let gloss = UnifiedGlossPass::new(gpu, extent, true, false, &constants).unwrap();
+    let gloss = UnifiedGlossPass::new(gpu, &setup).unwrap();
     let [composite, reflection] =
         ["composite", "reflection"].map(|name| Image::target(gpu, name, LIT_COLOR, extent).unwrap());
     let canvas = Canvas { composite: &composite, reflection: Some(&reflection) };
@@ -67,16 +69,26 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let mut frame = context.begin(Mode::Plain).unwrap();
     let blocks = pyramid.record(&mut frame, &gbuffer, &parameters).unwrap();
     let chain = color.record(&mut frame, &gbuffer).unwrap().0;
-    let tiles = way.tiles.then(|| {
+    let tiles = if way.tiles {
         let tiles = classify.record(&mut frame, &gbuffer, &parameters).unwrap();
         canvas.begin(&mut frame, gbuffer.color).unwrap();
         tiles
-    });
-    gloss.record(&mut frame, &gbuffer, blocks, &parameters, canvas, tiles).unwrap();
+    } else {
+        classify.whole()
+    };
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas };
+    if known.narrow {
+        gloss.record_narrow(&mut frame, &input, &parameters).unwrap();
+    }
+    if known.wide {
+        gloss.record_wide(&mut frame, &input, &parameters).unwrap();
+    }
     frame.finish().unwrap();
     let mut read = |image: &Image| context.read(image.level(0)).unwrap();
     let vec4 = |t: &[f32]| Vec4::from_slice(t);
-    let [narrow, place, seen, cell_reflection, cell_surface] = gloss.between().map(&mut read);
+    let BetweenPasses { records, place, seen, cell_reflection, cell_surface } = gloss.between();
+    let [narrow, place, seen, cell_reflection, cell_surface] =
+        [records, place, seen, cell_reflection, cell_surface].map(&mut read);
     let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
         a.texels().zip(b.texels()).map(|(a, b)| [vec4(a), vec4(b)]).collect()
     };

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(ColorCoarse)
 // The seven coarsest levels of the colour's chain in one dispatch, each a linear blit of the one below it. They are small:
 // one workgroup makes them all, so that its barriers take the place of seven commands with a barrier each.
 

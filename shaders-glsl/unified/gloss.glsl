@@ -20,9 +20,6 @@
 #endif
 
 #define LOG2_E 1.442695
-// What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
-#define LEAST_WEIGHT 1e-4
-#define LOG_DENSITY_BIAS 64.0 // makes the logarithm of any density positive
 
 // alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
 // which does not cancel; roughness is at most 1, where it is good to 1e-4.

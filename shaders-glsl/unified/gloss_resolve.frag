@@ -149,7 +149,7 @@ void main() {
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         float reflectivity = imageLoad(material_buffer, pixel).r;
-        color = min(color + reflectivity * reflection.a * reflection.rgb, GREATEST);
+        color = min(color + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
     out_color = vec4(color, 1.0);
@@ -271,7 +271,7 @@ void main() {
     Gather(sum, here, Row(cell, outward, 1));
     bool shows = roughness > 0.0;
     out_reflection = shows ? Reflection(sum) : vec4(0.0);
-    out_surface = shows ? vec4(normal, min(point.z, GREATEST)) : vec4(0.0);
+    out_surface = shows ? vec4(normal, min(point.z, GREATEST_HALF)) : vec4(0.0);
 }
 
 #else
@@ -281,7 +281,6 @@ layout(binding = 6, rgba16f) uniform readonly image2D cell_surface;
 
 // Off its plane by this share of its depth, a cell has lost most of its weight.
 #define PLANE_TOLERANCE VISIBLE_WITHIN
-#define REACH 4.0 // pixels along an axis from a cell's ray to where it would weigh nothing
 
 // A wide lobe, between the four cells around the pixel, by how near their rays begin, and as far as each lies in the
 // pixel's plane and its lobe is the pixel's (joint bilateral upsampling; Kopf et al. 2007).
@@ -301,7 +300,7 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
         bool is_drawn = IsDrawn(at);
         vec4 surface = is_drawn ? imageLoad(cell_surface, at) : vec4(0.0);
         vec2 away = vec2(CellPixel(at) - pixel);
-        vec2 near = REACH - abs(away);
+        vec2 near = CELL_REACH - abs(away);
         float off = (facing + dot(turn, away)) * (surface.w * (depth + unified.depth_offset)) - facing;
         float same = Overlap(normal - surface.xyz, power);
         float squared = off * off;
@@ -329,7 +328,7 @@ void main() {
         vec3 normal = imageLoad(normal_buffer, pixel).xyz;
         reflection = Wide(pixel, depth, normal, LobePower(material.g));
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
-        color = min(color + material.r * reflection.a * reflection.rgb, GREATEST);
+        color = min(color + material.r * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
     out_color = vec4(color, 1.0);

@@ -41,11 +41,6 @@ Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footpri
 
 layout(location = 0) out uvec4 out_record;
 
-// The pattern covers the inner part of the lobe; each ray's footprint reaches into the rest.
-#define PART 0.5
-// Footprints to a lobe, of the nine rays: each reaches into its neighbours', for steadiness under a moving camera.
-#define FOOTPRINTS 4.5
-
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     out_record = NO_RECORD;
@@ -59,7 +54,7 @@ void main() {
     Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     Hit hit;
-    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * PART, u.y), FOOTPRINTS, 1.0, hit);
+    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, hit);
     float root = sqrt(lobe.power);
     out_record = Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }
@@ -69,15 +64,7 @@ void main() {
 layout(location = 0) out vec4 out_place;
 layout(location = 1) out vec4 out_color;
 
-// Footprints to a lobe: one a ray.
-#define FOOTPRINTS 25.0
-
-// A hit so near, in pixels: what a neighbour sees in this direction is more likely as near to itself than at
-// this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
-#define NEAR_HIT 8.0
-#define FAR_AWAY 1e3
-
-// The point that was hit (ViewPoint's scale), or the direction of a miss.
+// The point that was hit (ViewPoint's scale), put far away if it is near, or the direction of a miss.
 vec3 Place(ivec2 pixel, vec3 point, Seen seen, Hit hit) {
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - vec2(pixel) - 0.5);
@@ -106,7 +93,7 @@ void main() {
         Lobe lobe = LobeOf(point, normal, roughness);
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         Hit hit;
-        Seen seen = Look(pixel, depth, point, lobe, u, FOOTPRINTS, common_part, hit);
+        Seen seen = Look(pixel, depth, point, lobe, u, WIDE_FOOTPRINTS, common_part, hit);
         out_place = vec4(Place(pixel, point, seen, hit), seen.density);
         out_color = seen.color;
     }

@@ -42,7 +42,7 @@ void main() {
         vec2 uv = hit.position * unified.pixel_to_clip;
         out_reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), Fade(uv));
         vec3 seen = out_color.rgb + material.x * out_reflection.a * out_reflection.rgb;
-        out_color.rgb = min(seen, GREATEST);
+        out_color.rgb = min(seen, GREATEST_HALF);
     }
     if (HITS) {
         precise vec2 uv = hit.position * unified.pixel_to_clip;

@@ -8,7 +8,7 @@
 // Filled in by src/methods/unified.rs.
 layout(std140, binding = 0) uniform UnifiedBlock {
     vec2 view_to_clip;   // M_00 and M_11 of the projection
-    vec2 pixel_to_clip;  // 1 / width and 1 / height: see ray.glsl
+    vec2 pixel_to_clip;  // 1 / width and 1 / height: see traverse.glsl
     vec2 pixel_to_view;  // the same, divided by view_to_clip
     ivec2 size;          // pixels
     ivec2 padded;        // pixels of the pyramid: whole cells of its coarsest level
@@ -53,10 +53,8 @@ float Fade(vec2 uv) {
 // what is negative are no light, infinity is the greatest number. A comparison with NaN is false, which
 // no compiler may assume away as it may with isnan.
 
-#define GREATEST 65504.0
-
 float Sound(float v) {
-    return v > 0.0 ? min(v, GREATEST) : 0.0;
+    return v > 0.0 ? min(v, GREATEST_HALF) : 0.0;
 }
 
 vec3 Sound(vec3 color) {

@@ -36,7 +36,7 @@ pub mod visibility;
 
 use crate::error::Result;
 use crate::gpu::shader::CameraBlock;
-use crate::gpu::{Frame, Gpu, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, Image, Target};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -57,7 +57,7 @@ pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 pub struct GBuffer<'a> {
     /// Reversed depth (near 1, far 0; 0 is sky), D32.
     pub depth: &'a Image,
-    /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`].
+    /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`], which `unified` takes alone.
     pub normal: &'a Image,
     /// Reflectivity and roughness. [`MATERIAL`].
     pub material: &'a Image,
@@ -65,15 +65,6 @@ pub struct GBuffer<'a> {
     pub color: &'a Image,
     /// What reflects in it, as far as is known beforehand.
     pub reflectors: Reflectors,
-}
-
-impl<'a> GBuffer<'a> {
-    /// Its normals as the shaders of `unified` take them (`shaders-glsl/unified/normal.glsl`): those for studies take
-    /// any format, the others [`NORMAL`] alone.
-    fn unified_normals(&self, any_format: bool) -> Resource<'a> {
-        let image = self.normal.all();
-        if any_format { Resource::nearest(image) } else { Resource::Loaded(image) }
-    }
 }
 
 /// What the materials that are drawn say of a frame's reflections, before any pixel is looked at.

@@ -10,9 +10,12 @@ use crate::math::OracleVersion;
 use crate::math::constants::TILE_SIDE;
 use ash::vk;
 
+/// Pixels along a side of a tile.
+pub const TILE: u32 = TILE_SIDE as u32;
+
 /// Tiles along each side of an image of a size in pixels.
 pub fn count(extent: [u32; 2]) -> [u32; 2] {
-    extent.map(|side| side.div_ceil(TILE_SIDE as u32))
+    extent.map(|side| side.div_ceil(TILE))
 }
 
 /// What the passes of `unified` are made for.
@@ -74,10 +77,10 @@ impl<F: Fragment> TiledPipeline<F> {
         formats: impl Fn() -> F::Outputs<vk::Format>,
         constants: impl Fn(bool) -> F::Constants,
     ) -> Result<Self> {
-        if gpu.largest_point() < TILE_SIDE as f32 {
+        if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
             return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE_SIDE} pixels; {name} has none above {largest}"
+                "`unified` draws points of {TILE} pixels; {name} has none above {largest}"
             )));
         }
         Ok(Self {

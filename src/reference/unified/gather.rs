@@ -143,7 +143,7 @@ impl Gloss<'_> {
         for row in [above, exchanged(middle, 0), middle, exchanged(above, -1), below] {
             row.into_iter().for_each(|ray| here.gather(&mut sum, ray));
         }
-        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(point.z.min(65504.0)) }
+        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(point.z.min(super::GREATEST)) }
     }
 
     /// `Row`.
@@ -163,6 +163,6 @@ impl Gloss<'_> {
         let shown = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
         let index = self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32);
         let (color, reflectivity) = (self.traversal.gbuffer.color[index], self.traversal.gbuffer.reflectivity[index]);
-        (shown, (color + reflectivity * shown.w * shown.truncate()).min(Vec3::splat(65504.0)))
+        (shown, (color + reflectivity * shown.w * shown.truncate()).min(Vec3::splat(super::GREATEST)))
     }
 }

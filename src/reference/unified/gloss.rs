@@ -3,14 +3,14 @@
 
 use super::Traversal;
 use super::gloss_trace::cell_pixel;
+use crate::math::constants;
 use crate::reference::Level;
 use crate::scene::GBufferData;
 use glam::{IVec2, Vec2, Vec3};
 
-/// `WIDE_ABOVE`: roughness above which a lobe is wide.
-const WIDE_ABOVE: f32 = 0.2;
-/// `CELLS`: cells of 2 × 2 pixels along a side of a tile.
-const CELLS: i32 = 8;
+const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
+/// Cells of 2 × 2 pixels along a side of a tile.
+const CELLS: i32 = constants::TILE_SIDE / 2;
 
 /// The glossy passes of one G-buffer. Its normals, materials and colours must be as 16-bit floats hold them, which is
 /// how the shaders load them.

@@ -3,16 +3,14 @@
 
 use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
 use super::{Code, Footprint, Gloss, Hit};
+use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
-/// `PART`: the pattern of narrow lobes covers this part of the lobe.
-const PART: f32 = 0.5;
-/// `FOOTPRINTS` of narrow lobes and of wide ones.
-const NARROW_FOOTPRINTS: f32 = 4.5;
-const WIDE_FOOTPRINTS: f32 = 25.0;
-/// `NEAR_HIT`, in pixels, and `FAR_AWAY`.
-const NEAR_HIT: f32 = 8.0;
-const FAR_AWAY: f32 = 1e3;
+const NARROW_PART: f32 = constants::NARROW_PART as f32;
+const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;
+const WIDE_FOOTPRINTS: f32 = constants::WIDE_FOOTPRINTS as f32;
+const NEAR_HIT: f32 = constants::NEAR_HIT as f32;
+const FAR_AWAY: f32 = constants::FAR_AWAY as f32;
 
 /// A ray before it is followed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +47,7 @@ impl Gloss<'_> {
             return None;
         }
         let u = lattice_point(pixel, 3, 2, Vec2::splat(0.5));
-        Some(self.aim(pixel, normal, Vec2::new(u.x * PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
+        Some(self.aim(pixel, normal, Vec2::new(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
     }
 
     /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe.

@@ -2,21 +2,18 @@
 //! `shaders-glsl/unified/gloss.glsl`, whose names are kept.
 
 use super::Parameters;
+use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3};
 
-/// `XI`: the lobe's share outside its cone (thesis, Eq. 4.5).
-const XI: f32 = 0.244;
 /// `LOG2_E`.
 pub(super) const LOG2_E: f32 = 1.442_695;
-/// `LEAST_WEIGHT`: what a ray or a cell weighs at least.
-pub(super) const LEAST_WEIGHT: f32 = 1e-4;
-/// `LOG_DENSITY_BIAS`: makes the logarithm of any density positive.
-pub(super) const LOG_DENSITY_BIAS: f32 = 64.0;
+pub(super) const LEAST_WEIGHT: f32 = constants::LEAST_WEIGHT as f32;
+pub(super) const LOG_DENSITY_BIAS: f32 = constants::LOG_DENSITY_BIAS as f32;
 
 /// `LobePower`: α + 1 of a roughness in 0…1.
 pub fn lobe_power(roughness: f32) -> f32 {
     let h = 0.25 * roughness * roughness;
-    -XI.ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
+    -(constants::XI as f32).ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
 }
 
 /// `LogCos`: ln cos of an angle, of 1 − cos.

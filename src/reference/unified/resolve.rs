@@ -4,13 +4,13 @@ use super::Gloss;
 use super::gather::{Cell, outward};
 use super::gloss_trace::cell_pixel;
 use super::lobe::{LEAST_WEIGHT, lobe_power, overlap};
+use crate::math::constants;
 use crate::reference::Level;
 use glam::{IVec2, Vec2, Vec3, Vec4};
 
 /// `PLANE_TOLERANCE`: off its plane by this share of its depth, a cell has lost most of its weight.
-const PLANE_TOLERANCE: f32 = 0.02;
-/// `REACH`: pixels along an axis from a cell's ray to where it would weigh nothing.
-const REACH: f32 = 4.0;
+const PLANE_TOLERANCE: f32 = constants::VISIBLE_WITHIN as f32;
+const CELL_REACH: f32 = constants::CELL_REACH as f32;
 
 impl Gloss<'_> {
     /// Reflection and composite of a pixel; `None` for a pixel that has no wide lobe.
@@ -31,7 +31,7 @@ impl Gloss<'_> {
             let drawn = self.is_drawn(at).then(|| cells.at_clamped(at.x as u32, at.y as u32));
             let Cell { mut reflection, surface } = drawn.unwrap_or_default();
             let away = (cell_pixel(at) - pixel).as_vec2();
-            let near = REACH - away.abs();
+            let near = CELL_REACH - away.abs();
             let off = (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing;
             let same = overlap(normal - surface.truncate(), power);
             let squared = off * off;
