@@ -10,9 +10,11 @@ use ash::vk;
 use common::{check_validation, clutter, clutter_camera, expected_failures, gpu, is_gpu_assisted};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::memory::Place;
-use ssct::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
+use ssct::gpu::program::Program;
+use ssct::gpu::programs::Classify;
+use ssct::gpu::shader::UnifiedBlock;
 use ssct::gpu::validation::ALLOWED;
-use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, Resource};
+use ssct::gpu::{Buffer, Frame, FrameContext, Image, NamedComputePipeline, Resource};
 use ssct::methods::{Fallback, METHODS, MethodInfo, Preset, Setup, Tuning};
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
@@ -121,7 +123,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         let buffer =
             |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();
         let (counts, lists) = (buffer("counts", bytes), buffer("tiles", 4));
-        let pipeline = ComputePipeline::new(&gpu, &UNIFIED_CLASSIFY_COMP).unwrap();
+        let pipeline = NamedComputePipeline::new(&gpu, Classify::SHADER).unwrap();
         // Of an image without pixels, so that it writes the numbers of instances alone.
         let block = UnifiedBlock::default();
         let resources = [
@@ -132,7 +134,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         ];
         let record = |frame: &mut Frame| {
             frame.clear("material", material.all(), [0.0; 4])?;
-            frame.compute("classify", &pipeline, &resources, &[], [1; 3])
+            frame.compute_named("classify", &pipeline, &resources, &[], [1; 3])
         };
         FrameContext::new(&gpu).unwrap().once(record).unwrap();
         gpu.violations()

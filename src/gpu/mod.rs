@@ -11,9 +11,12 @@ pub mod frame;
 pub mod glsl;
 pub mod image;
 pub mod memory;
+pub mod named;
 #[cfg(feature = "window")]
 pub mod overlay;
 pub mod pipeline;
+pub mod program;
+pub mod programs;
 pub mod readback;
 pub mod shader;
 #[cfg(feature = "window")]
@@ -27,9 +30,11 @@ pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice, Sampler};
 pub use memory::Buffer;
+pub use named::{NamedComputePipeline, NamedGraphicsPipeline};
 #[cfg(feature = "window")]
 pub use overlay::Overlay;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
+pub use program::Sampled;
 pub use readback::Pixels;
 #[cfg(feature = "window")]
 pub use swapchain::{PresentMode, Swapchain};

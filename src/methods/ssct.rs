@@ -38,7 +38,7 @@ impl ThesisMethod {
             hi_z: HiZPass::new(gpu, setup.extent)?,
             visibility: VisibilityPass::new(gpu, setup.extent)?,
             color: ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter)?,
-            trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
+            trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split, setup.split)?,
             variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback, fade: setup.fade },
         })
     }

@@ -5,10 +5,12 @@ use super::scene_data::{MeshData, SceneData};
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
-use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
+use crate::gpu::programs::{GBufferFragment, GBufferVertex};
+use crate::gpu::shader::DrawBlock;
 use crate::gpu::{
-    Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image,
+    Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
+use crate::math::constants::{ALPHA_MASK, NORMAL_MAP};
 use crate::math::frustum::Frustum;
 use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
@@ -25,7 +27,7 @@ pub struct GBufferImages {
 
 /// Pipeline and images of one size.
 pub struct GBufferPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>,
     images: GBufferImages,
     albedo: Image,
     label: &'static str,
@@ -166,7 +168,7 @@ impl GBufferPass {
         let targets = [ALBEDO, NORMAL, MATERIAL];
         let mesh = if depth == DEPTH_STENCIL { GraphicsPipeline::mesh_where_marked } else { GraphicsPipeline::mesh };
         Ok(Self {
-            pipeline: mesh(gpu, &SCENE_GBUFFER_VERT, &SCENE_GBUFFER_FRAG, input, &targets, depth)?,
+            pipeline: mesh(gpu, input, targets, depth)?,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
             label: "g-buffer",
@@ -216,7 +218,7 @@ impl GBufferPass {
         frame.raster(
             self.label,
             &self.pipeline,
-            &targets,
+            targets,
             Target::cleared(self.images.depth.all(), [0.0; 4]),
             |raster| {
                 let mut bound = None;
@@ -225,19 +227,18 @@ impl GBufferPass {
                         let material = &materials[mesh.material];
                         let map = |index: Option<usize>| {
                             let image = index.map_or(&scene.white, |i| &scene.textures[i]);
-                            Resource::Sampled(image.all(), Sampler::Material)
+                            Sampled(image.all(), Sampler::Material)
                         };
                         let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
-                        raster.bind(
-                            &[
-                                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-                                ("albedo_map", map(material.albedo_map)),
-                                ("normal_map", map(material.normal_map)),
-                                ("alpha_mask", map(material.alpha_mask)),
-                                ("reflectivity_map", map(material.reflectivity_map)),
-                            ],
-                            bytemuck::bytes_of(&block),
-                        )?;
+                        let fragment = GBufferFragment {
+                            camera: &camera,
+                            albedo_map: map(material.albedo_map),
+                            normal_map: map(material.normal_map),
+                            alpha_mask: map(material.alpha_mask),
+                            reflectivity_map: map(material.reflectivity_map),
+                            draw: &block,
+                        };
+                        raster.bind(&fragment, &GBufferVertex { camera: &camera, draw: &block })?;
                         bound = Some(mesh.material);
                     }
                     raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
@@ -274,6 +275,6 @@ fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
         reflectivity: if lit { material.reflectivity } else { 0.0 },
         roughness: material.roughness,
         normal_deviation: material.normal_deviation,
-        maps: u32::from(material.normal_map.is_some()) | u32::from(material.alpha_mask.is_some()) << 1,
+        maps: material.normal_map.map_or(0, |_| NORMAL_MAP) | material.alpha_mask.map_or(0, |_| ALPHA_MASK),
     }
 }

@@ -3,23 +3,24 @@
 use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{LightBlock, LightData, SCENE_LIGHTING_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::shader::{LightBlock, LightData};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::math::constants;
 use crate::scene::{Camera, Light};
 
-/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
-pub const MAX_LIGHTS: usize = 16;
+/// The most lights that a scene can have.
+pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
 
 /// The pipeline.
 pub struct LightingPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Lighting<'static>>,
     label: &'static str,
 }
 
 impl LightingPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let pipeline = GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[LIT_COLOR])?;
+        let pipeline = GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?;
         Ok(Self { pipeline, label: "lighting" })
     }
 
@@ -42,16 +43,15 @@ impl LightingPass {
         frame.fullscreen(
             self.label,
             &self.pipeline,
-            &[Target::overwrite(gbuffer.color.level(0))],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
-                ("scene", Resource::Uniform(bytemuck::bytes_of(&lights))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("albedo_buffer", Resource::nearest(albedo.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("environment", Resource::trilinear(scene.sky.all())),
-            ],
-            &[],
+            [Target::overwrite(gbuffer.color.level(0))],
+            &programs::Lighting {
+                camera: &camera_data,
+                scene: &lights,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                albedo_buffer: Sampled::nearest(albedo.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                environment: Sampled::trilinear(scene.sky.all()),
+            },
         )
     }
 }

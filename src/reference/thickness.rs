@@ -2,15 +2,9 @@
 //! (DEFINITIONS, "Oracle", item 3; NUMERICS, "Thickness").
 
 use super::Level;
+pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH};
 use crate::scene::GBufferData;
 use glam::DVec3;
-
-/// Share of the view depth that T has at least.
-pub const SHARE_OF_DEPTH: f64 = 0.004;
-
-/// Version 2 of the oracle: fronts of neighbouring pixels, in reversed depth, are of one surface if they lie no
-/// further apart than this share of the two blocks' thicknesses together. (Of a plane, half is enough.)
-pub const JOINED: f64 = 0.8;
 
 /// A closed interval of reversed depth; sky is empty.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,13 +5,10 @@ use super::bvh::Ray;
 use super::first_hits::FirstHits;
 use super::surface::World;
 use super::world::RAY_START_M;
+pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
-
-/// How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of
-/// its own z, and as many metres.
-pub const VISIBLE_WITHIN: f64 = 0.02;
 
 /// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,18 +6,19 @@
 //! the copy is no better, and then keeps to one shader for good. So a pipeline whose vertices its shader makes is once
 //! made to draw none, after another took in what was pushed. Meshes and compute shaders here have no such control flow.
 
+use super::Frame;
+use super::bind::Given;
 use super::target::View;
-use super::{Frame, Resource};
 use crate::error::Result;
 use crate::gpu::device::Gpu;
-use crate::gpu::pipeline::GraphicsPipeline;
-use crate::gpu::shader::COMMON_NOTHING_FRAG;
+use crate::gpu::pipeline::{Graphics, GraphicsPipeline};
+use crate::gpu::programs::Nothing;
 use ash::vk;
 use std::cell::Cell;
 use std::rc::Rc;
 
 /// The pipeline that takes in what was pushed.
-pub(super) struct Settling(GraphicsPipeline);
+pub(super) struct Settling(GraphicsPipeline<Nothing>);
 
 impl Settling {
     /// That of a driver that needs it.
@@ -25,7 +26,7 @@ impl Settling {
         if !gpu.info().driver.starts_with("llvmpipe Mesa 22.") {
             return Ok(None);
         }
-        Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, &COMMON_NOTHING_FRAG, &[])?)))
+        Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, [])?)))
     }
 }
 
@@ -42,15 +43,10 @@ impl Frame<'_> {
     }
 
     /// Pushes what a graphics pipeline reads and lets another take it in. Outside rendering.
-    pub(super) fn take_in(
-        &mut self,
-        pipeline: &GraphicsPipeline,
-        resources: &[(&str, Resource)],
-        push: &[u8],
-    ) -> Result<()> {
-        let Some(other) = self.context.settling.as_ref().map(|s| s.0.handle) else { return Ok(()) };
+    pub(super) fn take_in(&mut self, pipeline: &Graphics, given: &Given) -> Result<()> {
+        let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
             frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: a pipeline that reads nothing is bound.
             unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };

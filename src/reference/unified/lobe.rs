@@ -6,7 +6,7 @@ use crate::math::constants;
 use glam::{IVec2, Vec2, Vec3};
 
 /// `LOG2_E`.
-pub(super) const LOG2_E: f32 = 1.442_695;
+pub(super) const LOG2_E: f32 = std::f32::consts::LOG2_E;
 pub(super) const LEAST_WEIGHT: f32 = constants::LEAST_WEIGHT as f32;
 pub(super) const LOG_DENSITY_BIAS: f32 = constants::LOG_DENSITY_BIAS as f32;
 

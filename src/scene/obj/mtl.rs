@@ -15,13 +15,14 @@
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::{read_limited, text::NO_MATERIAL};
 use crate::error::{Error, Result};
+use crate::math::constants;
 use crate::scene::{Material, texture::luminance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
 
 /// ξ of the lobe (DEFINITIONS, "Surfaces").
-const XI: f32 = 0.244;
+const XI: f32 = constants::XI as f32;
 
 /// One `newmtl` block.
 #[derive(Debug, Clone, Default)]

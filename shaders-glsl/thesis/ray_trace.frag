@@ -1,7 +1,7 @@
 #version 460
-// `ssct`, split in two (4.2.3): the ray trace alone.
+#pragma program(RayTrace)
+// `ssct` and `hzct`, split in two (4.2.3): the ray trace alone.
 
-#define FALLBACK
 #include "thesis/parameters.glsl"
 #include "thesis/ray_trace.glsl"
 

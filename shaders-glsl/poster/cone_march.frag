@@ -1,8 +1,12 @@
+#version 460
+#pragma program(ConeMarchMip)
+#pragma program(ConeMarchVolume, VOLUME)
 // The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along
 // the reflected view direction through the pre-filtered G-buffer, whose filter level follows the cone.
-// VOLUME reads the volumes instead of the mip chains; HITS adds the hit-points.
+// VOLUME reads the volumes instead of the mip chains.
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 #include "thesis/cone_angle.glsl"
 #include "thesis/border_fade.glsl"
 
@@ -31,17 +35,10 @@ layout(push_constant) uniform PosterBlock {
     int fade;               // 0: no fade
 } poster;
 
-layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-#ifdef HITS
-layout(location = 1) out vec4 out_hit; // texture coordinates, standard depth, a code of passes::PathCode
-#define HIT(value) out_hit = value
-#else
-#define HIT(value)
-#endif
+layout(constant_id = 0) const bool HITS = false; // whether out_hit is wanted
 
-#define PATH_NONE        0.0
-#define PATH_LINEAR      2.0
-#define PATH_LINEAR_MISS 4.0
+layout(location = 0) out vec4 out_reflection; // colour, and fade in a
+layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
 
 vec4 Filtered(FILTERED tex, vec2 texCoord, float level) {
 #ifdef VOLUME
@@ -129,11 +126,12 @@ float ConeMarch(Cone cone) {
 
 void main() {
     out_reflection = vec4(0.0);
-    HIT(vec4(vec3(-1.0), PATH_NONE));
+    if (HITS)
+        out_hit = vec4(vec3(-1.0), PATH_NONE);
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
-    if (material.r <= 1e-4 || dot(normal, normal) <= 1e-4)
+    if (material.r <= REFLECTS_ABOVE || dot(normal, normal) <= NO_NORMAL)
         return;
 
     // Position from the linear depth, along the pixel's line of sight.
@@ -147,7 +145,8 @@ void main() {
     // 2 pi (1 - cos(halfAngle)), without the difference of nearly equal numbers
     cone.solidAngle = 4.0 * 3.14159265 * pow(sin(0.5 * halfAngle), 2.0);
 
-    HIT(vec4(vec3(-1.0), PATH_LINEAR_MISS));
+    if (HITS)
+        out_hit = vec4(vec3(-1.0), PATH_LINEAR_MISS);
     float pathLength = ConeMarch(cone);
     if (pathLength < 0.0)
         return;
@@ -160,7 +159,8 @@ void main() {
     vec2 beyond = hit.xy + across / (max(length(across), 1e-6) * camera.resolution);
     if (dot(Filtered(filtered_normal, beyond, level).xyz, cone.direction) >= 0.0)
         return;
-    HIT(vec4(hit, PATH_LINEAR));
+    if (HITS)
+        out_hit = vec4(hit, PATH_LINEAR);
     float fade = poster.fade != 0 ? BorderFade(hit.xy, poster.fade_start, poster.fade_end) : 1.0;
     out_reflection = vec4(Filtered(filtered_color, hit.xy, level).rgb, fade);
 }

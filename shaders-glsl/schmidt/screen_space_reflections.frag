@@ -1,9 +1,14 @@
+#version 460
+#pragma program(ScreenSpaceReflections)
 // Screen space reflections (Schmidt 2013, section 5.4.1): listing 4, and with OPTIMIZED the march of
 // listing 5 in its place. Spaces here: texture coordinates from the top left and standard depth,
 // which are the listing's 0.5 * ndc + 0.5 but for the direction of y.
 
 #include "common/camera.glsl"
-#include "common/path.glsl"
+#include "common/constants.glsl"
+
+layout(constant_id = 0) const bool OPTIMIZED = false; // listing 5, `ssr-fast`; else listing 4, `ssr`
+layout(constant_id = 1) const bool HITS = false;      // whether out_hit is wanted
 
 layout(push_constant) uniform SchmidtBlock {
     float user_pixelStepSize; // pixels that are marched at once
@@ -54,11 +59,7 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
 
     // Ray trace. The initial step is one pixel; pixelStepSize describes how many pixels at once are
     // ray marched. Erratum: both listings declare it and use it nowhere.
-#ifdef OPTIMIZED
-    float initialStep = pixelSize.y;
-#else
-    float initialStep = min(pixelSize.x, pixelSize.y);
-#endif
+    float initialStep = OPTIMIZED ? pixelSize.y : min(pixelSize.x, pixelSize.y);
     float pixelStepSize = schmidt.user_pixelStepSize;
     ssReflectionVector *= initialStep * pixelStepSize;
 
@@ -67,9 +68,8 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
     vec3 currentSamplePosition = lastSamplePosition + ssReflectionVector;
 
     int sampleCount = max(int(camera.resolution.x), int(camera.resolution.y));
-#ifdef OPTIMIZED
-    sampleCount /= 10;
-#endif
+    if (OPTIMIZED)
+        sampleCount /= 10;
     int count = 0;
     while (count < sampleCount) {
         // Out of texture space --> break
@@ -85,56 +85,56 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
         float currentDepth = linearizeDepth(samplingZ);
         float sampledDepth = linearizeDepth(SampleDepth(samplingPosition));
 
-#ifdef OPTIMIZED
-        // Step ray: behind the sampled depth a tenth of the vector back, before it ten forward.
-        if (currentDepth > sampledDepth) {
-            lastSamplePosition = currentSamplePosition;
-            currentSamplePosition = lastSamplePosition - ssReflectionVector / 10.0;
-        } else if (currentDepth < sampledDepth) {
-            lastSamplePosition = currentSamplePosition;
-            currentSamplePosition = lastSamplePosition + ssReflectionVector * 10.0;
-        }
-
-        // Ray hit. Errata, kept: on either side of the surface, so at the start the surface itself; and
-        // the march goes on, so that the last hit is what is seen.
-        float delta = abs(currentDepth - sampledDepth);
-        if (delta < 0.002) {
-            hit = vec4(samplingPosition, samplingZ, PATH_LINEAR);
-            if (schmidt.toggleBlur != 0) {
-                // Blurring dependent on the viewer's distance. Erratum, kept: the colour of level 7 is
-                // added to the sum and not counted.
-                float f = currentDepth;
-                float blurSize = 15.0 * f;
-                reflectedColor = textureLod(DiffuseTex, samplingPosition, 7.0);
-
-                int counter = 0;
-                for (float i = -blurSize / 2.0; i < blurSize / 2.0; i += 1.5) {
-                    vec2 tap = vec2(samplingPosition.x, samplingPosition.y + 1.0 * i * pixelSize.y);
-                    reflectedColor += textureLod(DiffuseTex, tap, 0.0);
-                    counter++;
-                }
-                reflectedColor /= float(counter);
-            } else {
-                // No blurring, just the colour at the sampled position
-                reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+        if (OPTIMIZED) {
+            // Step ray: behind the sampled depth a tenth of the vector back, before it ten forward.
+            if (currentDepth > sampledDepth) {
+                lastSamplePosition = currentSamplePosition;
+                currentSamplePosition = lastSamplePosition - ssReflectionVector / 10.0;
+            } else if (currentDepth < sampledDepth) {
+                lastSamplePosition = currentSamplePosition;
+                currentSamplePosition = lastSamplePosition + ssReflectionVector * 10.0;
             }
-        }
-#else
-        // If currentDepth (z-value of ray) is bigger than the sampled depth from texture
-        // the ray hit something
-        if (currentDepth > sampledDepth) {
+
+            // Ray hit. Errata, kept: on either side of the surface, so at the start the surface itself; and
+            // the march goes on, so that the last hit is what is seen.
             float delta = abs(currentDepth - sampledDepth);
-            if (delta <= 0.001) {
-                reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+            if (delta < 0.002) {
                 hit = vec4(samplingPosition, samplingZ, PATH_LINEAR);
-                break;
-            }
-        }
+                if (schmidt.toggleBlur != 0) {
+                    // Blurring dependent on the viewer's distance. Erratum, kept: the colour of level 7 is
+                    // added to the sum and not counted.
+                    float f = currentDepth;
+                    float blurSize = 15.0 * f;
+                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 7.0);
 
-        // Step ray
-        lastSamplePosition = currentSamplePosition;
-        currentSamplePosition = lastSamplePosition + ssReflectionVector;
-#endif
+                    int counter = 0;
+                    for (float i = -blurSize / 2.0; i < blurSize / 2.0; i += 1.5) {
+                        vec2 tap = vec2(samplingPosition.x, samplingPosition.y + 1.0 * i * pixelSize.y);
+                        reflectedColor += textureLod(DiffuseTex, tap, 0.0);
+                        counter++;
+                    }
+                    reflectedColor /= float(counter);
+                } else {
+                    // No blurring, just the colour at the sampled position
+                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+                }
+            }
+        } else {
+            // If currentDepth (z-value of ray) is bigger than the sampled depth from texture
+            // the ray hit something
+            if (currentDepth > sampledDepth) {
+                float delta = abs(currentDepth - sampledDepth);
+                if (delta <= 0.001) {
+                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+                    hit = vec4(samplingPosition, samplingZ, PATH_LINEAR);
+                    break;
+                }
+            }
+
+            // Step ray
+            lastSamplePosition = currentSamplePosition;
+            currentSamplePosition = lastSamplePosition + ssReflectionVector;
+        }
         count++;
     }
 
@@ -156,9 +156,7 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
 }
 
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-#ifdef HITS
 layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
-#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -166,7 +164,7 @@ void main() {
     float reflectivity = texelFetch(materialBuffer, pixel, 0).r;
     vec4 reflectedColor = vec4(0.0);
     vec4 hit = vec4(vec3(-1.0), PATH_NONE);
-    if (reflectivity > 1e-4 && depth > 0.0) {
+    if (reflectivity > REFLECTS_ABOVE && depth > 0.0) {
         // Departure: the listing's G-buffer keeps positions; here they come from the depth.
         vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
         vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
@@ -176,7 +174,6 @@ void main() {
         reflectedColor = ScreenSpaceReflections(vsPosition, vsNormal, vsReflectionVector, hit);
     }
     out_reflection = reflectedColor;
-#ifdef HITS
-    out_hit = hit;
-#endif
+    if (HITS)
+        out_hit = hit;
 }

@@ -1,5 +1,7 @@
+#version 460
+#pragma program(Linear)
 // `linear`: every ray by one of the marches of thesis 4.2.2, and the colour where it ends: a mirror
-// lookup, whatever the roughness. FIXED chooses the first listing; HITS adds the intersections.
+// lookup, whatever the roughness.
 
 #include "thesis/parameters.glsl"
 #include "thesis/pixel.glsl"
@@ -8,17 +10,16 @@
 
 layout(binding = 4) uniform sampler2D colorBuffer; // lit colour, bilinear
 
+layout(constant_id = 0) const bool FIXED = false; // the first listing, of a constant stride; else the second
+layout(constant_id = 1) const bool HITS = false;  // whether out_hit is wanted
+
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
-#ifdef HITS
-layout(location = 1) out vec4 out_hit; // texture coordinates, standard depth, PATH_*
-#define HIT(value) out_hit = value
-#else
-#define HIT(value)
-#endif
+layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
 
 void main() {
     out_reflection = vec4(0.0);
-    HIT(vec4(INVALID_RAY, PATH_NONE));
+    if (HITS)
+        out_hit = vec4(INVALID_RAY, PATH_NONE);
     Pixel pixel = ReadPixel(gl_FragCoord.xy);
     if (!pixel.reflects)
         return;
@@ -26,12 +27,13 @@ void main() {
     // Departure: the first sample is a step away; at the pixel itself the ray is as deep as the buffer.
     vec3 dir = normalize(pixel.V_ss);
     float stride = thesis.linear_march_stride;
-#ifdef FIXED
-    vec3 hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.linear_march_count);
-#else
-    vec3 hit = LinearRayMarch(pixel.P_ss + dir * stride, dir, stride);
-#endif
-    HIT(vec4(hit, hit == INVALID_RAY ? PATH_LINEAR_MISS : PATH_LINEAR));
+    vec3 hit;
+    if (FIXED)
+        hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.linear_march_count);
+    else
+        hit = LinearRayMarch(pixel.P_ss + dir * stride, dir, stride);
+    if (HITS)
+        out_hit = vec4(hit, hit == INVALID_RAY ? PATH_LINEAR_MISS : PATH_LINEAR);
     if (hit == INVALID_RAY)
         return;
     float fade = thesis.fade != 0 ? BorderFade(hit.xy, thesis.fade_start, thesis.fade_end) : 1.0;

@@ -1,5 +1,8 @@
-// One direction of one slice: a Gaussian of depth, normal and colour at once. SOURCE(name) declares the
-// textures, READ(name, texCoord) samples them. Taps are those of thesis 4.3.2, `blur.direction` apart.
+#version 460
+#pragma program(PosterBlurAcross, ACROSS)
+#pragma program(PosterBlurDown)
+// One direction of one slice: a Gaussian of depth, normal and colour at once. Across, from a slice of the volumes into
+// plain images; down, from these into the next slice. Taps are those of thesis 4.3.2, `blur.direction` apart.
 
 #include "thesis/gaussian_blur.glsl"
 
@@ -8,6 +11,14 @@ layout(push_constant) uniform PosterBlurBlock {
     vec2 direction;    // from tap to tap, in texture coordinates
     float slice;       // texture coordinate of the slice that is read
 } blur;
+
+#ifdef ACROSS
+#define SOURCE sampler3D
+#define READ(name, texCoord) textureLod(name, vec3(texCoord, blur.slice), 0.0)
+#else
+#define SOURCE sampler2D
+#define READ(name, texCoord) textureLod(name, texCoord, 0.0)
+#endif
 
 layout(binding = 0) uniform SOURCE depth_source;
 layout(binding = 1) uniform SOURCE normal_source;
