@@ -440,15 +440,15 @@ macro_rules! parameters {
 pub(crate) use parameters;
 
 /// Declares an enum whose values have names, the first of which is the default:
-/// `/// What it does.` `Value = "name",`.
+/// `/// What it does.` `Value = "name",`, or `Value(CODE) = "name",` where a shader knows it by a code.
 macro_rules! choices {
     ($(#[$attribute:meta])* $visible:vis enum $name:ident {
-        $($(#[doc = $help:literal])+ $value:ident = $text:literal,)+
+        $($(#[doc = $help:literal])+ $value:ident $(($code:expr))? = $text:literal,)+
     }) => {
         $(#[$attribute])*
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         $visible enum $name {
-            $($(#[doc = $help])+ $value,)+
+            $($(#[doc = $help])+ $value $(= $code as isize)?,)+
         }
 
         impl $crate::parameter::Choices for $name {

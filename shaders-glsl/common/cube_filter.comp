@@ -1,4 +1,5 @@
 #version 460
+#pragma program(CubeFilter)
 // One level of a cube map blurred by roughness: each texel is the mean over the Phong lobe around its
 // direction (DEFINITIONS, "Surfaces"). The lobe's directions are a Hammersley set, the same for every
 // texel; each reads the level of the source whose texel is about as large as the solid angle that the

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(GBufferVertex)
 // Vertices of the scene into the G-buffer (DEFINITIONS, "Spaces" and "Surfaces").
 
 #include "common/camera.glsl"

@@ -1,6 +1,6 @@
 // The cone that a roughness stands for (thesis 4.2.8, Eq. 4.5).
 
-#define XI 0.244
+#include "common/constants.glsl"
 
 // Eq. 4.5. Errata: arccos, not cos; and the exponent must fall with roughness. The thesis prints
 // no range of exponents: alpha is the lobe that a roughness stands for everywhere in this project

@@ -1,6 +1,6 @@
 //! One frame: its passes, each with its label, timestamps and barriers, recorded and submitted.
 //!
-//! A pass states what it reads and writes by naming its shader's bindings and its targets; the
+//! A pass states what it reads and writes by its program's struct and its targets; the
 //! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
 //! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
 
@@ -12,12 +12,14 @@ mod transfer;
 mod uniforms;
 
 use super::device::{Gpu, vulkan};
-use super::image::{ImageSlice, Sampler};
+use super::image::ImageSlice;
 use super::memory::Buffer;
+use super::program::Sampled;
 use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
+use bind::Given;
 use quirks::{sets, settle};
 use std::cell::Cell;
 use std::rc::Rc;
@@ -34,13 +36,13 @@ pub enum Mode {
     Counted,
 }
 
-/// What a shader's binding is given.
+/// What a binding is given, as [`Program::resources`](super::program::Program::resources) says it.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
-    Sampled(ImageSlice<'a>, Sampler),
+    Sampled(Sampled<'a>),
     /// As many images as the shader's array has, sampled.
-    SampledArray(&'a [ImageSlice<'a>], Sampler),
+    SampledArray(&'a [Sampled<'a>]),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
     /// A level of an image, loaded without a sampler.
@@ -51,18 +53,6 @@ pub enum Resource<'a> {
     Buffer(&'a Buffer),
     /// A storage buffer, only read.
     ReadBuffer(&'a Buffer),
-}
-
-impl<'a> Resource<'a> {
-    /// Fetched, or sampled at the nearest texel.
-    pub fn nearest(slice: ImageSlice<'a>) -> Self {
-        Self::Sampled(slice, Sampler::NearestClamp)
-    }
-
-    /// Sampled with trilinear filtering.
-    pub fn trilinear(slice: ImageSlice<'a>) -> Self {
-        Self::Sampled(slice, Sampler::TrilinearClamp)
-    }
 }
 
 /// What one submission did.
@@ -362,11 +352,11 @@ impl Frame<'_> {
     }
 
     /// Brings a pass's resources to their use, with the next [`Self::flush`].
-    fn prepare(&mut self, resources: &[(&str, Resource)], sampled: Access, read: Access) {
-        for (_, resource) in resources {
+    fn prepare(&mut self, given: &Given, sampled: Access, read: Access) {
+        for (_, resource) in &given.resources {
             match *resource {
-                Resource::Sampled(slice, _) => self.use_image(slice, sampled),
-                Resource::SampledArray(slices, _) => slices.iter().for_each(|s| self.use_image(*s, sampled)),
+                Resource::Sampled(Sampled(slice, _)) => self.use_image(slice, sampled),
+                Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
                 Resource::Loaded(slice) => self.use_image(slice, read),
                 Resource::Buffer(b) => self.use_buffer(b, Access::ComputeStorage),

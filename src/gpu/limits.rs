@@ -46,7 +46,7 @@ fn excess(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::shader::ALL;
+    use crate::gpu::programs::ALL;
 
     #[test]
     fn no_shader_has_more_than_every_device_pushes() {

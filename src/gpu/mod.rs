@@ -15,6 +15,8 @@ pub mod memory;
 #[cfg(feature = "window")]
 pub mod overlay;
 pub mod pipeline;
+pub mod program;
+pub mod programs;
 pub mod readback;
 pub mod shader;
 #[cfg(feature = "window")]
@@ -31,6 +33,7 @@ pub use memory::Buffer;
 #[cfg(feature = "window")]
 pub use overlay::Overlay;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
+pub use program::Sampled;
 pub use readback::Pixels;
 #[cfg(feature = "window")]
 pub use swapchain::{PresentMode, Swapchain};

@@ -2,6 +2,7 @@
 //! and the version of the oracle.
 
 pub mod cone;
+pub mod constants;
 pub mod frustum;
 pub mod oracle_version;
 pub mod phong;

@@ -1,7 +1,6 @@
 //! The Phong lobe of a roughness (DEFINITIONS, "Surfaces"; thesis Eq. 4.5).
 
-/// ξ of Eq. 4.5: the share of the lobe's energy outside the cone.
-pub const XI: f64 = 0.244;
+pub use super::constants::XI;
 
 /// Exponent α(ϱ) = ln ξ / ln cos(ϱ/2) − 1 for ϱ < π; infinite for a mirror (ϱ ≤ 0).
 pub fn exponent(roughness: f64) -> f64 {

@@ -16,8 +16,8 @@ use crate::passes::Content;
 use crate::passes::gbuffer::{DEPTH_STENCIL, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::planar::{MAX_PLANES, MirrorDrawing, PlanarPass};
-use crate::scene::Camera;
 use crate::scene::planes::{CoplanarGroup, merged};
+use crate::scene::{Camera, GBufferData};
 use glam::Vec4;
 
 /// The table's row.
@@ -96,7 +96,7 @@ impl PlanarMethod {
 
 impl Method for PlanarMethod {
     fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
-        let reflects = |g: &&CoplanarGroup| scene.materials[g.material].reflectivity > 1e-4;
+        let reflects = |g: &&CoplanarGroup| scene.materials[g.material].reflectivity > GBufferData::REFLECTS_ABOVE;
         self.candidates = merged(scene.data.coplanar_groups().iter().filter(reflects), CANDIDATES);
         Ok(())
     }

@@ -76,7 +76,7 @@ impl ThesisMethod {
             hi_z: HiZPass::new(gpu, extent)?,
             visibility: VisibilityPass::new(gpu, extent)?,
             color: ColorChainPass::new(gpu, extent, LIT_COLOR, drawn.chain_filter)?,
-            trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split || making.hits)?,
+            trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,
             fade: making.setup.effect().fade,
             fill,
         })

@@ -4,25 +4,26 @@
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Sampler, Target};
+use crate::gpu::programs::Billboard;
+use crate::gpu::shader::{BillboardBlock, ImpostorData};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::math::constants::{self, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN};
 use crate::parameter::choices;
 use crate::scene::{Camera, Impostor};
 use glam::Mat4;
 
-/// The most impostors that a scene can have for this pass; `MAX_IMPOSTORS` in
-/// `schmidt/billboard_reflections.glsl`.
-pub const MAX_IMPOSTORS: usize = 16;
+/// The most impostors that a scene can have for this pass.
+pub const MAX_IMPOSTORS: usize = constants::MAX_IMPOSTORS as usize;
 
 choices! {
     /// Which of several billboards on a ray shows.
     pub enum Order {
         /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
-        Printed = "printed",
+        Printed(ORDER_PRINTED) = "printed",
         /// The last of the list that lies ahead.
-        Unbroken = "unbroken",
+        Unbroken(ORDER_UNBROKEN) = "unbroken",
         /// The nearest, blended over those behind it by its alpha, and from behind none.
-        Nearest = "nearest",
+        Nearest(ORDER_NEAREST) = "nearest",
     }
 }
 
@@ -38,7 +39,7 @@ choices! {
 
 /// Pipeline and image of one size.
 pub struct BillboardPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<Billboard<'static>>,
     reflection: Image,
 }
 
@@ -46,7 +47,7 @@ impl BillboardPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_BILLBOARD_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
         })
     }
@@ -77,24 +78,23 @@ impl BillboardPass {
             occlusion: i32::from(occlusion == Occlusion::Depth),
             ..BillboardBlock::default()
         };
-        let mut textures: [ImageSlice; MAX_IMPOSTORS] = [scene.white.all(); MAX_IMPOSTORS];
+        let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];
         for ((data, texture), impostor) in block.Impostor.iter_mut().zip(&mut textures).zip(impostors) {
             *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
-            *texture = scene.textures[impostor.texture].all();
+            *texture = Sampled::trilinear(scene.textures[impostor.texture].all());
         }
         frame.fullscreen(
             "billboards",
             &self.pipeline,
-            &[Target::overwrite(self.reflection.all())],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
-                ("BillboardBlock", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("ImpostorTex", Resource::SampledArray(&textures, Sampler::TrilinearClamp)),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ],
-            &[],
+            [Target::overwrite(self.reflection.all())],
+            &Billboard {
+                camera: &camera_data,
+                BillboardBlock: &block,
+                ImpostorTex: textures,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+            },
         )?;
         Ok(Reflection(&self.reflection))
     }

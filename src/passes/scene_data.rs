@@ -3,13 +3,14 @@
 use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
+use crate::math::constants;
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
-pub const MAX_LIGHTS: usize = 16;
+pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
 
 /// Side of a face of the sky's cube map, in texels.
 const SKY_SIZE: u32 = 256;

@@ -2,16 +2,9 @@
 //! (DEFINITIONS, "Oracle", item 3; NUMERICS, "Thickness").
 
 use super::Level;
+pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH};
 use crate::scene::GBufferData;
 use glam::DVec3;
-
-/// The least T, as a share of the view depth.
-pub const SHARE_OF_DEPTH: f64 = 0.004;
-
-/// For version 2 of the oracle: neighbouring pixels belong to one surface if their fronts, in reversed depth,
-/// are no further apart than this share of the sum of the two blocks' thicknesses. (For a plane, half is
-/// enough.)
-pub const JOINED: f64 = 0.8;
 
 /// A closed interval of reversed depth; empty for sky.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,13 +5,10 @@ use super::bvh::WorldRay;
 use super::first_hits::FirstHits;
 use super::surface::World;
 use super::world::RAY_START_M;
+pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
-
-/// How far a hit may be from the depth of its pixel and still count as visible there: this share of its z, plus
-/// the same number of metres.
-pub const VISIBLE_WITHIN: f64 = 0.02;
 
 /// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]

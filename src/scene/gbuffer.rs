@@ -1,6 +1,7 @@
 //! A G-buffer on the host; the references and the G-buffer files use it.
 
 use super::Camera;
+use crate::math::constants;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 /// The images of DEFINITIONS as arrays: rows from the top, pixel (i, j) at `j · width + i`.
@@ -27,7 +28,7 @@ pub struct GBufferData {
 
 impl GBufferData {
     /// A pixel that is not sky reflects if its reflectivity is above this (DEFINITIONS, "Surfaces").
-    pub const REFLECTS_ABOVE: f32 = 1e-4;
+    pub const REFLECTS_ABOVE: f32 = constants::REFLECTS_ABOVE as f32;
 
     /// The array index of a pixel.
     pub fn index(&self, x: u32, y: u32) -> usize {

@@ -1,5 +1,6 @@
 //! The import rules and the other invariants of the architecture, read off the sources: imports point
-//! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder.
+//! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder, no shader is a
+//! wrapper, and no number is declared in GLSL and in Rust.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -68,23 +69,122 @@ fn code(text: &str) -> String {
     shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
 }
 
-fn sources() -> Vec<Source> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+/// The files below a folder of the repository with one of some extensions: their paths in it, and their texts.
+fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let (mut folders, mut found) = (vec![root.clone()], Vec::new());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") && path.file_stem().is_some_and(|s| s != "tests") {
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
                 let text = std::fs::read_to_string(&path).unwrap();
-                let path = path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-                found.push(Source { path, code: code(&text) });
+                found.push((path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/"), text));
             }
         }
     }
+    found
+}
+
+fn sources() -> Vec<Source> {
+    let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
+    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
+    let found: Vec<_> = files("src", &["rs"]).into_iter().filter(shipped).map(source).collect();
     assert!(found.len() > 50, "only {} sources found", found.len());
     found
+}
+
+/// The shaders' sources, without comments.
+fn shaders() -> Vec<Source> {
+    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
+    let found: Vec<_> = files("shaders-glsl", &["glsl", "vert", "frag", "comp"]).into_iter().map(source).collect();
+    assert!(found.len() > 50, "only {} shaders found", found.len());
+    found
+}
+
+/// Whether a shader says nothing itself: it only defines and includes.
+fn is_wrapper(code: &str) -> bool {
+    code.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
+}
+
+/// A number that a source declares as a constant.
+#[derive(Debug, Clone, PartialEq)]
+struct Number {
+    name: String,
+    /// As its literal spells it, which tells whole numbers from others.
+    is_whole: bool,
+    value: f64,
+    path: String,
+}
+
+impl Number {
+    fn new(name: &str, literal: &str, path: &str) -> Option<Self> {
+        let digits = literal.trim().trim_end_matches(['u', 'f']).replace('_', "");
+        let value = digits.parse().ok().filter(|_| digits.starts_with(|c: char| c.is_ascii_digit() || c == '-'))?;
+        let is_whole = !digits.contains(['.', 'e', 'E']);
+        Some(Self { name: name.to_owned(), is_whole, value, path: path.to_owned() })
+    }
+
+    /// Words of its name, in capitals.
+    fn words(&self) -> Vec<String> {
+        let mut words = vec![String::new()];
+        let mut before = 'A';
+        for c in self.name.chars() {
+            if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
+                words.push(String::new());
+            }
+            if let (true, Some(word)) = (c != '_', words.last_mut()) {
+                word.extend(c.to_uppercase());
+            }
+            before = c;
+        }
+        words
+    }
+
+    /// Whether it is another declaration of the same: by its name; or by its value, and a word of the names.
+    fn repeats(&self, other: &Self) -> bool {
+        let is_word = |w: &String| w.len() > 2 && other.words().contains(w);
+        let is_same = self.value == other.value && self.is_whole == other.is_whole;
+        self.name == other.name || (is_same && self.words().iter().any(is_word))
+    }
+}
+
+/// `#define NAME 1.0` and `const float NAME = 1.0;` of a shader.
+fn numbers_of_glsl(Source { path, code }: &Source) -> Vec<Number> {
+    let found = code.lines().filter_map(|line| {
+        let line = line.trim();
+        let declared = match (line.strip_prefix("#define "), line.strip_prefix("const ")) {
+            (Some(defined), _) => defined.split_once(' '),
+            (_, Some(constant)) => {
+                constant.split_once(' ').and_then(|(_, rest)| rest.strip_suffix(';')?.split_once(" = "))
+            }
+            _ => None,
+        };
+        declared.and_then(|(name, literal)| Number::new(name, literal, path))
+    });
+    found.collect()
+}
+
+/// `const NAME: f32 = 1.0;` of a Rust source, and `Name = 1,` of an enum.
+fn numbers_of_rust(Source { path, code }: &Source) -> Vec<Number> {
+    let found = code.lines().filter_map(|line| {
+        let line = line.trim();
+        let constant = line.split_once("const ").and_then(|(_, rest)| rest.strip_suffix(';')?.split_once(" = "));
+        let variant = line.strip_suffix(',').and_then(|rest| rest.split_once(" = "));
+        let (name, literal) = constant.map(|(name, v)| (name.split(':').next().unwrap_or(name), v)).or(variant)?;
+        name.starts_with(char::is_uppercase).then(|| Number::new(name, literal, path)).flatten()
+    });
+    found.collect()
+}
+
+/// Numbers of Rust that a shader declares too, and numbers that two shaders declare.
+fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
+    let tell = |a: &Number, b: &Number| format!("{} of {} is {} of {}", a.name, a.path, b.name, b.path);
+    let hosts = rust.iter().flat_map(|r| glsl.iter().filter(|g| r.repeats(g)).map(move |g| tell(r, g)));
+    let same = |a: &Number, b: &Number| a.name == b.name && a.value == b.value;
+    let pairs = glsl.iter().enumerate().flat_map(|(i, a)| glsl[..i].iter().map(move |b| (a, b)));
+    hosts.chain(pairs.filter(|(a, b)| same(a, b)).map(|(a, b)| tell(a, b))).collect()
 }
 
 /// The names that follow a prefix, as in `crate::gpu::Image` or `crate::{gpu, math::cone}`.
@@ -244,6 +344,43 @@ fn only_the_command_prints() {
             assert!(!s.code.contains(word), "{}: {word}", s.path);
         }
     }
+}
+
+#[test]
+fn no_shader_only_defines_and_includes() {
+    let wrappers: Vec<_> = shaders().into_iter().filter(|s| is_wrapper(&s.code)).map(|s| s.path).collect();
+    assert_eq!(
+        wrappers, [""; 0],
+        "a variant is a `#pragma program` or a specialization constant of the file with the code"
+    );
+}
+
+#[test]
+fn no_constant_is_declared_in_both_languages() {
+    let glsl: Vec<_> = shaders().iter().flat_map(numbers_of_glsl).collect();
+    let rust: Vec<_> = sources().iter().flat_map(numbers_of_rust).collect();
+    assert!(glsl.len() > 40 && rust.len() > 100, "only {} and {} found", glsl.len(), rust.len());
+    assert_eq!(declared_twice(&glsl, &rust), [""; 0], "shaders-glsl/common/constants.glsl is for both");
+}
+
+#[test]
+fn the_scan_of_shaders_sees_what_it_should() {
+    let wrapper = "#version 460\n// Says nothing.\n\n#define HITS\n#include \"a.glsl\"\n";
+    assert!(is_wrapper(&code(wrapper)) && !is_wrapper(&code(&format!("{wrapper}void main() {{}}"))));
+    let source = |code: &str| Source { path: "x".into(), code: code.into() };
+    let glsl = numbers_of_glsl(&source(
+        "#define XI 0.244\n#define FLAG\n#define F(x) x\nconst int WIDE_LIST = 2;\nconst uint BITS = 4u;\n\
+         layout(constant_id = 0) const int STRIP = 2;\nconst vec3 A = vec3(1.0);",
+    ));
+    assert_eq!(glsl.iter().map(|n| n.name.as_str()).collect::<Vec<_>>(), ["XI", "WIDE_LIST", "BITS"]);
+    let told = |rust: &str| declared_twice(&glsl, &numbers_of_rust(&source(rust))).len();
+    assert_eq!(told("pub const XI: f64 = 0.244;"), 1);
+    assert_eq!(told("pub(super) const XI: f32 = 0.25;"), 1, "the name is enough");
+    assert_eq!(told("    const BITS_OF_A_MAP: u32 = 4;"), 1, "a word and the value");
+    assert_eq!(told("    Wide = 2,"), 1, "a variant of an enum");
+    assert_eq!(told("    Wide = 3,\n    Narrow = 2,\nconst BITS_A: f32 = 4.0;"), 0);
+    assert_eq!(told("pub const XI: f64 = constants::XI;\n    Wide = constants::WIDE_LIST as isize,"), 0);
+    assert_eq!(declared_twice(&[&glsl[..], &glsl[..1]].concat(), &[]).len(), 1, "two shaders");
 }
 
 #[test]

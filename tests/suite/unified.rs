@@ -433,7 +433,8 @@ fn every_way_to_draw_makes_the_same_image() {
             let (setup, wants) = (Setup::new(extent), Wants { hits, reflection: true });
             let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
-            assert_eq!(report.recorded.iter().any(|p| p == "composite"), hits, "{:?}", report.recorded);
+            // With hits, too, it is drawn whole: what is compared with the oracle is what is timed.
+            assert!(report.recorded.iter().all(|p| p != "composite"), "{:?}", report.recorded);
             let method = unified::INFO.alone(&gpu, &setup, wants).unwrap();
             assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
             let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };

@@ -6,9 +6,11 @@ use crate::common::{check_validation, clutter, clutter_camera, expected_failures
 use ash::vk;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::memory::Place;
-use ssct::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
+use ssct::gpu::programs::Classify;
+use ssct::gpu::shader::UnifiedBlock;
 use ssct::gpu::validation::ALLOWED;
-use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, Resource};
+use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, ImageDesc};
+use ssct::math::constants::LISTS;
 use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::ssct::ThesisDrawing;
@@ -19,7 +21,6 @@ use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
-use ssct::passes::tiles;
 use ssct::scene::View;
 use ssct::study::image::render;
 use ssct::study::{Globals, Shot, Stage};
@@ -127,23 +128,33 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         let buffer =
             |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();
         let (counts, lists) = (buffer("counts", bytes), buffer("tiles", 4));
-        let pipeline = ComputePipeline::new(&gpu, &UNIFIED_CLASSIFY_COMP).unwrap();
+        let listed_image = ImageDesc {
+            name: "listed tiles",
+            format: vk::Format::R32_UINT,
+            extent: [1, 1],
+            levels: 1,
+            layers: 1,
+            usage: vk::ImageUsageFlags::STORAGE,
+        };
+        let listed_image = Image::new(&gpu, &listed_image).unwrap();
+        let pipeline = ComputePipeline::new(&gpu).unwrap();
         // Of an image without pixels, so that it writes the numbers of instances alone.
         let block = UnifiedBlock::default();
-        let resources = [
-            ("unified", Resource::Uniform(bytemuck::bytes_of(&block))),
-            ("material_buffer", Resource::nearest(material.all())),
-            ("Counts", Resource::Buffer(&counts)),
-            ("Tiles", Resource::Buffer(&lists)),
-        ];
+        let classify = Classify {
+            unified: &block,
+            material_buffer: material.all(),
+            Counts: &counts,
+            Tiles: &lists,
+            listed_image: listed_image.all(),
+        };
         let record = |frame: &mut Frame| {
             frame.clear("material", material.all(), [0.0; 4])?;
-            frame.compute("classify", &pipeline, &resources, &[], [1; 3])
+            frame.compute("classify", &pipeline, &classify, [1; 3])
         };
         FrameContext::new(&gpu).unwrap().once(record).unwrap();
         gpu.violations()
     };
-    let whole = said(tiles::LISTS * size_of::<vk::DrawIndirectCommand>() as u64);
+    let whole = said(LISTS as u64 * size_of::<vk::DrawIndirectCommand>() as u64);
     assert!(whole.is_empty(), "{whole:?}");
     let cut_off = said(16);
     assert!(cut_off.iter().any(|m| m.text.contains("access out of bounds")), "{cut_off:?}");

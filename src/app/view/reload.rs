@@ -4,7 +4,8 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::glsl;
-use crate::gpu::shader::{ALL, Shader};
+use crate::gpu::programs::ALL;
+use crate::gpu::shader::Shader;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -78,8 +79,8 @@ impl ShaderWatch {
     }
 
     fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
-        let path = self.root.join(shader.name);
-        match glsl::compile(&self.compiler, &self.root, &path) {
+        let path = self.root.join(shader.file);
+        match glsl::compile(&self.compiler, &self.root, &path, shader.defines) {
             Ok(compiled) => {
                 self.sources.insert(shader.name, compiled.files);
                 fits(shader, &compiled.words)?;
@@ -121,8 +122,12 @@ fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
     }
     let what = if built.bindings != now.bindings {
         "its bindings"
-    } else if built.blocks != now.blocks || built.push_size != now.push_size {
+    } else if built.blocks != now.blocks || built.push != now.push {
         "a uniform or push-constant block"
+    } else if built.outputs != now.outputs {
+        "its outputs"
+    } else if built.constants != now.constants {
+        "its specialization constants"
     } else {
         "its workgroup size"
     };
@@ -168,6 +173,12 @@ mod tests {
         assert!(changes.iter().all(|(_, made)| made.is_ok()), "{changes:?}");
         assert!(watch.look().is_empty(), "a change is reported once");
 
+        edit("poster/cone_march.frag", "edgeHits >= poster", "edgeHits > poster");
+        let changes = watch.look();
+        assert_eq!(names(&changes), ["poster/cone_march.frag", "poster/cone_march.frag VOLUME"]);
+        let [(_, Ok(mip)), (_, Ok(volume))] = &changes[..] else { panic!("{changes:?}") };
+        assert_ne!(mip, volume, "each with what is defined for it");
+
         edit("common/composite.frag", "color += reflectivity", "color += reflectivity * nonsense");
         let changes = watch.look();
         let [(shader, Err(message))] = &changes[..] else { panic!("{changes:?}") };
@@ -182,5 +193,12 @@ mod tests {
         let changes = watch.look();
         let [(_, Err(message))] = &changes[..] else { panic!("{changes:?}") };
         assert!(message.contains("bindings changed"), "{message}");
+
+        edit("thesis/linear.frag", "const bool HITS = false", "const int HITS = 0");
+        edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
+        edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
+        let changes = watch.look();
+        let [(_, Err(message))] = &changes[..] else { panic!("{changes:?}") };
+        assert!(message.contains("specialization constants changed"), "{message}");
     }
 }

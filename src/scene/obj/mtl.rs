@@ -15,14 +15,14 @@
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::{read_limited, text::NO_MATERIAL};
 use crate::error::{Error, Result};
-use crate::math::phong;
+use crate::math::constants;
 use crate::scene::{Material, texture::luminance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// ξ of the Phong lobe in the precision of materials.
-const XI: f32 = phong::XI as f32;
+/// ξ of the lobe (DEFINITIONS, "Surfaces").
+const XI: f32 = constants::XI as f32;
 
 /// One `newmtl` block.
 #[derive(Debug, Clone, Default)]

@@ -14,7 +14,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
-use crate::methods::{Effect, Input, MethodInfo, Setup, Wants};
+use crate::methods::{Effect, Input, MethodInfo, Setup, Wants, unified};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
@@ -32,7 +32,8 @@ use serde_json::json;
 /// arithmetic behind it.
 pub const ORACLE: &str = "oracle";
 
-/// What a method makes of a G-buffer that was stored in some formats.
+/// What a method makes of a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats: finer
+/// ones are rounded to them before it begins, and coarser ones by up to an eighth of their step.)
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecord {
     /// What it is of; "precision".
@@ -211,8 +212,11 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
                 Some(&hits),
             ));
         }
-        let images = GBufferImages::upload_wide(&mut context, &stored)?;
+        // `unified` loads normals as 16-bit floats, and nothing else: of normals in 32-bit floats it sees those.
+        let [wide, own] = [true, false].map(|normals| GBufferImages::upload_wide(&mut context, &stored, normals));
+        let (wide, own) = (wide?, own?);
         for (method, effect) in &effects {
+            let images = if method.name == unified::INFO.name { &own } else { &wide };
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
             let input = Input { gbuffer: images.gbuffer(), camera: &stored.camera, scene: None };

@@ -12,16 +12,17 @@
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
+use crate::gpu::frame::Frame;
+use crate::gpu::frame::bind::Given;
 use crate::gpu::frame::target::View;
-use crate::gpu::frame::{Frame, Resource};
-use crate::gpu::pipeline::GraphicsPipeline;
-use crate::gpu::shader::COMMON_NOTHING_FRAG;
+use crate::gpu::pipeline::{Graphics, GraphicsPipeline};
+use crate::gpu::programs::Nothing;
 use ash::vk;
 use std::cell::Cell;
 use std::rc::Rc;
 
 /// The pipeline that consumes pushed values so that they are no longer new.
-pub(in crate::gpu::frame) struct Settling(GraphicsPipeline);
+pub(in crate::gpu::frame) struct Settling(GraphicsPipeline<Nothing>);
 
 impl Settling {
     /// Makes the pipeline if the driver needs it.
@@ -29,7 +30,7 @@ impl Settling {
         if !gpu.info().driver.starts_with("llvmpipe Mesa 22.") {
             return Ok(None);
         }
-        Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, &COMMON_NOTHING_FRAG, &[])?)))
+        Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, [])?)))
     }
 }
 
@@ -48,15 +49,10 @@ impl Frame<'_> {
 
     /// Pushes the values that a graphics pipeline reads and lets another pipeline consume them. Must be called outside
     /// of rendering.
-    pub(in crate::gpu::frame) fn take_in(
-        &mut self,
-        pipeline: &GraphicsPipeline,
-        resources: &[(&str, Resource)],
-        push: &[u8],
-    ) -> Result<()> {
-        let Some(other) = self.context.settling.as_ref().map(|s| s.0.handle) else { return Ok(()) };
+    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &Graphics, given: &Given) -> Result<()> {
+        let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
             frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
             // SAFETY: a pipeline that reads nothing is bound.
             unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
