@@ -4,7 +4,7 @@
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{POSTER_BLUR_ACROSS_FRAG, POSTER_BLUR_DOWN_FRAG, POSTER_LINEAR_DEPTH_FRAG, PosterBlurBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image};
+use crate::gpu::{Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -56,11 +56,16 @@ impl FilteredGBufferPass {
             PosterFilter::Volume => {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
                 let plain = |n| Image::new(gpu, &desc(n));
+                let volumes = [volume(0)?, volume(1)?, volume(2)?];
+                // A sample in the middle of a slice weighs its neighbours with 0, and the next slice is not written yet
+                // in the first frame: what memory held before may be no number, and 0 times that is none either.
+                FrameContext::new(gpu)?
+                    .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
                     across: GraphicsPipeline::fullscreen(gpu, &POSTER_BLUR_ACROSS_FRAG, &FORMATS)?,
                     down: GraphicsPipeline::fullscreen(gpu, &POSTER_BLUR_DOWN_FRAG, &FORMATS)?,
                     between: [plain(0)?, plain(1)?, plain(2)?],
-                    volumes: [volume(0)?, volume(1)?, volume(2)?],
+                    volumes,
                 }))
             }
         };
