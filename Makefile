@@ -81,7 +81,7 @@ view: build
 
 # The tables and numbers in README.md and docs/, from the records under benches/runs.
 docs: setup
-	SSCT_WRITE_DOCS=1 $(CARGO) test --test docs -- records_say
+	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
 
 doc: setup
 	$(CARGO) doc --no-deps --open

@@ -2,7 +2,7 @@
 //! avoid. Prints a table to standard output.
 //!
 //! Mirror rays of every view of a scene, at 960×540 and 641×479, are compared with where they end among the
-//! scene's triangles (DEFINITIONS, "World agreement"). For both versions of the oracle, and therefore for
+//! scene's triangles (docs/definitions.md, "World agreement"). For both versions of the oracle, and therefore for
 //! `unified`, which follows them, the table gives the share of reflecting pixels that are wrong, by kind: a hit
 //! where the world has none, by crossing a block's front or by its side; a hit at another place; a miss.
 //! `least` is the share that remains wrong whichever of the blocks on its path a ray were told to hit, because

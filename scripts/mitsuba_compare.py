@@ -7,7 +7,7 @@ Independent of ssct: the sensor's rays, the reading of the meshes, every ray aga
 decoding of albedo images. Not independent: the meshes and images themselves, the receivers of the
 reflection (position, normal, roughness; the first hits that they come from are checked), and the
 formulas for lit colour, normal maps and the lobe's exponent, which are written down a second time
-below after DEFINITIONS.
+below after docs/definitions.md.
 
 The glossy integral is compared as Mitsuba's own tests compare images (src/render/tests/
 test_renders.py): a z-test for each pixel and channel at a significance of 0.01 after Sidak's

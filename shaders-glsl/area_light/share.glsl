@@ -2,7 +2,7 @@
 // and rectangles with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
 // nearest distance, attenuated by the roughness).
 //
-// The lobe is cos^a around the mirror direction r (DEFINITIONS, "Surfaces"), and m = a + 1. Of directions
+// The lobe is cos^a around the mirror direction r (docs/definitions.md, "Surfaces"), and m = a + 1. Of directions
 // within the angle x of r it holds the share 1 - cos^m x: that of a Gaussian within G(x) = sqrt(-2 m ln cos x)
 // standard deviations. So angles are measured by G, and a light between two edges at the signed distances
 // x0 and x1 fills Phi(G(x1)) - Phi(G(x0)). Like the representative point (Karis 2013) this looks only at

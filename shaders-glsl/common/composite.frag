@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Composite)
-// Composite: lit colour + reflectivity * fade * reflection (DEFINITIONS, "Surfaces").
+// Composite: lit colour + reflectivity * fade * reflection (docs/definitions.md, "Surfaces").
 
 #include "common/constants.glsl"
 

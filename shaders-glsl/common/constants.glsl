@@ -4,19 +4,20 @@
 #ifndef COMMON_CONSTANTS_GLSL
 #define COMMON_CONSTANTS_GLSL
 
-// A pixel reflects above this reflectivity, if it isn't sky (DEFINITIONS, "Surfaces").
+// A pixel reflects above this reflectivity, if it isn't sky (docs/definitions.md, "Surfaces").
 const float REFLECTS_ABOVE = 1e-4;
 // Squared length of a normal up to which nothing stands there.
 const float NO_NORMAL = 1e-4;
 // ξ of Eq. 4.5: the share of the lobe's energy outside the cone.
 const float XI = 0.244;
-// Share of the view depth that a pixel's surface is taken to measure in depth at least (DEFINITIONS, "Oracle", item 3).
+// Share of the view depth that a pixel's surface is taken to measure in depth at least (docs/definitions.md, "Oracle",
+// item 3).
 const float SHARE_OF_DEPTH = 0.004;
 // Version 2 of the oracle: fronts of neighbouring pixels, in reversed depth, are of one surface if they lie no
 // further apart than this share of the two blocks' thicknesses together. (Of a plane, half is enough.)
 const float JOINED = 0.8;
 // How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of its own z, and as
-// many metres (DEFINITIONS, "World agreement").
+// many metres (docs/definitions.md, "World agreement").
 const float VISIBLE_WITHIN = 0.02;
 
 // How a ray ended (`passes::PathCode`).

@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Lighting)
-// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows (DEFINITIONS,
+// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows (docs/definitions.md,
 // "Surfaces"); the sky where nothing stands or where a surface shows it.
 
 #include "common/camera.glsl"

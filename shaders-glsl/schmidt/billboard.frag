@@ -31,7 +31,7 @@ float ViewZ(ivec2 pixel) {
     return depth > 0.0 ? ViewPosition(vec2(pixel) + 0.5, depth).z : -1.0;
 }
 
-// What a pixel's surface is taken to measure in depth: T of DEFINITIONS, "Oracle", 3.
+// What a pixel's surface is taken to measure in depth: T of docs/definitions.md, "Oracle", item 3.
 float Thickness(ivec2 pixel, float z) {
     vec2 slope = vec2(0.0);
     for (int axis = 0; axis < 2; ++axis) {

@@ -21,7 +21,7 @@
 
 #define LOG2_E 1.442695
 
-// alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
+// alpha + 1 of docs/definitions.md, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
 // which does not cancel; roughness is at most 1, where it is good to 1e-4.
 float LobePower(float roughness) {
     float h = 0.25 * roughness * roughness;

@@ -24,7 +24,7 @@ Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footpri
     float density = LogDensity(lobe.power, log_rest);
     vec3 direction = LobeDirection(lobe.mirror, lobe.power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     Seen seen = Seen(direction, -density, vec4(0.0));
-    // Below the surface there is nothing to see, and it counts (DEFINITIONS, "Surfaces").
+    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
     hit = Traverse(RayAlong(pixel, depth, direction));

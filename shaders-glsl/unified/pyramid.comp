@@ -4,7 +4,7 @@
 // 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone; above,
 // the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
 //
-// A pixel is a block from its own depth to T behind it (DEFINITIONS, "Oracle", item 3). With
+// A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
 //   |z - z'| / z = |d' - d| / (d' + k),   d(z + T) = (d - k q) / (1 + q),   q = T / z.
 // The differences of nearby depths are exact, so nothing cancels at any distance.

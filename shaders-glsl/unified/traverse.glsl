@@ -234,7 +234,7 @@ Hit Traverse(Ray ray) {
     return hit;
 }
 
-// Which of MISS_* a ray is that hit nothing (DEFINITIONS, "Oracle", item 5).
+// Which of MISS_* a ray is that hit nothing (docs/definitions.md, "Oracle", item 5).
 int WhyMissed(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;

@@ -11,7 +11,7 @@ pub struct PassTime {
     pub name: String,
     /// Milliseconds between the timestamps around it.
     pub ms: f64,
-    /// Whether the pass counts towards the method's total (DEFINITIONS, "Time").
+    /// Whether the pass counts towards the method's total (docs/definitions.md, "Time").
     pub counted: bool,
 }
 

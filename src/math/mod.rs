@@ -20,7 +20,7 @@ pub fn linear_to_srgb(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Clamps a linear value to 0…1 and encodes it as an sRGB byte, as in the display image of DEFINITIONS,
+/// Clamps a linear value to 0…1 and encodes it as an sRGB byte, as in the display image of docs/definitions.md,
 /// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
     (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8

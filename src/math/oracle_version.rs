@@ -6,7 +6,7 @@ use crate::parameter::{Domain, Field, Value};
 /// either.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
-    /// DEFINITIONS, "Oracle": a ray hits the first block whose depth it meets.
+    /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
     V1,
     /// As version 1, but the ray must come from in front. It passes the first block if it leaves that surface;

@@ -1,4 +1,4 @@
-//! The Phong lobe of a roughness (DEFINITIONS, "Surfaces"; thesis Eq. 4.5).
+//! The Phong lobe of a roughness (docs/definitions.md, "Surfaces"; thesis Eq. 4.5).
 
 pub use super::constants::XI;
 
@@ -13,7 +13,7 @@ mod tests {
 
     #[test]
     fn exponents_match_the_table_of_numerics() {
-        // NUMERICS, "Gloss": ϱ = 0.05, 0.1, 0.3, 0.6 give 4512, 1127, 124, 30.
+        // docs/numerics.md, "Gloss": ϱ = 0.05, 0.1, 0.3, 0.6 give 4512, 1127, 124, 30.
         for (r, a) in [(0.05, 4512.0), (0.1, 1127.0), (0.3, 124.0), (0.6, 30.0)] {
             assert!((exponent(r) - a).abs() < 0.5, "{r}: {}", exponent(r));
         }

@@ -1,8 +1,8 @@
 //! `environment`: a pre-filtered cube map, looked up by the reflection's direction (thesis §3.1.3), and
 //! as the fallback of §4.2.11 the skybox behind a screen-space method.
 //!
-//! The map holds the environment of DEFINITIONS: the sky, as it is seen where nothing stands. That is
-//! the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
+//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. That
+//! is the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
 //! things is right from one point only, except for light from infinitely far. `pccm` is the method
 //! with captured maps. Level by level the map is blurred by the lobe of a roughness.
 

@@ -5,7 +5,7 @@ use crate::gpu::shader::ThesisBlock;
 use crate::parameter::{Parameter, Preset, parameters};
 use crate::scene::Camera;
 
-/// A bound for loops that the thesis leaves unbounded (DEFINITIONS, "Time").
+/// A bound for loops that the thesis leaves unbounded (docs/definitions.md, "Time").
 pub const UNBOUNDED: u32 = 1024;
 
 /// The source of what the thesis does not print.

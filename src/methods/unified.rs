@@ -18,7 +18,7 @@
 //!
 //! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
 //! back to the nearest front of its blocks. Sides are padded so that cell = pixel >> n at every size.
-//! T follows the slope of the surface (DEFINITIONS, "Oracle", item 3). As depth plus a constant is
+//! T follows the slope of the surface (docs/definitions.md, "Oracle", item 3). As depth plus a constant is
 //! proportional to 1 / z, the back is found from differences of stored depths (`pyramid.comp`).
 //!
 //! **The traversal** (`traverse.glsl`) walks over cells. Over a cell the ray's depth is an interval,

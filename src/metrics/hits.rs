@@ -1,4 +1,4 @@
-//! Hit agreement: how often a method's rays end where the oracle's do (DEFINITIONS, "Oracle").
+//! Hit agreement: how often a method's rays end where the oracle's do (docs/definitions.md, "Oracle").
 
 use super::percentile;
 use serde::{Deserialize, Serialize};

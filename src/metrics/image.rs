@@ -1,4 +1,4 @@
-//! Differences of linear images over the pixels of a mask (DEFINITIONS, "Image error").
+//! Differences of linear images over the pixels of a mask (docs/definitions.md, "Image error").
 
 use super::rmse;
 

@@ -10,7 +10,7 @@ pub mod world;
 
 pub use hits::HitAgreement;
 
-/// Root of the mean squared difference over all values (DEFINITIONS, "Image error": the three channels of the
+/// Root of the mean squared difference over all values (docs/definitions.md, "Image error": the three channels of the
 /// compared pixels); 0 if there are none.
 ///
 /// # Panics

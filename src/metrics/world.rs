@@ -1,5 +1,5 @@
-//! World agreement (DEFINITIONS): how often a method hits what the ray hits in the scene's triangles if the
-//! screen shows that place, and misses if the screen does not show it.
+//! World agreement (docs/definitions.md, "World agreement"): how often a method hits what the ray hits in the scene's
+//! triangles if the screen shows that place, and misses if the screen does not show it.
 
 /// The largest distance, in x and in y, between a method's hit and the world's, in pixels.
 pub const WITHIN_PIXELS: f64 = 2.0;

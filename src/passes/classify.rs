@@ -1,4 +1,4 @@
-//! Classification (NUMERICS, "What a robust method does", item 7): which tiles of an image hold mirrors,
+//! Classification (docs/numerics.md, "What a robust method does", item 7): which tiles of an image hold mirrors,
 //! narrow lobes and wide ones, so that each is traced where it is and by what it needs.
 
 use super::GBuffer;

@@ -1,4 +1,4 @@
-//! Composite: lit colour + reflectivity · fade · reflection (DEFINITIONS, "Surfaces").
+//! Composite: lit colour + reflectivity · fade · reflection (docs/definitions.md, "Surfaces").
 
 use super::{GBuffer, Reflection};
 use crate::error::Result;

@@ -5,7 +5,7 @@ use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{LinearDepth, PosterBlurAcross, PosterBlurDown};
 use crate::gpu::shader::PosterBlurBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
+use crate::gpu::{Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
 use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use crate::scene::Camera;
 use ash::vk;
@@ -58,11 +58,16 @@ impl FilteredGBufferPass {
             PosterFilter::Volume => {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
                 let plain = |n| Image::new(gpu, &desc(n));
+                let volumes = [volume(0)?, volume(1)?, volume(2)?];
+                // A sample in the middle of a slice weighs its neighbours with 0, and the next slice is not written yet
+                // in the first frame: what memory held before may be no number, and 0 times that is none either.
+                FrameContext::new(gpu)?
+                    .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
                     across: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
                     down: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
                     between: [plain(0)?, plain(1)?, plain(2)?],
-                    volumes: [volume(0)?, volume(1)?, volume(2)?],
+                    volumes,
                 }))
             }
         };

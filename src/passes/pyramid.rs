@@ -1,4 +1,4 @@
-//! The pyramid of front and back depths that rays walk over (NUMERICS, "What a robust method does",
+//! The pyramid of front and back depths that rays walk over (docs/numerics.md, "What a robust method does",
 //! item 2), all levels in one dispatch. CPU twin: `reference::unified`.
 
 use super::{GBuffer, Pyramid};

@@ -1,6 +1,6 @@
 //! The glossy path of `unified`: rays interleaved over blocks of pixels, and every pixel's reflection gathered from its
-//! neighbours' hits (NUMERICS, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a ray of its
-//! own, or wide, with a ray for 2 × 2 pixels.
+//! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
+//! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};

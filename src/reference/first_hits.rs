@@ -19,7 +19,7 @@ pub struct FirstHits {
     pub lit: Vec<Vec3>,
     /// View-space z in metres; infinite where there is no surface.
     pub view_z_m: Vec<f64>,
-    /// The points that reflect; `None` for pixels that do not (DEFINITIONS, "Surfaces").
+    /// The points that reflect; `None` for pixels that do not (docs/definitions.md, "Surfaces").
     pub receivers: Vec<Option<Receiver>>,
 }
 
@@ -48,7 +48,7 @@ impl Receiver {
     }
 
     /// Whether a direction leaves the surface: it must be above the planes of both the shading normal and the
-    /// triangle. A direction that does not leave carries no light, but still counts as a sample (DEFINITIONS,
+    /// triangle. A direction that does not leave carries no light, but still counts as a sample (docs/definitions.md,
     /// "Surfaces").
     pub fn is_above(&self, direction: DVec3) -> bool {
         direction.dot(self.normal) > 0.0 && direction.dot(self.geometric_normal) > 0.0

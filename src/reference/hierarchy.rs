@@ -1,4 +1,4 @@
-//! A second traversal, which uses a pyramid to find what the oracle finds in a tenth of the steps (NUMERICS,
+//! A second traversal, which uses a pyramid to find what the oracle finds in a tenth of the steps (docs/numerics.md,
 //! "What a robust method does", items 2 to 4). The Monte Carlo reference uses it. Its agreement with
 //! [`super::oracle`] is evidence for both; the two share only the set-up of rays and the pixels' blocks, which
 //! have tests of their own.

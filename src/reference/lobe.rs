@@ -1,4 +1,4 @@
-//! Directions of the Phong lobe (DEFINITIONS, "Surfaces").
+//! Directions of the Phong lobe (docs/definitions.md, "Surfaces").
 
 use glam::DVec3;
 

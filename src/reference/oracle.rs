@@ -1,4 +1,4 @@
-//! The oracle (DEFINITIONS, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
+//! The oracle (docs/definitions.md, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
 //! pixel on its path, in f64. It is slow, short and meant to be read.
 //!
 //! Version 2 asks for each block that a ray meets whether the ray can have come from in front of it. A block's
@@ -81,7 +81,7 @@ impl<'a> Oracle<'a> {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen.
+    /// docs/definitions.md, "Oracle", item 4, for a segment that begins on the screen.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let ends = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;

@@ -1,5 +1,5 @@
-//! Reflection rays in the image: their set-up and clipping (DEFINITIONS, "Oracle", items 1 and 2; NUMERICS,
-//! "What a robust method does", item 1), in f64, and how they can end.
+//! Reflection rays in the image: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
+//! docs/numerics.md, "What a robust method does", item 1), in f64, and how they can end.
 //!
 //! The oracle and the hierarchical traversal start from the same [`Segment`] and use it to find where a pixel
 //! boundary is crossed. Because both evaluate the same expression, they see the same depths at the same places
@@ -8,7 +8,7 @@
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// Why a ray hit nothing (DEFINITIONS, "Oracle", item 5).
+/// Why a ray hit nothing (docs/definitions.md, "Oracle", item 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MissReason {
     /// It left the screen by one of its four sides.

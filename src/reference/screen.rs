@@ -1,6 +1,6 @@
-//! The screen reference (DEFINITIONS, "Image error"): the reflection colour by Monte Carlo integration over
-//! each pixel's Phong lobe (DEFINITIONS, "Surfaces"; NUMERICS, "Gloss"), with its standard error. Rays are
-//! traced as the oracle traces them.
+//! The screen reference (docs/definitions.md, "Image error"): the reflection colour by Monte Carlo integration over
+//! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays
+//! are traced as the oracle traces them.
 //!
 //! Samples are independent. Stratified samples would lower the error, but its estimate, which makes the
 //! reference trustworthy, would become too large by an unknown factor.

@@ -167,7 +167,7 @@ impl<'a> World<'a> {
     }
 }
 
-/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (DEFINITIONS, "Surfaces";
+/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (docs/definitions.md, "Surfaces";
 /// `lighting.frag`), for a world position in metres and a unit normal.
 pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]) -> DVec3 {
     let shading: f64 = lights

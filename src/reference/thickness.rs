@@ -1,5 +1,5 @@
 //! The block that a pixel is for a ray: it extends from the pixel's own depth to a back that is T behind it
-//! (DEFINITIONS, "Oracle", item 3; NUMERICS, "Thickness").
+//! (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
 pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH};

@@ -1,4 +1,4 @@
-//! The world reference of DEFINITIONS, "Image error": the glossy reflection of each pixel as the mean over rays
+//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays
 //! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
 //! what is off screen or hidden, which no screen-space method can see.
 //!
@@ -17,7 +17,7 @@ use crate::math::phong;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The distance, in metres, from which hits of a reflected ray count (DEFINITIONS, "World agreement").
+/// The distance, in metres, from which hits of a reflected ray count (docs/definitions.md, "World agreement").
 pub const RAY_START_M: f64 = 1e-4;
 
 /// The radiance of a ray that hits no triangle.

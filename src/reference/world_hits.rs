@@ -1,4 +1,4 @@
-//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. DEFINITIONS,
+//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. docs/definitions.md,
 //! "World agreement", judges a method's hits by this.
 
 use super::bvh::WorldRay;

@@ -37,7 +37,7 @@ pub struct View {
     pub materials: Vec<(String, MaterialChange)>,
 }
 
-/// A view through a lens at an aspect ratio, with the matrices of DEFINITIONS, "Spaces".
+/// A view through a lens at an aspect ratio, with the matrices of docs/definitions.md, "Spaces".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// World to view: left-handed, +z into the scene.

@@ -4,7 +4,7 @@ use super::Camera;
 use crate::math::constants;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
-/// The images of DEFINITIONS as arrays: rows from the top, pixel (i, j) at `j · width + i`.
+/// The images of docs/definitions.md as arrays: rows from the top, pixel (i, j) at `j · width + i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GBufferData {
     /// Width in pixels.
@@ -27,7 +27,7 @@ pub struct GBufferData {
 }
 
 impl GBufferData {
-    /// A pixel that is not sky reflects if its reflectivity is above this (DEFINITIONS, "Surfaces").
+    /// A pixel that is not sky reflects if its reflectivity is above this (docs/definitions.md, "Surfaces").
     pub const REFLECTS_ABOVE: f32 = constants::REFLECTS_ABOVE as f32;
 
     /// The array index of a pixel.

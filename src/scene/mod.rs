@@ -1,6 +1,6 @@
 //! The contents of a scene (meshes, materials, lights, cameras and views) as plain data on the host.
 //!
-//! World space is left-handed, in metres, +y up (DEFINITIONS, "Spaces"). A scene comes from a
+//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). A scene comes from a
 //! scene file ([`scene_file`]), from OBJ files ([`obj`]) or from the built-in library
 //! ([`library`]); all three give the same [`Scene`].
 
@@ -195,7 +195,7 @@ pub enum Light {
 
 impl Light {
     /// The light's contribution, ≥ 0, to the shading of a point with a unit normal. The sum over all lights is
-    /// clamped to 1 (DEFINITIONS, "Surfaces").
+    /// clamped to 1 (docs/definitions.md, "Surfaces").
     pub fn shading(&self, position: Vec3, normal: Vec3) -> f32 {
         match *self {
             Self::Point { position: light, energy } => {

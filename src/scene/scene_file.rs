@@ -1,5 +1,5 @@
 //! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
-//! such as reflectivities, lights, lenses and named views (DEFINITIONS, "Scene files").
+//! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 mod proxies;
 

@@ -1,4 +1,4 @@
-//! Two runs of the time study, or two images, beside each other (DEFINITIONS, "Time" and "Image
+//! Two runs of the time study, or two images, beside each other (docs/definitions.md, "Time" and "Image
 //! error"). Times are compared pass by pass from their raw samples.
 
 use super::error::display;

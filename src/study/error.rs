@@ -1,5 +1,5 @@
 //! Run time against error: some variants of methods on one view, size and roughness, timed in turn
-//! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
+//! and held against three references on the very same G-buffer (docs/definitions.md, "Oracle", "Image error").
 
 mod truth;
 

@@ -1,5 +1,5 @@
-//! Records: what a measurement was of, and what it found. One is one JSON object (DESIGN,
-//! "Command line").
+//! Records: what a measurement was of, and what it found. One is one JSON object (docs/definitions.md,
+//! "Records").
 
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
@@ -11,7 +11,7 @@ use crate::scene::{Lens, Scene, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json, json};
 
-/// The version of DEFINITIONS that the figures are of.
+/// The version of docs/definitions.md that the figures are of.
 pub const DEFINITIONS: u32 = 1;
 
 /// Median, minimum, 95th percentile and number of some samples, in milliseconds.

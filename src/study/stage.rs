@@ -11,7 +11,7 @@ use crate::passes::scene_data::SceneData;
 use crate::scene::{Camera, Material, Scene, View};
 
 /// The global factors of the command line; they replace or scale every material's values
-/// (DEFINITIONS, "Surfaces").
+/// (docs/definitions.md, "Surfaces").
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Globals {
     /// Replaces every roughness.

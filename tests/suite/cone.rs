@@ -103,7 +103,7 @@ fn one_colour_stays_that_colour_at_any_roughness() {
     let gpu = gpu();
     let color = Vec3::new(0.5, 0.25, 0.75);
     let mut b = Builder::new("one colour");
-    // A surface away from the light is lit to 0.2 (DEFINITIONS, "Surfaces"), and so are all here.
+    // A surface away from the light is lit to 0.2 (docs/definitions.md, "Surfaces"), and so are all here.
     let matt = b.matt(color);
     let mirror = b.matt(color);
     b.0.materials[mirror].reflectivity = 1.0;

@@ -1,5 +1,5 @@
 //! The references on the thesis author's rooms: the hierarchy agrees with the oracle in every pixel,
-//! and the published methods are as far from both as NUMERICS ("Hits", "Gloss") says, which was
+//! and the published methods are as far from both as docs/numerics.md ("Hits", "Gloss") says, which was
 //! measured with other programs.
 
 use crate::common::{gpu, shared_scenes};
@@ -91,7 +91,7 @@ fn ssct_agrees_with_the_oracle_as_far_as_was_found_before() {
     let Some(scene) = rooms() else { return };
     let a = agreement(&gpu(), &scene, "corridor", "ssct");
     let percent = 100.0 * a.hit_agreement.unwrap();
-    assert!((percent - 78.7).abs() < 1.0, "corridor: {percent} %, NUMERICS 78.7 %");
+    assert!((percent - 78.7).abs() < 1.0, "corridor: {percent} %, docs/numerics.md 78.7 %");
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn every_view_with_gloss() {
     }
 }
 
-/// The scene with the normals of its triangles instead of smooth ones: what NUMERICS calls geometric.
+/// The scene with the normals of its triangles instead of smooth ones: what docs/numerics.md, "Hits", calls geometric.
 /// With the smooth normals of the head on the table, two views lie 0.4 and 0.5 lower.
 fn with_face_normals(mut scene: Scene) -> Scene {
     for mesh in &mut scene.meshes {
@@ -160,7 +160,7 @@ fn with_face_normals(mut scene: Scene) -> Scene {
     scene
 }
 
-/// NUMERICS, "Hits": world agreement of the oracle with geometric normals, 960×540, in per cent.
+/// docs/numerics.md, "Hits": world agreement of the oracle with geometric normals, 960×540, in per cent.
 const WORLD_AGREEMENT: [(&str, f64); 6] = [
     ("cylinder", 97.4),
     ("window-floor", 99.8),

@@ -1,5 +1,5 @@
 //! `unified` on the device: its pyramid and its hits are its twin's to the bit, and its hits are the
-//! oracle's on every view (DEFINITIONS, "Oracle").
+//! oracle's on every view (docs/definitions.md, "Oracle").
 
 use crate::common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes, unfaded};
 use glam::Vec3;

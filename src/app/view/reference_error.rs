@@ -46,7 +46,7 @@ pub enum ComparisonOutcome {
     },
 }
 
-/// The errors of a reflection colour over the reflecting pixels (DEFINITIONS, "Image error").
+/// The errors of a reflection colour over the reflecting pixels (docs/definitions.md, "Image error").
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageErrors {
     /// Root mean square error, linear.

@@ -21,7 +21,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// ξ of the lobe (DEFINITIONS, "Surfaces").
+/// ξ of the lobe (docs/definitions.md, "Surfaces").
 const XI: f32 = constants::XI as f32;
 
 /// One `newmtl` block.

@@ -1,5 +1,5 @@
 //! Adversarial G-buffers, each made from its name's seed alone: sizes, depth ranges, depths, ray
-//! directions, normals, colours and roughness that break renderers (NUMERICS, "Faults of the engines").
+//! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
 use crate::reference::random::Stream;
 use crate::scene::{Camera, GBufferData, Lens};

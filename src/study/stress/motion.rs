@@ -215,7 +215,8 @@ fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
     pairs
 }
 
-/// Within 2 % of the depth of each other: DEFINITIONS' tolerance for what the screen shows.
+/// Within 2 % of the depth of each other: the tolerance of docs/definitions.md, "World agreement", for what the screen
+/// shows.
 fn is_one_surface(a: DVec3, b: DVec3) -> bool {
     (a.z - b.z).abs() <= 0.02 * b.z
 }

@@ -101,8 +101,8 @@ fn mirror_rays_meet_the_wall_where_they_should() {
                 assert!(found.expected > extent[0] as usize * extent[1] as usize / 4, "{what}");
                 assert!(found.colored > found.expected / 4, "{what}");
                 // All other rays are as good as Alg. 2's finite difference, whose slope is wrong by
-                // 3e-2 at 20 m in the worst twentieth (NUMERICS), thus by 3e-3 at 6 m, as its
-                // cancellation grows with the square of the distance; times 30 pixels that a ray
+                // 3e-2 at 20 m in the worst twentieth (docs/numerics.md, "Errata of the thesis"), thus by 3e-3 at 6 m,
+                // as its cancellation grows with the square of the distance; times 30 pixels that a ray
                 // typically drifts across before the depth plane stops it.
                 assert!(found.at(0.5) < 0.02 && found.at(0.9) < 0.1, "{what}");
                 assert!(found.at(0.97) < 1.5, "{what}");
