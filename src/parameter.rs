@@ -404,9 +404,7 @@ macro_rules! parameters {
 
         impl $crate::parameter::Parameters for $name {
             fn table() -> Vec<$crate::parameter::Parameter> {
-                let mut table = Vec::new();
-                $($crate::parameter::parameters!(@row table $field $type, concat!($($help),+) $(, $row)?);)*
-                table
+                [$($crate::parameter::parameters!(@row $field $type, concat!($($help),+) $(, $row)?)),*].concat()
             }
 
             fn of(values: &$crate::parameter::Values) -> Self {
@@ -414,28 +412,18 @@ macro_rules! parameters {
             }
 
             fn list(&self) -> Vec<$crate::parameter::Value> {
-                let mut list = Vec::new();
-                $($crate::parameter::parameters!(@list list self.$field $(, $row)?);)*
-                list
+                [$($crate::parameter::parameters!(@list self.$field $(, $row)?)),*].concat()
             }
         }
     };
-    (@row $table:ident $field:ident $type:ty, $help:expr) => {
-        $table.extend(<$type as $crate::parameter::Parameters>::table())
-    };
-    (@row $table:ident $field:ident $type:ty, $help:expr, $row:expr) => {
-        $table.push($row.named(stringify!($field), $help))
-    };
+    (@row $field:ident $type:ty, $help:expr) => { <$type as $crate::parameter::Parameters>::table() };
+    (@row $field:ident $type:ty, $help:expr, $row:expr) => { vec![$row.named(stringify!($field), $help)] };
     (@of $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::of($values) };
     (@of $values:ident $field:ident $type:ty, $row:expr) => {
         $crate::parameter::take::<$type>($values, &$row.named(stringify!($field), ""))
     };
-    (@list $list:ident $self:ident.$field:ident) => {
-        $list.extend($crate::parameter::Parameters::list(&$self.$field))
-    };
-    (@list $list:ident $self:ident.$field:ident, $row:expr) => {
-        $list.push($crate::parameter::Field::value($self.$field))
-    };
+    (@list $self:ident.$field:ident) => { $crate::parameter::Parameters::list(&$self.$field) };
+    (@list $self:ident.$field:ident, $row:expr) => { vec![$crate::parameter::Field::value($self.$field)] };
 }
 pub(crate) use parameters;
 

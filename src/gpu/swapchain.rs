@@ -220,7 +220,7 @@ impl Swapchain {
             )
         };
         if !presents || !self.capabilities()?.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST) {
-            return Err(Error::NoWindow(format!("{name} cannot present to it; --device takes another")));
+            return Err(Error::NoWindow(format!("{name} cannot present to it; another device may")));
         }
         let encodes = |format| {
             // SAFETY: the physical device belongs to the instance.

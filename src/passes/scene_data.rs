@@ -136,7 +136,7 @@ impl SceneData {
 /// [`Error::Usage`] if it has.
 pub(super) fn at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
-        return Err(Error::Usage(format!("the scene has {count} {what}; --method {method} takes at most {most}")));
+        return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));
     }
     Ok(())
 }

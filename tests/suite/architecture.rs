@@ -383,6 +383,31 @@ fn the_scan_of_shaders_sees_what_it_should() {
     assert_eq!(declared_twice(&[&glsl[..], &glsl[..1]].concat(), &[]).len(), 1, "two shaders");
 }
 
+/// A flag in a string: two hyphens after its beginning or a blank, and a letter.
+fn names_a_flag(code: &str) -> bool {
+    let flag = |(at, _): (usize, &str)| {
+        let before = code[..at].chars().next_back();
+        before.is_some_and(|c| c == '"' || c == ' ' || c == '`')
+            && code[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+    };
+    code.match_indices("--").any(flag)
+}
+
+#[test]
+fn only_the_command_knows_flags_and_exit_statuses() {
+    for s in sources().iter().filter(|s| !s.path.starts_with("app/")) {
+        // The property `--rows` of a style sheet is no flag.
+        let code = s.code.replace("\"--rows: \"", "");
+        for line in code.lines().filter(|l| names_a_flag(l)) {
+            panic!("{} names a flag: {line}", s.path);
+        }
+        for word in ["clap::", "exit_status", "ExitCode", "process::exit"] {
+            assert!(!code.contains(word) || s.path == "main.rs", "{}: {word}", s.path);
+        }
+    }
+    assert!(names_a_flag("\"give --one\"") && names_a_flag("\"--one\"") && !names_a_flag("i -- 1; a --b"));
+}
+
 #[test]
 fn the_scan_sees_what_it_should() {
     let text = "use crate::gpu::{Frame, Gpu};\nuse crate::{\n    math::cone::{a, b},\n    methods, // crate::study\n};\n\

@@ -4,6 +4,7 @@
 mod headline;
 mod records;
 
+use ssct::methods::METHODS;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -307,4 +308,38 @@ fn the_headline_plot_shows_what_the_records_say() {
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     let bars = &definitions(&readme)["bars"];
     keep(&root().join("docs/headline.svg"), &headline::plot(&root().join(bars)).unwrap());
+}
+
+/// The options of all methods, as the methods' own tables declare them.
+fn options() -> String {
+    let mut page =
+        "# Parameters of the methods\n\nEvery parameter is a flag of the commands `render`, `time`, `error`, \
+                    `gbuffer reflect` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the \
+                    `setup` of every record (`cone_samples`). A method that is not named does not read it. `--preset` \
+                    chooses between the published values and those of the author's own program. This page is made from \
+                    the tables in the code (`make docs`).\n\n\
+                    | parameter | methods | what it does | values | published | author | source |\n\
+                    |---|---|---|---|---|---|---|\n"
+            .to_owned();
+    for (parameter, methods) in ssct::methods::parameters() {
+        let screen: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
+        let names: Vec<_> = methods.iter().map(|m| m.name).collect();
+        let names = if names == screen { "every screen-space method".to_owned() } else { names.join(", ") };
+        let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
+        page += &format!(
+            "| `{}` | {names} | {} | {}{unit} | {} | {} | {} |\n",
+            parameter.typed_name(),
+            parameter.help,
+            parameter.domain,
+            parameter.published,
+            parameter.author,
+            parameter.source
+        );
+    }
+    page
+}
+
+#[test]
+fn the_page_of_options_is_what_the_tables_declare() {
+    keep(&root().join("docs/options.md"), &options());
 }

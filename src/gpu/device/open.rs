@@ -32,7 +32,7 @@ pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::I
     let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
     if query.validation && !has_layer {
         return Err(Error::Usage(
-            "--validation: the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
+            "the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
         ));
     }
     let has_debug =
