@@ -108,7 +108,7 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
     let (constants_type, constants) = declared_constants(name, constants);
     let kind = match Path::new(file).extension().and_then(|e| e.to_str()) {
         Some("frag") => format!("Fragment for {name}{of} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
-        Some("vert") => format!("Vertex for {name}{of} {{}}"),
+        Some("vert") => format!("VertexProgram for {name}{of} {{}}"),
         _ => format!("Compute for {name}{of} {{}}"),
     };
     let written = match &outputs[..] {

@@ -100,7 +100,7 @@ impl Domain {
     }
 }
 
-/// As a reader is told: "1 to 64", "above 0, at most 1", "mip, gaussian".
+/// As a reader is told: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
 impl fmt::Display for Domain {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         if let Some(few) = self.few() {
@@ -108,9 +108,9 @@ impl fmt::Display for Domain {
             return f.write_str(&names.join(", "));
         }
         match self {
-            Self::Count(least, most) => write!(f, "{least} to {most}"),
-            Self::Number { least, with_least: true, most } => write!(f, "{least} to {most}"),
-            Self::Number { least, most, .. } => write!(f, "above {least}, at most {most}"),
+            Self::Count(least, most) => write!(f, "whole numbers from {least} to {most}"),
+            Self::Number { least, with_least: true, most } => write!(f, "numbers from {least} to {most}"),
+            Self::Number { least, most, .. } => write!(f, "numbers above {least} and at most {most}"),
             _ => Ok(()),
         }
     }

@@ -19,6 +19,8 @@ const float JOINED = 0.8;
 // How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of its own z, and as
 // many metres (docs/definitions.md, "World agreement").
 const float VISIBLE_WITHIN = 0.02;
+// What the traversal of `unified` takes for infinite: a time at which a ray never leaves a cell.
+const float NEVER = 1e30;
 
 // How a ray ended (`passes::PathCode`).
 const int PATH_NONE = 0;          // The pixel does not reflect.

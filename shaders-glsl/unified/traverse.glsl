@@ -28,7 +28,6 @@ struct Ray {
     vec3 direction; // in view space, of any length; for version 2 of the oracle
 };
 
-#define NEVER 1e30
 
 // From a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end` is 0 for
 // a ray that does not move on the screen.

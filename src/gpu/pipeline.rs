@@ -5,7 +5,7 @@
 use super::device::{Gpu, vulkan};
 use super::image;
 use super::limits;
-use super::program::{self, Constants, Fragment, Program, Vertex, agree};
+use super::program::{self, Constants, Fragment, Program, VertexProgram, agree};
 use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
@@ -43,18 +43,18 @@ pub(crate) struct Graphics {
 /// A compute program. Those who use one program at the same time have one pipeline: a driver may take long to compile
 /// it, and under GPU-assisted validation takes half a minute for some.
 pub struct ComputePipeline<P> {
-    pub(crate) compute: Arc<Compute>,
+    pub(crate) compute: Arc<SharedCompute>,
     program: PhantomData<fn() -> P>,
 }
 
 /// The compute pipelines in use, by their shader's name and constants.
 #[derive(Default)]
-pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<Compute>>>);
+pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<SharedCompute>>>);
 
 type ComputeKey = (&'static str, Vec<(u32, u32)>);
 
 /// What the users of a [`ComputePipeline`] share.
-pub(crate) struct Compute {
+pub(crate) struct SharedCompute {
     pub layout: Layout,
     pub handle: vk::Pipeline,
     pub name: &'static str,
@@ -189,7 +189,7 @@ impl<F: Fragment> GraphicsPipeline<F> {
     }
 }
 
-impl<F: Fragment, V: Vertex<Constants = ()>> GraphicsPipeline<F, V> {
+impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
     /// Points, that is squares of pixels, which a vertex program makes from nothing but their number.
     pub fn points(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
         Self::of(gpu, constants, Geometry::Points, targets, None)
@@ -361,12 +361,12 @@ impl<P: program::Compute> ComputePipeline<P> {
 
     /// The same for a program with specialization constants.
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
-        let compute = Compute::shared(gpu, P::SHADER, constants.entries())?;
+        let compute = SharedCompute::shared(gpu, P::SHADER, constants.entries())?;
         Ok(Self { compute, program: PhantomData })
     }
 }
 
-impl Compute {
+impl SharedCompute {
     /// The one that is in use, or a new one.
     pub(super) fn shared(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         // Code that a window replaced may change again.
@@ -431,7 +431,7 @@ impl Drop for Graphics {
     }
 }
 
-impl Drop for Compute {
+impl Drop for SharedCompute {
     fn drop(&mut self) {
         // SAFETY: as above.
         unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };

@@ -25,7 +25,7 @@ pub trait Program {
 }
 
 /// A program that makes vertices.
-pub trait Vertex: Program {}
+pub trait VertexProgram: Program {}
 
 /// A program that colours pixels.
 pub trait Fragment: Program {

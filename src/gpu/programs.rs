@@ -40,7 +40,7 @@
 use super::frame::Resource;
 use super::image::ImageSlice;
 use super::memory::Buffer;
-use super::program::{Compute, Constants, Fragment, Program, Sampled, Vertex};
+use super::program::{Compute, Constants, Fragment, Program, Sampled, VertexProgram};
 use super::shader::*;
 
 include!(concat!(env!("OUT_DIR"), "/programs.rs"));

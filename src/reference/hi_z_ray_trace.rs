@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3, Vec3Swizzles};
 
 /// The parameters that the traversal reads from a preset of `methods::thesis`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Constants {
+pub struct HiZConstants {
     /// The level at which the traversal begins.
     pub start_level: u32,
     /// The most iterations.
@@ -81,7 +81,7 @@ pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) ->
 }
 
 /// Alg. 4 over a Hi-Z chain, whose finest level comes first. V_ss.z must be above 0.
-pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &Constants) -> HiZTrace {
+pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZConstants) -> HiZTrace {
     let resolution = cell_count(chain, 0);
     let sign = Vec2::select(v_ss.xy().cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
     let cross_offset = sign * (constants.cross_offset / resolution);
@@ -142,7 +142,7 @@ mod tests {
         hi_z::chain(&Level::from_fn(16, 16, |x, _| if x >= 12 { 0.5 } else { 0.9 }))
     }
 
-    const PUBLISHED: Constants = Constants { start_level: 0, iterations: 1024, cross_offset: 0.5 };
+    const PUBLISHED: HiZConstants = HiZConstants { start_level: 0, iterations: 1024, cross_offset: 0.5 };
 
     #[test]
     fn a_ray_meets_the_wall_at_its_depth() {
@@ -165,7 +165,7 @@ mod tests {
         let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
         let v = Vec3::new(0.0, 0.4, 0.01);
         assert_eq!(trace(&wall(), from, v, &PUBLISHED).end, End::LeftScreen);
-        let short = trace(&wall(), from, v, &Constants { iterations: 2, ..PUBLISHED });
+        let short = trace(&wall(), from, v, &HiZConstants { iterations: 2, ..PUBLISHED });
         assert_eq!((short.end, short.steps.len()), (End::Exhausted, 2));
     }
 }

@@ -95,17 +95,17 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// How a ray ended; the values of `HIT_*`.
+/// How a ray ended; the values of `PATH_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Code {
     /// It met a pixel's block.
-    Surface = 1,
+    Surface = constants::PATH_HI_Z as isize,
     /// It left the frustum.
-    Nothing = 3,
+    Nothing = constants::PATH_MISS as isize,
     /// Out of steps, which cannot be.
-    Unfinished = 7,
+    Unfinished = constants::PATH_UNFINISHED as isize,
     /// It met a block from behind (version 2 of the oracle).
-    Behind = 11,
+    Behind = constants::PATH_MISS_BEHIND as isize,
 }
 
 /// `Hit` of `traverse.glsl`.
@@ -146,7 +146,7 @@ impl Ray {
 }
 
 /// What the shader takes for infinite.
-const NEVER: f32 = 1e30;
+const NEVER: f32 = constants::NEVER as f32;
 
 /// The pyramid of one G-buffer, and its rays.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 //! error"). Times are compared pass by pass from their raw samples.
 
 use super::error::display;
-use super::record::{DEFINITIONS, Program, Stats};
+use super::record::{DEFINITIONS, Provenance, Stats};
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES, Verdict, ratio_of_medians};
 use crate::metrics::flip::FlipMap;
@@ -162,7 +162,7 @@ pub struct CompareHead {
 
 impl CompareHead {
     fn new(kind: &'static str, a: &str, b: &str) -> Self {
-        let (version, commit) = (Program::VERSION, Program::COMMIT);
+        let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
         Self { kind, definitions: DEFINITIONS, version, commit, a: a.to_owned(), b: b.to_owned() }
     }
 }

@@ -104,7 +104,7 @@ pub struct ErrorMaps {
 }
 
 /// What a cell gives.
-pub struct Cell {
+pub struct MeasuredCell {
     /// Width and height in pixels.
     pub extent: [u32; 2],
     /// Records of every variant against every reference.
@@ -154,7 +154,7 @@ pub fn measure(
     stage: &mut Stage,
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<Cell> {
+) -> Result<MeasuredCell> {
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
@@ -164,7 +164,7 @@ pub fn measure(
     let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
     let mut shots = made.collect::<Result<Vec<_>>>()?;
     let times = totals(spec, stage, &mut shots, journal, go_on)?;
-    let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
+    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment, go_on)?;

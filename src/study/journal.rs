@@ -1,7 +1,7 @@
 //! What a study has measured so far, so that whatever ends it, nothing is lost or measured twice. A
 //! study asks the journal before it measures and tells it after; where the lines go is the caller's.
 
-use super::record::Program;
+use super::record::Provenance;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::scene::Scene;
@@ -77,7 +77,7 @@ impl Journal {
 /// scene's may be one. Two that differ in any of it have different names.
 pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     let mut hash = Sha256::new();
-    hash.update(json!(Program::on(gpu)).to_string());
+    hash.update(json!(Provenance::on(gpu)).to_string());
     hash.update(settings.to_string());
     name(hash)
 }

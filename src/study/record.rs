@@ -5,11 +5,11 @@ use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
 use crate::methods::{self, EffectParams, MethodInfo, Setup};
-use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset};
+use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Lens, Scene, View};
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Map, Value as Json};
 
 /// The version of docs/definitions.md that the figures are of.
 pub const DEFINITIONS: u32 = 1;
@@ -63,7 +63,7 @@ pub struct PassRecord {
 
 /// Which program measured, by which definitions, on which device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Program {
+pub struct Provenance {
     /// [`DEFINITIONS`].
     pub definitions: u32,
     /// Of this program.
@@ -74,7 +74,7 @@ pub struct Program {
     pub device: DeviceInfo,
 }
 
-impl Program {
+impl Provenance {
     /// This program's version.
     pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
     /// The commit it was built from.
@@ -132,7 +132,7 @@ pub struct Head {
     pub kind: String,
     /// Which program measured on what.
     #[serde(flatten)]
-    pub program: Program,
+    pub program: Provenance,
     /// Scene name.
     pub scene: String,
     /// View name.
@@ -162,7 +162,7 @@ impl Head {
         };
         Self {
             kind: kind.to_owned(),
-            program: Program::on(gpu),
+            program: Provenance::on(gpu),
             scene: scene.name.clone(),
             view: view.name.clone(),
             method: name.to_owned(),
@@ -201,10 +201,18 @@ impl Head {
     }
 }
 
+/// A parameter's value as [`cell`] shows the recorded one.
+fn value_cell(value: Value) -> String {
+    match value {
+        Value::Switch(on) => on.to_string(),
+        other => other.to_string(),
+    }
+}
+
 /// A parameter's value in a few words, if it is not the preset's; `text` is the value as a record has it. `None` also if a
 /// record does not say it: it is of a time before there was the parameter.
 pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
-    if text.is_empty() || text == cell(&json!(row.of(preset))) {
+    if text.is_empty() || text == value_cell(row.of(preset)) {
         return None;
     }
     Some(match row.domain {

@@ -13,7 +13,7 @@ use ssct::report::images::Rgb;
 use ssct::report::{error_report, plot};
 use ssct::scene::Lens;
 use ssct::study::error::{Against, ErrorRecord};
-use ssct::study::record::{Head, PassRecord, Program, recorded};
+use ssct::study::record::{Head, PassRecord, Provenance, recorded};
 use ssct::study::table::compare;
 use ssct::study::{Globals, Stats, TimeRecord};
 use std::path::Path;
@@ -30,7 +30,7 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
     let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(roughness) };
     Head {
         kind: kind.into(),
-        program: Program { definitions: 1, version: "0".into(), commit: "c".into(), device: device() },
+        program: Provenance { definitions: 1, version: "0".into(), commit: "c".into(), device: device() },
         scene: "rooms".into(),
         view: "two-cylinders".into(),
         method: method.into(),

@@ -9,7 +9,7 @@ use crate::methods::thesis::{self, HiZParams};
 use crate::passes::{Content, PathCode};
 use crate::reference::Level;
 use crate::reference::hi_z::MinMax;
-use crate::reference::hi_z_ray_trace::{Constants, End, HiZTrace, reflection_ray, trace};
+use crate::reference::hi_z_ray_trace::{End, HiZConstants, HiZTrace, reflection_ray, trace};
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
@@ -44,13 +44,13 @@ pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyh
 }
 
 /// The factor by which the difference image of figure 5.5 is amplified.
-const DIFFERENCE: u8 = 2;
+const DIFFERENCE_FACTOR: u8 = 2;
 
 /// Two renders with their difference below.
 pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
     let [a, b] = &pictures[..] else { anyhow::bail!("a difference needs two pictures") };
-    let difference = difference(a, b, DIFFERENCE)?;
+    let difference = difference(a, b, DIFFERENCE_FACTOR)?;
     Ok(FinishedFigure::Picture(sheet(&[pictures, vec![difference]])))
 }
 
@@ -130,7 +130,7 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fini
     let extent = [normals.width, normals.height];
     let published: HiZParams = Setup::new(extent).of();
     let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
-    let constants = Constants {
+    let constants = HiZConstants {
         start_level: numbers.start_level as u32,
         iterations: numbers.iterations as u32,
         cross_offset: numbers.cross_offset,

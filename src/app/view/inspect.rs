@@ -9,7 +9,7 @@ use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
 use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
-use crate::reference::hi_z_ray_trace::{self, Constants, HiZTrace, reflection_ray};
+use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
 use crate::reference::unified::{Code, Traversal};
 use crate::reference::{Level, Oracle, Trace};
@@ -30,7 +30,7 @@ pub struct Inspection {
 /// How the method's ray tracing is repeated on the CPU.
 enum Twin {
     /// The thesis's Hi-Z ray tracing, with its Hi-Z chain.
-    HiZ { constants: Constants, reflection_offset: f32, direction_epsilon: f32, chain: Vec<Level<MinMax>> },
+    HiZ { constants: HiZConstants, reflection_offset: f32, direction_epsilon: f32, chain: Vec<Level<MinMax>> },
     /// The traversal of `unified`.
     Unified,
 }
@@ -202,7 +202,7 @@ impl Inspection {
                 texels: gbuffer.depth.iter().map(|reversed| 1.0 - reversed).collect(),
             };
             Twin::HiZ {
-                constants: Constants {
+                constants: HiZConstants {
                     start_level: block.start_level.max(0) as u32,
                     iterations: block.iterations.max(0) as u32,
                     cross_offset: block.cross_offset,

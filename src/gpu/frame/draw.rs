@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::memory::Buffer;
 use crate::gpu::pipeline::{self, ComputePipeline, Graphics, GraphicsPipeline};
-use crate::gpu::program::{Compute, Fragment, Vertex};
+use crate::gpu::program::{Compute, Fragment, VertexProgram};
 use crate::gpu::sync::Access;
 use ash::vk;
 use std::marker::PhantomData;
@@ -41,7 +41,7 @@ impl Frame<'_> {
 
     /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
     /// indirect draw), from byte `offset`.
-    pub fn draw_indirect<F: Fragment, V: Vertex>(
+    pub fn draw_indirect<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
         pipeline: &GraphicsPipeline<F, V>,
@@ -102,7 +102,7 @@ impl Frame<'_> {
     }
 
     /// Meshes into targets with a depth buffer; `draw` records them.
-    pub fn raster<F: Fragment, V: Vertex>(
+    pub fn raster<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
         pipeline: &GraphicsPipeline<F, V>,
@@ -133,7 +133,7 @@ impl Frame<'_> {
     pub(super) fn dispatch(
         &mut self,
         name: &str,
-        pipeline: &pipeline::Compute,
+        pipeline: &pipeline::SharedCompute,
         given: &Given,
         threads: [u32; 3],
     ) -> Result<()> {
@@ -182,14 +182,14 @@ pub struct Raster<'f, 'c, F, V> {
     programs: PhantomData<(F, V)>,
 }
 
-impl<F: Fragment, V: Vertex> Raster<'_, '_, F, V> {
+impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
     /// Binds what the programs read in the draws that follow. Images must have been made ready
     /// ([`Frame::make_ready`]): no barrier can stand inside rendering. What both stages read is taken from the
     /// fragment program.
     pub fn bind(
         &mut self,
         fragment: &impl Fragment<Kind = F::Kind>,
-        vertex: &impl Vertex<Kind = V::Kind>,
+        vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
         let (p, given) = (self.pipeline, Given::to(fragment).and(vertex));
         self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &given)

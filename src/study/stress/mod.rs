@@ -6,7 +6,7 @@ pub mod lineup;
 pub mod motion;
 
 use super::gbuffer::hit_positions;
-use super::record::{Program, RecordedSetup, recorded};
+use super::record::{Provenance, RecordedSetup, recorded};
 use super::stage::Globals;
 use crate::error::Result;
 use crate::gpu::{Gpu, Pixels};
@@ -46,7 +46,7 @@ pub struct StressRecord {
     pub kind: String,
     /// Which program measured on what.
     #[serde(flatten)]
-    pub program: Program,
+    pub program: Provenance,
     /// What was tried.
     pub case: String,
     /// Method name.
@@ -208,7 +208,7 @@ impl Made {
         let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties.unwrap_or(0)) as f64 >= AGREEMENT * n as f64);
         StressRecord {
             kind: "stress".to_owned(),
-            program: Program::on(gpu),
+            program: Provenance::on(gpu),
             case: case.to_owned(),
             method: method.name.to_owned(),
             width: data.width,

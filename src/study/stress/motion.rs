@@ -9,7 +9,7 @@ use crate::methods::{MethodInfo, Setup};
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
-use crate::study::record::{Program, RecordedSetup, recorded};
+use crate::study::record::{Provenance, RecordedSetup, recorded};
 use glam::{DMat4, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +60,7 @@ pub struct MotionRecord {
     pub kind: String,
     /// Which program measured on what.
     #[serde(flatten)]
-    pub program: Program,
+    pub program: Provenance,
     /// Scene.
     pub scene: String,
     /// View that the camera starts from.
@@ -137,7 +137,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
         MotionRecord {
             kind: "motion".to_owned(),
-            program: Program::on(gpu),
+            program: Provenance::on(gpu),
             scene: lineup.scene.name.clone(),
             view: spec.view.name.clone(),
             motion,
