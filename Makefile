@@ -2,7 +2,9 @@
 
 CARGO ?= cargo
 OUT ?= out
-BIN ?= $(or $(CARGO_TARGET_DIR),target)/release/ssct
+# The profile that everything is built with, the tests included; PROFILE=release leaves out the checks of overflow.
+PROFILE ?= dev
+BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
 .PHONY: all setup build study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
@@ -12,14 +14,15 @@ setup:
 	@scripts/setup.sh
 
 build: setup
-	$(CARGO) build --release
+	$(CARGO) build --profile $(PROFILE)
 
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build
-	target/release/ssct study -o $(OUT)
+	"$(BIN)" study -o $(OUT)
 
 # unified beside ssct and hzct: times and errors of many views, half an hour on two cores. SCENES may name a
 # folder with the thesis's own rooms and Sponza.
+bars: PROFILE = release
 bars: build
 	scripts/bars.sh $(OUT)/bars $(SCENES)
 
@@ -28,16 +31,16 @@ test: setup
 
 # Every allocation and every submission of every method made to fail: minutes.
 test-faults: setup
-	$(CARGO) test --test faults -- --include-ignored
+	$(CARGO) test --test alone -- faults:: --include-ignored
 
 # Every method and unified's own tests with instrumented shaders; what a driver or layer is known to fail at is listed in
 # tests/expected_failures.toml. lavapipe optimises instrumented shaders for longer than it runs them, so it does not.
 test-gpu-av: setup
-	SSCT_GPU_AV=1 GALLIVM_PERF=nopt $(CARGO) test --test validation --test unified
+	SSCT_GPU_AV=1 GALLIVM_PERF=nopt $(CARGO) test --test suite -- validation:: unified::
 
 # Ten thousand frames while sizes and methods change: minutes.
 soak: setup
-	$(CARGO) test --test soak -- --ignored --nocapture
+	$(CARGO) test --test alone -- soak:: --ignored --nocapture
 
 # The world reference against Mitsuba 3, which is installed from PyPI into a folder of its own.
 MITSUBA = .venv-mitsuba/.mitsuba-3.9.1
@@ -74,11 +77,11 @@ bench: setup
 	$(CARGO) bench
 
 view: build
-	target/release/ssct view
+	"$(BIN)" view
 
 # The tables and numbers in README.md and docs/, from the records under benches/runs.
 docs: setup
-	SSCT_WRITE_DOCS=1 $(CARGO) test --test docs -- records_say
+	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
 
 doc: setup
 	$(CARGO) doc --no-deps --open

@@ -1,18 +1,22 @@
-//! Compiles every stage under `shaders-glsl/` to SPIR-V with shaderc (glslang) for Vulkan 1.3 and
-//! writes `shaders.rs`: one `Shader` per file, with the bindings found in the module, and one Rust
-//! struct per uniform, storage or push-constant block. A block is thus declared once, in GLSL.
+//! Compiles every program under `shaders-glsl/` to SPIR-V with shaderc (glslang) for Vulkan 1.3, and writes in Rust
+//! what GLSL declares, so that it is declared once: `programs.rs` has a struct for each program, whose fields are the
+//! bindings and push constants found in its module, and one for its specialization constants; `blocks.rs` a struct for
+//! each uniform or push-constant block; `constants.rs` the constants of `common/constants.glsl`.
 
 // The window, which shares it, also asks for the files that were read.
 #[allow(dead_code)]
 #[path = "src/gpu/glsl.rs"]
 mod glsl;
 
-use glsl::{Block, Interface};
-use std::collections::BTreeMap;
+use glsl::{Block, Bound, Constant, Interface, Named};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 const ROOT: &str = glsl::FOLDER;
+
+/// What shaders and host share, below [`ROOT`].
+const CONSTANTS: &str = "common/constants.glsl";
 
 fn main() {
     println!("cargo:rerun-if-changed={ROOT}");
@@ -28,51 +32,160 @@ fn run() -> Result<(), String> {
     let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|e| e.to_string())?);
     let compiler = shaderc::Compiler::new().map_err(|e| format!("shaderc: {e}"))?;
     let mut structs: BTreeMap<String, Block> = BTreeMap::new();
-    let (mut text, mut all) = (String::new(), String::new());
+    let (mut programs, mut all, mut names) = (String::new(), String::new(), BTreeSet::new());
     for path in glsl::stages(Path::new(ROOT))? {
-        let words = glsl::compile(&compiler, Path::new(ROOT), &path)?.words;
-        let name = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
-        let file = format!("{}.spv", name.replace('/', "."));
-        let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-        std::fs::write(out.join(&file), bytes).map_err(|e| format!("{file}: {e}"))?;
-        let interface = glsl::interface(&words, &name)?;
-        text.push_str(&constant(&interface, &name, &file));
-        let _ = writeln!(all, "    &{},", constant_name(&name));
-        for (block_name, block) in interface.blocks {
-            match structs.get(&block_name) {
-                Some(known) if known.fields != block.fields => {
-                    return Err(format!(
-                        "{name}: block {block_name} differs from its declaration for {}",
-                        known.used_in
-                    ));
+        let file = path.strip_prefix(ROOT).map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
+        let source = std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        let named = glsl::programs(&source, &path)?;
+        if named.is_empty() {
+            return Err(format!("{}: it names no program (`#pragma program(Name)`)", path.display()));
+        }
+        for program in named {
+            if !names.insert(program.name.clone()) {
+                return Err(format!("{}: there is another program {}", path.display(), program.name));
+            }
+            let words = glsl::compile(&compiler, Path::new(ROOT), &path, &program.defines)?.words;
+            let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
+            let binary = out.join(format!("{}.spv", program.name));
+            std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
+            let interface = glsl::interface(&words, &file)?;
+            programs.push_str(&declared_program(&program, &file, &interface));
+            let _ = writeln!(all, "    {}::SHADER,", program.name);
+            for (block_name, block) in interface.blocks {
+                match structs.get(&block_name) {
+                    Some(known) if known.fields != block.fields => {
+                        return Err(format!(
+                            "{file}: block {block_name} differs from its declaration for {}",
+                            known.used_in
+                        ));
+                    }
+                    Some(_) => {}
+                    None => drop(structs.insert(block_name, block)),
                 }
-                Some(_) => {}
-                None => drop(structs.insert(block_name, block)),
             }
         }
     }
-    let _ = write!(text, "/// Every shader.\npub static ALL: &[&Shader] = &[\n{all}];\n");
-    for (name, block) in &structs {
-        text.push_str(&declaration(block, name));
+    let _ = write!(programs, "/// The shaders of all programs.\npub static ALL: &[&Shader] = &[\n{all}];\n");
+    let blocks: String = structs.iter().map(|(name, block)| declaration(block, name)).collect();
+    let constants =
+        std::fs::read_to_string(Path::new(ROOT).join(CONSTANTS)).map_err(|e| format!("{CONSTANTS}: {e}"))?;
+    for (name, text) in [("programs.rs", programs), ("blocks.rs", blocks), ("constants.rs", shared(&constants)?)] {
+        std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
-    std::fs::write(out.join("shaders.rs"), text).map_err(|e| e.to_string())
+    Ok(())
 }
 
-/// A stage's constant.
-fn constant(interface: &Interface, name: &str, file: &str) -> String {
-    let Interface { bindings, push_size, local_size, .. } = interface;
-    let mut text = format!(
-        "/// `{ROOT}/{name}`.\npub static {}: Shader = Shader {{\n    name: {name:?},\n    spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{file}\")),\n    push_constant_size: {push_size},\n    local_size: {local_size:?},\n    bindings: &[\n",
-        constant_name(name),
-    );
-    for (binding, name, kind, count) in bindings {
+/// A program's struct, with what the pipeline and the frame ask of it (`src/gpu/program.rs`).
+fn declared_program(program: &Named, file: &str, interface: &Interface) -> String {
+    let name = &program.name;
+    let Interface { bindings, push, outputs, constants, local_size, .. } = interface;
+    let (mut fields, mut resources, mut listed) = (String::new(), String::new(), String::new());
+    for Bound { binding, name: field, kind, count, block, read_only } in bindings {
+        let (ty, resource) = match (*kind, *count, *read_only) {
+            ("SampledImage", 1, _) => ("Sampled<'a>".to_owned(), format!("Sampled(self.{field})")),
+            ("SampledImage", n, _) => (format!("[Sampled<'a>; {n}]"), format!("SampledArray(&self.{field})")),
+            ("StorageImage", _, true) => ("ImageSlice<'a>".to_owned(), format!("Loaded(self.{field})")),
+            ("StorageImage", _, false) => ("ImageSlice<'a>".to_owned(), format!("Storage(self.{field})")),
+            ("UniformBuffer", ..) => (format!("&'a {block}"), format!("Uniform(bytemuck::bytes_of(self.{field}))")),
+            (_, _, true) => ("&'a Buffer".to_owned(), format!("ReadBuffer(self.{field})")),
+            (_, _, false) => ("&'a Buffer".to_owned(), format!("Buffer(self.{field})")),
+        };
+        let _ = writeln!(fields, "    /// Binding {binding}.\n    pub {field}: {ty},");
+        let _ = write!(resources, "Resource::{resource}, ");
         let _ = writeln!(
-            text,
-            "        Binding {{ name: {name:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }},"
+            listed,
+            "            Binding {{ name: {field:?}, binding: {binding}, kind: BindingKind::{kind}, count: {count} }},"
         );
     }
-    text.push_str("    ],\n};\n");
-    text
+    if let Some(push) = push {
+        let _ = writeln!(fields, "    /// Push constants.\n    pub {}: &'a {},", push.name, push.block);
+    }
+    let (generics, of, fixed) = if fields.is_empty() { ("", "", "") } else { ("<'a>", "<'_>", "<'static>") };
+    let push_size = push.as_ref().map_or(0, |p| p.size);
+    let pushed = push.as_ref().map_or("&[]".to_owned(), |p| format!("bytemuck::bytes_of(self.{})", p.name));
+    let title = [&[file.to_owned()], &program.defines[..]].concat().join(" ");
+    let defines = &program.defines;
+    let (constants_type, constants) = declared_constants(name, constants);
+    let kind = match Path::new(file).extension().and_then(|e| e.to_str()) {
+        Some("frag") => format!("Fragment for {name}{of} {{\n    type Outputs<T> = [T; {}];\n}}", outputs.len()),
+        Some("vert") => format!("VertexProgram for {name}{of} {{}}"),
+        _ => format!("Compute for {name}{of} {{}}"),
+    };
+    let written = match &outputs[..] {
+        [] => String::new(),
+        some => {
+            let list: Vec<_> = some.iter().map(|(name, ty)| format!("`{name}` ({ty})")).collect();
+            format!("\n///\n/// Outputs: {}.", list.join(", "))
+        }
+    };
+    format!(
+        "/// What `{ROOT}/{title}` reads.{written}\n#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
+         impl Program for {name}{of} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
+         const SHADER: &'static Shader = &Shader {{\n        name: {title:?},\n        file: {file:?},\n        \
+         defines: &{defines:?},\n        spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")),\n        \
+         push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[\n{listed}        ],\n    }};\n    \
+         fn resources(&self) -> Vec<Resource<'_>> {{ vec![{resources}] }}\n    \
+         fn push(&self) -> &[u8] {{ {pushed} }}\n}}\nimpl {kind}\n{constants}"
+    )
+}
+
+/// The name of the type of a program's specialization constants, and its declaration.
+fn declared_constants(program: &str, constants: &[Constant]) -> (String, String) {
+    if constants.is_empty() {
+        return ("()".into(), String::new());
+    }
+    let (mut fields, mut entries) = (String::new(), String::new());
+    for Constant { id, name, ty } in constants {
+        let field = name.to_ascii_lowercase();
+        let _ = writeln!(fields, "    /// `{name}`.\n    pub {field}: {ty},");
+        let bits = match *ty {
+            "f32" => format!("self.{field}.to_bits()"),
+            "bool" => format!("u32::from(self.{field})"),
+            "i32" => format!("self.{field}.cast_unsigned()"),
+            _ => format!("self.{field}"),
+        };
+        let _ = write!(entries, "({id}, {bits}), ");
+    }
+    let name = format!("{program}Constants");
+    let text = format!(
+        "/// Specialization constants of [`{program}`].\n#[derive(Debug, Clone, Copy, PartialEq)]\npub struct {name} {{\n{fields}}}\n\
+         impl Constants for {name} {{\n    fn entries(&self) -> Vec<(u32, u32)> {{ vec![{entries}] }}\n}}\n"
+    );
+    (name, text)
+}
+
+/// The constants that GLSL and Rust share, in Rust. A number with a point becomes an f64, which is what is written; whoever
+/// computes in f32 rounds it once, as GLSL does.
+fn shared(source: &str) -> Result<String, String> {
+    let (mut text, mut comment) = (String::new(), String::new());
+    for (at, line) in source.lines().enumerate() {
+        if let Some(said) = line.strip_prefix("// ") {
+            let _ = writeln!(comment, "/// {said}");
+            continue;
+        }
+        if let Some(declared) = line.strip_prefix("const ") {
+            let (ty, declared) = declared.split_once(' ').unwrap_or_default();
+            let (name, value) = declared.split_once(" = ").unwrap_or_default();
+            let (value, beside) = value.split_once(';').unwrap_or_default();
+            let (ty, value) = match ty {
+                "int" => ("i32", value),
+                "uint" => ("u32", value.trim_end_matches('u')),
+                "float" => ("f64", value),
+                _ => ("", ""),
+            };
+            let beside = beside.trim().trim_start_matches("// ");
+            if value.is_empty() || (comment.is_empty() && beside.is_empty()) {
+                let wanted = "`const int|uint|float NAME = VALUE;` with a comment above or beside it";
+                return Err(format!("{ROOT}/{CONSTANTS}:{}: {line:?} should be {wanted}", at + 1));
+            }
+            if !beside.is_empty() {
+                comment = format!("/// {beside}\n");
+            }
+            let _ = write!(text, "{comment}pub const {name}: {ty} = {value};\n");
+        }
+        comment.clear();
+    }
+    Ok(text)
 }
 
 /// A block's Rust twin.
@@ -99,11 +212,6 @@ fn declaration(block: &Block, name: &str) -> String {
         block.size
     );
     text
-}
-
-/// `thesis/hi_z.frag` → `THESIS_HI_Z_FRAG`.
-fn constant_name(path: &str) -> String {
-    path.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_uppercase() } else { '_' }).collect()
 }
 
 /// The commit that is built, for records; "unknown" outside a repository, "+" after it for a

@@ -1,14 +1,13 @@
-//! GPU time of each method's passes on the corridor of the built-in rooms, 480×270, roughness 0.1:
-//! criterion's statistics over the device's own timestamps (not over the host's clock).
+//! Measures the GPU time of each method's passes in the corridor of the built-in rooms, at 480×270 and
+//! roughness 0.1. Criterion's statistics use the device's timestamps, not the host's clock.
 
 #![allow(clippy::expect_used)]
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
-use ssct::methods::{METHODS, Setup};
+use ssct::methods::{METHODS, Setup, Wants};
 use ssct::scene::library;
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage};
 use std::time::Duration;
 
@@ -23,9 +22,16 @@ fn methods(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("gpu time");
     group.sample_size(10);
     for method in METHODS {
-        let camera = camera(&scene, view, SIZE);
-        let shot =
-            Shot::new(&mut stage, method, &Setup::new(SIZE), camera, globals.materials(&scene, view)).expect("a shot");
+        let camera = view.camera(&scene, SIZE);
+        let shot = Shot::new(
+            &mut stage,
+            method,
+            &Setup::new(SIZE),
+            Wants::REFLECTION,
+            camera,
+            globals.materials(&scene, view),
+        )
+        .expect("a shot");
         group.bench_function(BenchmarkId::new(method.name, "480x270"), |bencher| {
             bencher.iter_custom(|iterations| {
                 let mut ms = 0.0;

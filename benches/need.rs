@@ -1,24 +1,25 @@
-//! What `unified` pays for what a frame needs, and how its time grows with the image: a table on standard output.
+//! Measures how the time of `unified` depends on what a frame needs and on the image's size. Prints a table to
+//! standard output.
 //!
-//! Need: the six views of the built-in rooms, 960×540, in which everything reflects, a rectangle with a tenth of the
-//! pixels does, or nothing. Growth: the same views at 640×480 and 1920×1080. Times of the effect, median of
-//! [`FRAMES`] frames on the device's own timestamps, in turns. Beside the need stands what of it is the same however few
-//! pixels reflect: the classification, the canvas and the colour's chain; and how much of the image the tiles cover
-//! that are drawn. Beside the growth stands that of the walk: cells of the pyramid that the mirror ray of a pixel looks
-//! at, on average, and the most of any in a block of 4 × 2 pixels, which is what eight threads in step wait for.
+//! "need": the six views of the built-in rooms at 960×540, in which every pixel reflects, only a rectangle with
+//! a tenth of the pixels, or none. "growth": the same views at 640×480 and 1920×1080. Times are those of the
+//! effect: the median of [`FRAMES`] frames by the device's timestamps; the variants take turns. The table of
+//! needs also gives the time of the passes whose cost does not depend on the number of reflecting pixels
+//! (classification, canvas and colour chain), and the share of the image that the drawn tiles cover. The table
+//! of growth also gives the cells of the pyramid that the mirror ray of a pixel visits: the mean, and the mean
+//! over blocks of 4 × 2 pixels of the block's maximum, for which eight threads in lockstep wait.
 
 #![allow(clippy::expect_used)]
 
 use ssct::gpu::FrameReport;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, FrameContext, Gpu};
-use ssct::methods::{Effect, Input, Setup, unified};
+use ssct::methods::{Effect, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
 use ssct::reference::unified::Traversal;
 use ssct::scene::{Camera, GBufferData, library};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
@@ -33,17 +34,14 @@ fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Milliseconds of the effect, of its pyramid, and of what else does not depend on the pixels that reflect.
+/// Milliseconds of the effect, of its pyramid, and of the other passes that do not depend on the number of
+/// reflecting pixels.
 fn times(report: &FrameReport) -> [f64; 3] {
     let of = |passes: &dyn Fn(&str) -> bool| {
         report.passes.iter().filter(|p| p.counted && passes(&p.name)).map(|p| p.ms).sum()
     };
     let is_fixed = |name: &str| ["classify", "composite", "color"].contains(&name.split('/').next().unwrap_or(name));
     [of(&|_| true), of(&|name| name == "pyramid"), of(&is_fixed)]
-}
-
-fn setup(extent: [u32; 2]) -> Setup {
-    Setup { reflection: false, ..Setup::new(extent) }
 }
 
 /// A G-buffer of which only a rectangle in the middle reflects, with a share of the pixels.
@@ -60,7 +58,8 @@ fn masked(data: &GBufferData, share: f64) -> GBufferData {
     masked
 }
 
-/// Cells that the mirror rays look at: the mean over the rays, and over blocks of 4 × 2 pixels the mean of the most.
+/// The cells that mirror rays visit: the mean over the rays, and the mean over blocks of 4 × 2 pixels of the
+/// block's maximum.
 fn cells(data: &GBufferData) -> [f64; 2] {
     let (traversal, reflects) = (Traversal::new(data), data.reflecting());
     let steps = |x: u32, y: u32| {
@@ -76,7 +75,7 @@ fn cells(data: &GBufferData) -> [f64; 2] {
     [sum, most].map(|n| n / f64::from(data.width / 4 * (data.height / 2)))
 }
 
-/// The share of the pixels that lie in tiles with a pixel that reflects: what is drawn.
+/// The share of the pixels in tiles with at least one reflecting pixel; only these tiles are drawn.
 fn covered(data: &GBufferData) -> f64 {
     let mut tiles = BTreeSet::new();
     for (i, _) in data.reflecting().iter().enumerate().filter(|(_, reflects)| **reflects) {
@@ -111,8 +110,9 @@ fn main() {
         let mut rows = Vec::new();
         for view in &scene.views {
             let materials = || globals.materials(&scene, view);
-            let seen = camera(&scene, view, SIZE);
-            let shot = Shot::new(&mut stage, &unified::INFO, &setup(SIZE), seen, materials()).expect("a shot");
+            let seen = view.camera(&scene, SIZE);
+            let shot = Shot::new(&mut stage, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, seen, materials())
+                .expect("a shot");
             let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
             let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
             let parts = [1.0, 0.1, 0.0].map(|share| {
@@ -126,10 +126,12 @@ fn main() {
             let covered = covered(&parts[1]);
             let all = drawn.reflectors;
             let reflectors = [all, Reflectors { everywhere: false, ..all }, Reflectors::default()];
-            let effect = Effect::new(&mut stage.context, &unified::INFO, &setup(SIZE), None).expect("the effect");
+            let effect = Effect::new(&mut stage.context, &unified::INFO, &Setup::new(SIZE), Wants::IMAGE, None)
+                .expect("the effect");
             let shots = GROWTH.map(|size| {
-                let seen = camera(&scene, view, size);
-                Shot::new(&mut stage, &unified::INFO, &setup(size), seen, materials()).expect("a shot")
+                let seen = view.camera(&scene, size);
+                Shot::new(&mut stage, &unified::INFO, &Setup::new(size), Wants::IMAGE, seen, materials())
+                    .expect("a shot")
             });
 
             let walked = shots.each_ref().map(|shot| {
@@ -143,7 +145,7 @@ fn main() {
                 for (i, (images, reflectors)) in images.iter().zip(reflectors).enumerate() {
                     let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
                     let report = run(&mut stage.context, &effect, gbuffer, &seen);
-                    // The first frame of each compiles shaders.
+                    // The first frame of each variant compiles shaders.
                     if frame > 0 {
                         need[i].push((times(&report), report.recorded.len()));
                     }

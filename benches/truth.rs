@@ -1,27 +1,28 @@
-//! Where screen space is wrong about the world, and what no choice within it could mend: a table on standard output.
+//! Measures where screen space contradicts the world, and how much of that no choice within screen space could
+//! avoid. Prints a table to standard output.
 //!
-//! Mirror rays of every view of a scene, 960×540 and 641×479, each held against where it ends among the triangles
-//! (DEFINITIONS, "World agreement"). For both versions of the oracle, and so for `unified`, which follows them, the
-//! reflecting pixels that are wrong, and how: a hit where the world has none, by crossing a block's front or by its
-//! side; a hit elsewhere; a miss. `least` is the share that stays wrong whichever of the blocks on its way a ray were
-//! told to hit: the screen shows where it ends, but no block there meets it. `ssct` is the share that the thesis's
-//! method has wrong.
+//! Mirror rays of every view of a scene, at 960×540 and 641×479, are compared with where they end among the
+//! scene's triangles (docs/definitions.md, "World agreement"). For both versions of the oracle, and therefore for
+//! `unified`, which follows them, the table gives the share of reflecting pixels that are wrong, by kind: a hit
+//! where the world has none, by crossing a block's front or by its side; a hit at another place; a miss.
+//! `least` is the share that remains wrong whichever of the blocks on its path a ray were told to hit, because
+//! the screen shows where the ray ends but no block there meets it. `ssct` is the share that the thesis's
+//! method gets wrong.
 //!
-//! `cargo bench --bench truth [-- SCENE…]`: names of built-in scenes or files.
+//! Usage: `cargo bench --bench truth [-- SCENE…]`, with names of built-in scenes or files.
 
 #![allow(clippy::expect_used)]
 
 use rayon::prelude::*;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::math::OracleVersion;
-use ssct::methods::{Setup, ssct as thesis};
+use ssct::methods::{Setup, Wants, ssct as thesis};
 use ssct::metrics::world::{agreement, is_same_place};
 use ssct::reference::oracle::{Meeting, Oracle};
 use ssct::reference::ray::RaySetup;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::world_hits;
 use ssct::scene::{Scene, View, library, scene_file};
-use ssct::study::timing::camera;
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 use std::path::Path;
 
@@ -31,8 +32,9 @@ type Place = Option<[f64; 2]>;
 
 fn print_view(scene: &Scene, view: &View, size: [u32; 2], stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
-    let setup = Setup { split: true, ..Setup::new(size) };
-    let shot = Shot::new(stage, &thesis::INFO, &setup, camera(scene, view, size), materials.clone()).expect("a shot");
+    let setup = Setup::new(size);
+    let shot = Shot::new(stage, &thesis::INFO, &setup, Wants::HITS, view.camera(scene, size), materials.clone())
+        .expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");
     let hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
     let hits = gbuffer::hit_positions(&stage.context.read(hits.0.all()).expect("the hits"));

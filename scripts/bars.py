@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Ratios of unified to ssct and hzct over the records of scripts/bars.sh: median, least and greatest over
-the views, for each roughness and size. Writes times.csv, errors.csv and bars.txt beside the records. A second
-folder's errors.csv gives unified's error against the world over what it is there."""
+"""Computes the ratios of unified to ssct and hzct from the records that scripts/bars.sh made: median, least and
+greatest over the views, for each roughness and size. Writes times.csv, errors.csv and bars.txt beside the records.
+If a second folder is given, unified's error against the world is also divided by that in its errors.csv."""
 
 import csv
 import json

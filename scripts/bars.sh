@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# unified beside ssct and hzct on the same frames: times and errors of the views that the README's ratios are of.
+# Measures unified, ssct and hzct on the same frames: times and errors of the views behind the README's ratios.
 #
-#   scripts/bars.sh OUT [SCENES]     SCENES holds ssct-rooms/ and sponza/; without it, the built-in scenes alone
+#   scripts/bars.sh OUT [SCENES]     SCENES contains ssct-rooms/ and sponza/; without it, only built-in scenes are used
 #
-# SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES, RAYS and ORACLE may be set in the environment; WHAT=time or WHAT=error
-# does one half.
+# The environment may set SIZES, ERROR_SIZES, ROUGHNESS, SAMPLES, RAYS and ORACLE; WHAT=time or WHAT=error
+# selects one of the two measurements.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -19,7 +19,7 @@ views() { # scene, name, views...
     local common=(--scene "$scene" --method ssct,hzct,unified --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}" --json
         --oracle "${ORACLE:-1}")
     for view in "$@"; do
-        if [ "${WHAT:-time}" = time ]; then # both, unless WHAT says which
+        if [ "${WHAT:-time}" = time ]; then # both are made unless WHAT selects one
             "$ssct" time "${common[@]}" --view "$view" --size "${SIZES:-960x540,641x479}" \
                 --samples "${SAMPLES:-5}" >"$out/time-$name-$view.json"
         fi
@@ -36,6 +36,6 @@ if [ -n "$scenes" ]; then
     views "$scenes/ssct-rooms/rooms.scene.toml" ssct-rooms cylinder window-floor corridor two-cylinders window ceiling
     views "$scenes/sponza/sponza.scene.toml" sponza atrium lion hall
 else
-    echo 'bars: no folder of shared scenes is given; the built-in ones alone' >&2
+    echo 'bars: no folder of shared scenes is given; only built-in scenes are used' >&2
 fi
 "$root/scripts/bars.py" "$out"

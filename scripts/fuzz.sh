@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Fuzzes the loaders with libFuzzer, on a stable toolchain: the coverage that it is guided by is LLVM's own
-# pass, asked for with the flags that cargo-fuzz sets too. A target's log, executions and coverage in it,
-# goes to OUT/TARGET.log; new inputs go to OUT/TARGET-corpus, and what the kept corpus lacks is merged into it.
+# Fuzzes the loaders with libFuzzer on a stable toolchain. The coverage that guides it comes from LLVM's own
+# pass, which is enabled with the same flags as cargo-fuzz uses. `run` writes a target's log, with executions and
+# coverage, to OUT/TARGET.log and new inputs to OUT/TARGET-corpus; `merge` adds those inputs to fuzz/corpus that
+# increase its coverage.
 #
 # usage: fuzz.sh [build | run OUT RUNS TARGET… | merge OUT TARGET… | summary LOG…]
 set -euo pipefail
@@ -14,7 +15,7 @@ flags="--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-leve
 flags+=" -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table"
 flags+=" -Cllvm-args=-sanitizer-coverage-trace-compares"
 
-# What a mutation may grow to: an image's bytes unpack to thousands each.
+# The greatest length of a mutated input. It is short for images, each byte of which unpacks to thousands.
 longest() { case $1 in texture) echo 512 ;; *) echo 4096 ;; esac; }
 
 words() {
@@ -54,7 +55,8 @@ merge() {
     done
 }
 
-# Executions of all logs of a target together, and the most coverage of one: edges, and features (edges by count).
+# For each target, sums the executions over all logs and gives the greatest coverage of a single log: edges, and
+# features (edges by count).
 summary() {
     awk '
         FNR == 1 { target = FILENAME; sub(/.*\//, "", target); sub(/[.-].*/, "", target); runs[target]++; stated[FILENAME] = 0 }

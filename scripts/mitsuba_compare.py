@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Checks an export of `ssct truth export` with Mitsuba 3, and exits with 1 if a bar is missed.
+"""Checks an export of `ssct truth export` with Mitsuba 3, and exits with status 1 if a limit
+is exceeded.
 
 Independent of ssct: the sensor's rays, the reading of the meshes, every ray against them (Embree, in
 32-bit floats), the directions of the lobe and their random numbers (PCG32), the sampling and the
 decoding of albedo images. Not independent: the meshes and images themselves, the receivers of the
 reflection (position, normal, roughness; the first hits that they come from are checked), and the
 formulas for lit colour, normal maps and the lobe's exponent, which are written down a second time
-below after DEFINITIONS.
+below after docs/definitions.md.
 
 The glossy integral is compared as Mitsuba's own tests compare images (src/render/tests/
 test_renders.py): a z-test for each pixel and channel at a significance of 0.01 after Sidak's
@@ -43,7 +44,7 @@ XI = 0.244
 
 
 class Truth:
-    """The export, and the scene as Mitsuba reads it."""
+    """The export, and the scene as Mitsuba loads it."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -68,14 +69,14 @@ class Truth:
         return np.load(self.folder / f"{name}.npy")
 
     def image(self, index):
-        """A data image, 0...1, as it stands."""
+        """A data image without decoding, values 0...1."""
         if index not in self.images:
             path = self.folder / self.info["textures"][index]["file"]
             self.images[index] = np.asarray(Image.open(path).convert("RGBA"), dtype=np.float64) / 255
         return self.images[index]
 
     def sample(self, index, uv):
-        """Bilinear and repeating; (0, 0) is the top left corner."""
+        """Samples an image, bilinear and repeating; (0, 0) is the top left corner."""
         image = self.image(index)
         size = np.array([image.shape[1], image.shape[0]])
         at = (uv % 1.0) * size - 0.5
@@ -88,7 +89,7 @@ class Truth:
         return top * (1 - w[:, 1]) + bottom * w[:, 1]
 
     def trace(self, origin, direction):
-        """What Mitsuba hits: a dict of arrays; mesh -1 is nothing. Through the holes of masks."""
+        """Mitsuba's hits as a dict of arrays; mesh -1 is a miss. Rays pass through the holes of alpha masks."""
         origin, direction = (np.asarray(v, dtype=np.float64) for v in (origin, direction))
         hit = self.trace_once(origin, direction)
         for _ in range(64):
@@ -129,7 +130,7 @@ class Truth:
         return holes
 
     def normals(self, hit, direction):
-        """Shading normals as `gbuffer.frag` has them, turned to the side that is seen."""
+        """Shading normals computed as in `gbuffer.frag`, flipped to the visible side."""
         normal = unit(hit["smooth"])
         for index, material in enumerate(self.info["materials"]):
             deviation = material["normal_deviation"]
@@ -185,13 +186,13 @@ def unit(a):
 
 
 def check_geometry(truth, name, hit, near):
-    """Mitsuba's hits against ours: same mesh and triangle, and how far apart."""
+    """Compares Mitsuba's hits with ours: same mesh and triangle, and the distance between them."""
     mesh, triangle = truth.array(f"{name}_mesh"), truth.array(f"{name}_triangle")
     position = truth.array(f"{name}_position")
     both = (mesh >= 0) & (hit["mesh"] >= 0)
     same = (mesh == hit["mesh"]) & (triangle == hit["triangle"])
     apart = np.linalg.norm(position - hit["position"], axis=1)
-    # On a shared edge either triangle is right: what counts is the place.
+    # On a shared edge both triangles are correct, so only the position is compared.
     agree = ((mesh < 0) & (hit["mesh"] < 0)) | (both & (apart <= near))
     return {
         "rays": len(mesh),
@@ -203,7 +204,7 @@ def check_geometry(truth, name, hit, near):
 
 
 def sensor_rays(truth):
-    """The rays of Mitsuba's own sensor through the pixels' centres; they start at the near plane."""
+    """The rays of Mitsuba's own sensor through the pixels' centres, starting at the near plane."""
     width, height = truth.info["width"], truth.info["height"]
     index = dr.arange(mi.UInt32, width * height)
     at = mi.Point2f((mi.Float(index % width) + 0.5) / width, (mi.Float(index // width) + 0.5) / height)
@@ -212,8 +213,8 @@ def sensor_rays(truth):
 
 
 def sample_reflection(truth, samples, seed, scale=1.0):
-    """Mean and variance of a sample of each receiver's reflection, by Mitsuba's rays and numbers,
-    with all roughness times `scale`."""
+    """Mean and variance of a sample of each receiver's reflection, with Mitsuba's rays and random numbers.
+    All roughness values are multiplied by `scale`."""
     position, normal = truth.array("receiver_position"), truth.array("receiver_normal")
     geometric, incoming = truth.array("receiver_geometric"), truth.array("receiver_incoming")
     roughness = truth.array("receiver_roughness") * scale
@@ -259,14 +260,14 @@ def check_reflection(truth, samples, seed):
     z = ((mean - ours) / deviation)[glossy]
     p = np.array([math.erfc(abs(v) / math.sqrt(2)) for v in z.ravel()]).reshape(z.shape)
     alpha = 1 - (1 - SIGNIFICANCE) ** (1 / len(z))
-    # How the image changes with the logarithm of roughness: the same random numbers at 1.2 and 1 / 1.2
-    # of it, other numbers than those of the comparison.
+    # The derivative of the image by the logarithm of roughness, from the same random numbers at 1.2 and
+    # 1 / 1.2 times the roughness. They differ from the random numbers of the comparison.
     few = max(samples // 2, 2)
     rougher, smoother = (sample_reflection(truth, few, seed + 1, scale)[0] for scale in (1.2, 1 / 1.2))
     slope = ((rougher - smoother) / (2 * math.log(1.2)))[glossy] / deviation[glossy]
-    # The three channels of a pixel share their rays: as if fully correlated, which bounds the variance.
+    # The three channels of a pixel share their rays. Assuming full correlation bounds the variance.
     slope_variance = np.sum(np.sum(np.abs(slope), axis=1) ** 2)
-    # One number a pixel for the image as a whole: its three channels share their rays.
+    # For the whole-image tests there is one number per pixel, because its three channels share their rays.
     difference = (mean - ours)[glossy].mean(axis=1)
     true_deviation = np.sqrt(our_error**2 + variance / samples)[glossy].mean(axis=1)
     return {
@@ -278,7 +279,7 @@ def check_reflection(truth, samples, seed):
         "z_mean": float(z.mean()),
         "z_rms": float(np.sqrt(np.mean(z**2))),
         "mean_difference": float(difference.mean()),
-        # The channels move together, so their mean deviation bounds the pixel's from above.
+        # The channels are correlated, so their mean deviation is an upper bound of the pixel's.
         "mean_difference_in_deviations": float(difference.sum() / np.sqrt(np.sum(true_deviation**2))),
         "roughness_apart": float(np.sum(slope * z) / np.sum(slope**2)),
         "roughness_apart_in_deviations": float(np.sum(slope * z) / np.sqrt(slope_variance)),

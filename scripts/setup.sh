@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what a Debian or Ubuntu machine lacks to build and run ssct: the Vulkan
-# loader, a software device, the validation layers and the shader compiler's
-# libraries. Safe to run again: it does only what is missing.
+# Installs the packages that a Debian or Ubuntu machine needs to build and run ssct:
+# the Vulkan loader, a software device, the validation layers and the libraries of the
+# shader compiler. It installs only what is missing, so it is safe to run again.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)

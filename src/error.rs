@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// What can go wrong. The text of each variant is one sentence that says what and where.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// The arguments ask for something that does not exist or cannot be (exit status 2).
+    /// The arguments ask for something that does not exist or cannot be.
     #[error("{0}")]
     Usage(String),
 
@@ -65,9 +65,18 @@ pub enum Error {
         folder: PathBuf,
     },
 
-    /// A signal asked to stop (exit status 128 and the signal's number, as shells have it).
+    /// A folder holds a run that was not finished, and what it measured would be lost.
+    #[error("{} holds what a run measured that was not finished", folder.display())]
+    Unfinished {
+        /// The folder.
+        folder: PathBuf,
+        /// The journal of what was measured.
+        journal: PathBuf,
+    },
+
+    /// A signal asked to stop.
     #[error("stopped by {}{}", signal_name(*signal), kept.as_ref().map(|k| format!(
-        ": what was measured is in {}, and --resume goes on with it", k.display())).unwrap_or_default())]
+        ": what was measured is in {}", k.display())).unwrap_or_default())]
     Stopped {
         /// Its number.
         signal: u8,
@@ -75,7 +84,7 @@ pub enum Error {
         kept: Option<PathBuf>,
     },
 
-    /// The validation layers found fault with the run (exit status 1).
+    /// The validation layers found fault with the run.
     #[error("the validation layers reported {count} message(s) outside the allow-list; the first: {first}")]
     Validation {
         /// How many messages.
@@ -105,14 +114,5 @@ impl Error {
     /// Wrong content of a file, at a line where that is known.
     pub fn malformed(path: impl AsRef<Path>, line: Option<usize>, message: impl Into<String>) -> Self {
         Self::Malformed { path: path.as_ref().to_path_buf(), line, message: message.into() }
-    }
-
-    /// The exit status of the command for this error: 2 for wrong arguments, 128 + n for signal n, else 1.
-    pub fn exit_status(&self) -> u8 {
-        match self {
-            Self::Usage(_) => 2,
-            Self::Stopped { signal, .. } => 128 + signal,
-            _ => 1,
-        }
     }
 }

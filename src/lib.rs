@@ -6,6 +6,7 @@ pub mod gpu;
 pub mod math;
 pub mod methods;
 pub mod metrics;
+pub mod parameter;
 pub mod passes;
 pub mod reference;
 pub mod report;

@@ -1,4 +1,4 @@
-//! What the fuzz targets share with each other and, by its files, with `tests/fuzz_corpus.rs`.
+//! What the fuzz targets share with each other and, by its files, with `tests/alone/fuzz_corpus.rs`.
 
 pub mod entry;
 mod memory;
@@ -6,9 +6,9 @@ mod seeds;
 
 pub use memory::{Counting, bounded};
 
-/// Prepares a target: rayon runs on the calling thread alone, as an execution takes less time than waking
-/// another. With the variable `SSCT_FUZZ_SEEDS`, writes the seeds of every target into that folder instead,
-/// and ends.
+/// Prepares a target: rayon uses only the calling thread, because an input takes less time than waking another
+/// thread. If the variable `SSCT_FUZZ_SEEDS` is set, writes the seeds of every target into that folder instead
+/// and exits.
 pub fn prepare() {
     if let Some(folder) = std::env::var_os("SSCT_FUZZ_SEEDS") {
         seeds::write_all(folder.as_ref());

@@ -1,10 +1,10 @@
-//! An allocator that counts, so that an execution's memory can be held to a bound.
+//! An allocator that counts, so that the memory that an input takes can be limited.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// What any input may take, in bytes, and what each of its bytes may take beyond that: the most that a byte
-/// of a compressed image unpacks to (8 KiB), in the few copies that a conversion has at once.
+/// The bytes of memory that any input may take, and the bytes that each of its bytes may take in addition: the
+/// most that a byte of a compressed image unpacks to (8 KiB), in the few copies that exist during a conversion.
 const BOUND: (usize, usize) = (64 << 20, 128 << 10);
 
 /// The system's allocator; the binary must make it the global one.
@@ -13,42 +13,47 @@ pub struct Counting;
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
+/// Bytes that are allocated now.
+pub fn live() -> usize {
+    LIVE.load(Relaxed)
+}
+
 fn more(bytes: usize) {
     PEAK.fetch_max(LIVE.fetch_add(bytes, Relaxed) + bytes, Relaxed);
 }
 
-// SAFETY: every call goes to the system's allocator as it came, and its answer goes back as it is.
+// SAFETY: every call is passed unchanged to the system's allocator, whose answer is returned unchanged.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         more(layout.size());
-        // SAFETY: the caller keeps to `alloc`'s contract.
+        // SAFETY: the caller upholds the contract of `alloc`.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         more(layout.size());
-        // SAFETY: the caller keeps to `alloc_zeroed`'s contract.
+        // SAFETY: the caller upholds the contract of `alloc_zeroed`.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
         LIVE.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller keeps to `dealloc`'s contract.
+        // SAFETY: the caller upholds the contract of `dealloc`.
         unsafe { System.dealloc(at, layout) }
     }
 
     unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         more(size);
         LIVE.fetch_sub(layout.size(), Relaxed);
-        // SAFETY: the caller keeps to `realloc`'s contract.
+        // SAFETY: the caller upholds the contract of `realloc`.
         unsafe { System.realloc(at, layout, size) }
     }
 }
 
-/// Runs an entry on an input, and panics if it takes more memory than so long an input may. Other threads'
-/// memory counts as well. Gives what the entry gives.
+/// Runs an entry on an input and returns its result. Panics if it takes more memory than an input of that
+/// length may; memory taken by other threads counts as well.
 pub fn bounded<T>(entry: impl FnOnce(&[u8]) -> T, data: &[u8]) -> T {
-    let before = LIVE.load(Relaxed);
+    let before = live();
     PEAK.store(before, Relaxed);
     let made = entry(data);
     let taken = PEAK.load(Relaxed).saturating_sub(before);

@@ -1,4 +1,4 @@
-//! The inputs that fuzzing starts from: small files of every kind that the loaders read.
+//! The inputs from which fuzzing starts: small files of every kind that the loaders read.
 
 use crate::entry;
 use exr::prelude::*;
@@ -25,7 +25,7 @@ const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposi
 const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
     look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";
 
-/// Writes them as `ROOT/TARGET/seed-*`.
+/// Writes all seeds as `ROOT/TARGET/seed-*`.
 pub fn write_all(root: &Path) {
     let both = [entry::OBJ, b"\0", entry::MTL].concat();
     let plain =
@@ -46,7 +46,7 @@ fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {
     }
 }
 
-/// Images, each behind the byte that chooses its name and use.
+/// Images, each preceded by the byte that chooses its name and use.
 fn textures() -> Vec<Vec<u8>> {
     let image = RgbaImage::from_fn(5, 4, |x, y| image::Rgba([x as u8 * 50, y as u8 * 60, 200, 255 - x as u8]));
     let image = DynamicImage::from(image);
@@ -69,7 +69,8 @@ fn textures() -> Vec<Vec<u8>> {
             }
         }
     }
-    // TGA beyond what an encoder writes: colour maps, plain and run-length encoded, of each depth.
+    // TGA variants that the encoder does not write: colour maps, and both plain and run-length encoded data of
+    // each depth.
     for (kind, depth, pixel) in
         [(1, 8, 1), (2, 16, 2), (2, 24, 3), (2, 32, 4), (3, 8, 1), (9, 8, 1), (10, 16, 2), (11, 8, 1)]
     {
@@ -94,7 +95,7 @@ fn textures() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// G-buffers in each compression, as scan lines and tiles, in 32 and 16 bits, with z for depth.
+/// G-buffers in each compression, as scan lines and tiles, in 32 and 16 bits, and with `Z` instead of `depth`.
 fn gbuffers() -> Vec<Vec<u8>> {
     let n = 6;
     let gbuffer = GBufferData {

@@ -1,22 +1,17 @@
 #version 460
+#pragma program(AreaLight)
 // `area-light`: highlights of lights with an extent, by the roughness of each pixel (thesis 3.1.1). Direct
 // light only: nothing hides a light, and nothing else is reflected.
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 #include "area_light/share.glsl"
-
-// The size of the list; MAX_AREA_LIGHTS in passes/area_light.rs.
-#define MAX_AREA_LIGHTS 16
-
-#define SHAPE_SPHERE 0.0
-#define SHAPE_CAPSULE 1.0
-#define SHAPE_RECTANGLE 2.0
 
 struct AreaLightData { // view space, metres
     vec4 a;        // centre, or one end; w: radius
     vec4 b;        // the other end, or half_u
     vec4 c;        // half_v
-    vec4 radiance; // linear; w: the shape
+    vec4 radiance; // linear; w: SHAPE_*
 };
 
 layout(std140, binding = 1) uniform AreaLightBlock {
@@ -35,7 +30,7 @@ void main() {
     out_reflection = vec4(0.0);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
-    if (depth <= 0.0 || material.r <= 1e-4)
+    if (depth <= 0.0 || material.r <= REFLECTS_ABOVE)
         return;
     vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);

@@ -2,13 +2,13 @@
 // and rectangles with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
 // nearest distance, attenuated by the roughness).
 //
-// The lobe is cos^a around the mirror direction r (DEFINITIONS, "Surfaces"), and m = a + 1. Of directions
+// The lobe is cos^a around the mirror direction r (docs/definitions.md, "Surfaces"), and m = a + 1. Of directions
 // within the angle x of r it holds the share 1 - cos^m x: that of a Gaussian within G(x) = sqrt(-2 m ln cos x)
 // standard deviations. So angles are measured by G, and a light between two edges at the signed distances
 // x0 and x1 fills Phi(G(x1)) - Phi(G(x0)). Like the representative point (Karis 2013) this looks only at
 // where the light is nearest; unlike it, also at how far it goes on, so that the highlight of a light keeps
 // its energy: it tends to the light's radiance as the lobe narrows, and to the light's solid angle times
-// the lobe as the light shrinks. tests/area_light.rs states the error.
+// the lobe as the light shrinks. tests/suite/area_light.rs states the error.
 
 // -ln(1 - sin^2 x) = -2 ln cos x, exact where x is small.
 float LogCos(float x) {

@@ -1,4 +1,4 @@
-// The camera as every pass sees it; spaces and axes as in DEFINITIONS, "Spaces".
+// The camera as every pass sees it; spaces and axes as in docs/definitions.md, "Spaces".
 
 layout(std140, binding = 0) uniform CameraBlock {
     mat4 view_to_clip;          // standard depth: near 0, far 1

@@ -1,6 +1,7 @@
 #version 460
+#pragma program(CubeFilter)
 // One level of a cube map blurred by roughness: each texel is the mean over the Phong lobe around its
-// direction (DEFINITIONS, "Surfaces"). The lobe's directions are a Hammersley set, the same for every
+// direction (docs/definitions.md, "Surfaces"). The lobe's directions are a Hammersley set, the same for every
 // texel; each reads the level of the source whose texel is about as large as the solid angle that the
 // sample stands for (Krivanek and Colbert 2008), so that few samples do.
 

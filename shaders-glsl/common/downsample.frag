@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Downsample)
 // A smaller G-buffer: of each block the texel at its top left stands for depth, normal and material,
 // because a mean of two surfaces lies on neither; the colour is the block's mean.
 

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Fallback)
 // A reflection with another behind it: the fallback is faded in where the local reflection is faded
 // out (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result needs no fade of its own.
 

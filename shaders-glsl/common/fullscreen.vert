@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Fullscreen)
 // Half of a viewport, cut from corner to corner, whose upper left quarter is the target; drawn with three
 // vertices and no buffer.
 

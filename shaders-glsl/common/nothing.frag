@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Nothing)
 // Draws nothing and reads nothing: see gpu/frame/settle.rs.
 
 void main() {}

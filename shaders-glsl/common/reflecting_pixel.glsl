@@ -1,5 +1,7 @@
 // A reflecting pixel in world axes, for methods that look something up by it. Needs camera.glsl.
 
+#include "common/constants.glsl"
+
 layout(binding = 1) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
@@ -16,7 +18,7 @@ ReflectingPixel FetchReflectingPixel(vec2 frag_coord) {
     float depth = texelFetch(depth_buffer, pixel, 0).r;
     vec2 material = texelFetch(material_buffer, pixel, 0).rg;
     ReflectingPixel found;
-    found.reflects = depth > 0.0 && material.r > 1e-4;
+    found.reflects = depth > 0.0 && material.r > REFLECTS_ABOVE;
     if (!found.reflects) {
         return found;
     }

@@ -1,8 +1,10 @@
 #version 460
+#pragma program(Upsample)
 // A smaller reflection brought to full size: bilinear between the four blocks around a pixel, but
 // only as far as they lie in its plane and face its way (joint bilateral upsampling; Kopf et al. 2007).
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 
 layout(push_constant) uniform UpsampleBlock {
     int divisor; // full pixels a side of a block
@@ -15,9 +17,6 @@ layout(binding = 4) uniform sampler2D small_reflection;
 
 layout(location = 0) out vec4 out_reflection;
 
-// Off its plane by this share of its depth, a texel has lost most of its weight: the world's
-// tolerance in DEFINITIONS, "World agreement".
-#define PLANE_TOLERANCE 0.02
 // Of a normal's agreement; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
 
@@ -28,7 +27,7 @@ vec3 Position(ivec2 pixel) {
 }
 
 bool Reflects(ivec2 pixel) {
-    return texelFetch(material_buffer, pixel, 0).r > 1e-4 && texelFetch(depth_buffer, pixel, 0).r > 0.0;
+    return texelFetch(material_buffer, pixel, 0).r > REFLECTS_ABOVE && texelFetch(depth_buffer, pixel, 0).r > 0.0;
 }
 
 void main() {
@@ -53,7 +52,8 @@ void main() {
         float share = (step.x == 1 ? f.x : 1.0 - f.x) * (step.y == 1 ? f.y : 1.0 - f.y);
         if (share <= 0.0 || !Reflects(stands_at))
             continue;
-        float off = dot(normal, Position(stands_at) - position) / (PLANE_TOLERANCE * position.z);
+        // Off its plane by that share of its depth, a texel has lost most of its weight.
+        float off = dot(normal, Position(stands_at) - position) / (VISIBLE_WITHIN * position.z);
         float facing = max(dot(normal, texelFetch(normal_buffer, stands_at, 0).xyz), 0.0);
         float weight = exp(-off * off) * pow(facing, NORMAL_POWER);
         vec4 reflection = texelFetch(small_reflection, small, 0);

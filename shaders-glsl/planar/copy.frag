@@ -1,4 +1,5 @@
 #version 460
+#pragma program(PlanarCopy)
 // What the mirrored scene left inside the stencil pattern (thesis 3.1.2, first method, step 4): outside it
 // nothing was drawn.
 

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(PlanarLookup)
 // The render target of the mirrored scene as a texture on the mirror (thesis 3.1.2, second method): looked
 // up at the pixel's own place, for the mirrored camera sees the mirrored scene there. Where it saw nothing
 // the ray escaped, which is a miss.

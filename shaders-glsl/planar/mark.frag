@@ -1,4 +1,5 @@
 #version 460
+#pragma program(PlanarMark)
 // The stencil pattern of a mirror (thesis 3.1.2, first method, step 3). The reflective geometry is taken
 // from the G-buffer, which knows already what of it is hidden.
 

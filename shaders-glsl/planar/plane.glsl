@@ -2,6 +2,7 @@
 // mark needs no geometry of its own, and covers whatever reflects there.
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 
 layout(push_constant) uniform PlaneBlock {
     vec4 plane; // view space: unit normal and offset, 0 = dot(plane.xyz, position) + plane.w
@@ -17,7 +18,7 @@ layout(binding = 2) uniform sampler2D material_buffer; // reflectivity, roughnes
 
 bool OnPlane(ivec2 pixel) {
     float depth = texelFetch(depth_buffer, pixel, 0).r;
-    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= 1e-4)
+    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)
         return false;
     vec2 ndc = (vec2(pixel) + 0.5) / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(LinearDepth)
 // Linear depth of the G-buffer: view-space z in metres, that of the far plane for the sky.
 
 #include "common/camera.glsl"

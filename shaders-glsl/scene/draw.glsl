@@ -6,5 +6,5 @@ layout(push_constant) uniform DrawBlock {
     float reflectivity;
     float roughness;
     float normal_deviation;   // 0: geometric normal, 1: normal map
-    uint maps;                // bit 0: normal map, bit 1: alpha mask
+    uint maps;                // NORMAL_MAP, ALPHA_MASK
 } draw;

@@ -1,8 +1,10 @@
 #version 460
+#pragma program(GBufferFragment)
 // Albedo, normal and material of the nearest surface. The shading normal is
 // normalize(mix(geometric, normal-mapped, deviation)), as in the author's program.
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 #include "scene/draw.glsl"
 
 layout(binding = 1) uniform sampler2D albedo_map;
@@ -36,12 +38,12 @@ void main() {
     vec3 mapped = texture(normal_map, uv).xyz * 2.0 - 1.0;
     float reflectivity = texture(reflectivity_map, uv).r;
     float mask = texture(alpha_mask, uv).r;
-    if ((draw.maps & 2u) != 0u && mask < 0.5) {
+    if ((draw.maps & ALPHA_MASK) != 0u && mask < 0.5) {
         discard;
     }
     vec3 geometric = normalize(in_normal);
     vec3 normal = geometric;
-    if ((draw.maps & 1u) != 0u && draw.normal_deviation > 0.0) {
+    if ((draw.maps & NORMAL_MAP) != 0u && draw.normal_deviation > 0.0) {
         vec3 tangent = in_tangent.xyz - geometric * dot(geometric, in_tangent.xyz);
         float size = length(tangent);
         if (size > 1e-6) {

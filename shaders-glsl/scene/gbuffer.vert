@@ -1,5 +1,6 @@
 #version 460
-// Vertices of the scene into the G-buffer (DEFINITIONS, "Spaces" and "Surfaces").
+#pragma program(GBufferVertex)
+// Vertices of the scene into the G-buffer (docs/definitions.md, "Spaces" and "Surfaces").
 
 #include "common/camera.glsl"
 #include "scene/draw.glsl"

@@ -1,8 +1,10 @@
 #version 460
-// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows (DEFINITIONS,
+#pragma program(Lighting)
+// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows (docs/definitions.md,
 // "Surfaces"); the sky where nothing stands or where a surface shows it.
 
 #include "common/camera.glsl"
+#include "common/constants.glsl"
 
 struct LightData {
     vec4 place;      // point: view-space position, 1; directional: view-space direction to the light, 0
@@ -10,7 +12,7 @@ struct LightData {
 };
 
 layout(std140, binding = 1) uniform LightBlock {
-    LightData lights[16];
+    LightData lights[MAX_LIGHTS];
     uint count;
 } scene;
 

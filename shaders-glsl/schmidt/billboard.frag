@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Billboard)
 // `billboard`: impostor quads traced per pixel from the G-buffer, "in the G-buffer stage" (Schmidt 2013,
 // section 5.3). Mirrors only: the listings know no roughness.
 
@@ -11,10 +12,6 @@ layout(binding = 5) uniform sampler2D material_buffer;
 
 layout(location = 0) out vec4 out_reflection;
 
-// An occluder this near to the billboard is what the billboard stands for (metres, and share of the
-// depth: the tolerance of DEFINITIONS, "World agreement").
-#define OWN_BODY_M 0.02
-#define OWN_BODY_SHARE 0.02
 // Pixels that a ray passes at most; a longer one is sampled as often.
 #define MARCH_MAX 512
 
@@ -34,7 +31,7 @@ float ViewZ(ivec2 pixel) {
     return depth > 0.0 ? ViewPosition(vec2(pixel) + 0.5, depth).z : -1.0;
 }
 
-// What a pixel's surface is taken to measure in depth: T of DEFINITIONS, "Oracle", 3.
+// What a pixel's surface is taken to measure in depth: T of docs/definitions.md, "Oracle", item 3.
 float Thickness(ivec2 pixel, float z) {
     vec2 slope = vec2(0.0);
     for (int axis = 0; axis < 2; ++axis) {
@@ -50,7 +47,7 @@ float Thickness(ivec2 pixel, float z) {
         }
         slope[axis] = max(least, 0.0);
     }
-    return slope.x + slope.y + 0.004 * z;
+    return slope.x + slope.y + SHARE_OF_DEPTH * z;
 }
 
 // Whether the depth buffer shows something on the way from a pixel to its hit on a billboard. Where the
@@ -61,7 +58,8 @@ bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     vec3 from = (camera.world_to_view * vec4(wsPosition, 1.0)).xyz;
     vec3 along = mat3(camera.world_to_view) * wsReflectVec;
     float far_end = max((from + t * along).z, camera.near_plane);
-    t -= OWN_BODY_M + OWN_BODY_SHARE * far_end;
+    // An occluder this near to the billboard is what the billboard stands for.
+    t -= VISIBLE_WITHIN + VISIBLE_WITHIN * far_end;
     // Before the near plane, where the projection ends.
     if (along.z < 0.0)
         t = min(t, (from.z - camera.near_plane) / -along.z * 0.999);
@@ -107,7 +105,7 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     out_reflection = vec4(0.0);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
-    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= 1e-4)
+    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)
         return;
     vec3 position = ViewPosition(gl_FragCoord.xy, depth);
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;

@@ -3,12 +3,7 @@
 //   float BillboardLod(int i, vec3 wsPosition, float t)   the level that a pixel's footprint asks for
 //   bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t)
 
-// The size of ImpostorTex; MAX_IMPOSTORS in passes/billboard.rs.
-#define MAX_IMPOSTORS 16
-
-#define ORDER_PRINTED 0
-#define ORDER_UNBROKEN 1
-#define ORDER_NEAREST 2
+#include "common/constants.glsl"
 
 struct ImpostorData {
     mat4 ModelMatrix; // the standard quad, 1 x 1 in x and z, to world space

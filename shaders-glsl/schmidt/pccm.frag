@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Pccm)
 // `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), and between two maps
 // the blending that its section 6 suggests.
 

@@ -1,10 +1,10 @@
 // The cone that a roughness stands for (thesis 4.2.8, Eq. 4.5).
 
-#define XI 0.244
+#include "common/constants.glsl"
 
 // Eq. 4.5. Errata: arccos, not cos; and the exponent must fall with roughness. The thesis prints
 // no range of exponents: alpha is the lobe that a roughness stands for everywhere in this project
-// (DEFINITIONS, "Surfaces"), which makes the angle the author's, half the roughness.
+// (docs/definitions.md, "Surfaces"), which makes the angle the author's, half the roughness.
 float ConeAngle(float roughness) {
     if (roughness <= 0.0)
         return 0.0; // "for a perfect specular reflection the power would need to be infinite"

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(ConeTrace)
 // `ssct` and `hzct`, split in two (4.2.3): the cone trace alone, from the ray trace's hits.
 
 #include "thesis/parameters.glsl"

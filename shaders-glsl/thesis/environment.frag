@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Environment)
 // `environment`: a pre-filtered cube map by the direction of the reflection alone (thesis 3.1.3), as
 // if all that is seen were infinitely far: right for the sky, and for nothing else.
 

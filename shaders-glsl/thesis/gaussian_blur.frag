@@ -1,4 +1,5 @@
 #version 460
+#pragma program(GaussianBlur)
 // The Gaussian of thesis 4.3.2, which 4.2.6 names as the alternative to the hardware's mip chain. One
 // direction; the horizontal pass also halves the level, as its bilinear taps lie at the coarse
 // level's texel centres.

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(HiZ)
 // Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). The
 // author's program keeps the maximum beside the minimum; so does this.
 

@@ -5,7 +5,7 @@ layout(binding = 1) uniform sampler2D hiZBuffer;       // standard depth, minimu
 layout(binding = 2) uniform sampler2D normalBuffer;    // view space
 layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
 
-#include "common/path.glsl"
+#include "common/constants.glsl"
 #include "thesis/reflection_ray.glsl"
 
 struct Pixel {
@@ -22,7 +22,7 @@ Pixel ReadPixel(vec2 fragCoord) {
     vec2 material = texelFetch(materialBuffer, coord, 0).rg;
     vec3 normal = texelFetch(normalBuffer, coord, 0).xyz;
     // Early out: sky and what reflects nothing (author's program: both thresholds).
-    if (material.r <= 1e-4 || dot(normal, normal) <= 1e-4)
+    if (material.r <= REFLECTS_ABOVE || dot(normal, normal) <= NO_NORMAL)
         return pixel;
     pixel.reflects = true;
     pixel.roughness = material.g;

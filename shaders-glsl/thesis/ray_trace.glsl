@@ -1,9 +1,11 @@
-// The ray-tracing pass (thesis 4.2.7, 4.2.10, Alg. 6). FALLBACK chooses between `ssct` and `hzct`.
-// Needs parameters.glsl.
+// The ray-tracing pass (thesis 4.2.7, 4.2.10, Alg. 6). Needs parameters.glsl.
 
 #include "thesis/pixel.glsl"
 #include "thesis/linear_ray_march.glsl"
 #include "thesis/hi_z_ray_trace.glsl"
+
+// Whether rays towards the camera are marched: of `ssct` they are, of `hzct` not.
+layout(constant_id = 0) const bool FALLBACK = true;
 
 struct Trace {
     vec3 hit;          // texture coordinates and standard depth; INVALID_RAY for a miss
@@ -15,15 +17,14 @@ struct Trace {
 // Alg. 6. Erratum: it tests R_direction after Eq. 4.4 has made its z 1; V_ss.z is what is meant.
 vec3 RayTrace(vec3 P_ss, vec3 V_ss, out float path) {
     if (V_ss.z <= thesis.view_direction_epsilon) {
-#ifdef FALLBACK
+        if (!FALLBACK) {
+            path = PATH_UNTRACED;
+            return INVALID_RAY;
+        }
         // Unit length, so that the stride is one of screen space (author's program).
         vec3 hit = LinearRayMarch(P_ss, normalize(V_ss), thesis.linear_march_stride);
         path = hit == INVALID_RAY ? PATH_LINEAR_MISS : PATH_LINEAR;
         return hit;
-#else
-        path = PATH_UNTRACED;
-        return INVALID_RAY;
-#endif
     }
     bool exhausted;
     vec3 hit = HiZRayTrace(P_ss, V_ss, exhausted);

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(SslrBlur)
 // `sslr`: one direction of one level of both chains (thesis 4.3.2): the ray trace colour, weighted by
 // the mask, and the mask itself.
 

@@ -1,4 +1,43 @@
 #version 460
-// `sslr`, stage 1 (4.3.1).
+#pragma program(SslrRayTrace)
+// `sslr`, stage 1: uniform ray march, with the step chosen by roughness and no refinement (thesis
+// 4.3.1). Writes the colour at the intersection with the ray's length in a, and the mask; and if it is wanted
+// the intersection itself, which the method has no need of.
 
-#include "thesis/sslr_ray_trace.glsl"
+#include "thesis/parameters.glsl"
+#include "thesis/pixel.glsl"
+#include "thesis/linear_ray_march.glsl"
+
+layout(binding = 4) uniform sampler2D colorBuffer; // lit colour
+
+layout(constant_id = 0) const bool HITS = false; // whether out_hit is wanted
+
+layout(location = 0) out vec4 rayTraceColor;
+layout(location = 1) out float rayTraceMask;
+layout(location = 2) out vec4 out_hit; // texture coordinates, standard depth, PATH_*
+
+void main() {
+    rayTraceColor = vec4(0.0);
+    rayTraceMask = 0.0;
+    if (HITS)
+        out_hit = vec4(INVALID_RAY, PATH_NONE);
+    Pixel pixel = ReadPixel(gl_FragCoord.xy);
+    if (!pixel.reflects)
+        return;
+
+    // "The higher the roughness the larger the step size" (both ends: author's program).
+    float stride = mix(thesis.uniform_stride_min, thesis.uniform_stride_max, pixel.roughness);
+    vec3 dir = normalize(pixel.V_ss);
+    vec3 hit = UniformRayMarch(pixel.P_ss + dir * stride, dir, stride, thesis.uniform_march_count);
+    if (HITS)
+        out_hit = vec4(hit, PATH_LINEAR_MISS);
+    if (hit == INVALID_RAY)
+        return;
+
+    hit -= dir * (stride * thesis.uniform_march_back);
+    float rayLength = min(distance(pixel.P_ss.xy, hit.xy), 1.0);
+    rayTraceColor = vec4(textureLod(colorBuffer, hit.xy, 0.0).rgb, rayLength);
+    rayTraceMask = 1.0;
+    if (HITS)
+        out_hit = vec4(hit, PATH_LINEAR);
+}

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(SslrReflection)
 // `sslr`, stage 3: the reflection from the mip level that roughness and ray length ask for (thesis
 // 4.3.3, the listing). Line 6 and 10 of the listing are the composite.
 

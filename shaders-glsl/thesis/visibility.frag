@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Visibility)
 // Pre-integration: one level of the visibility buffer from the level below (thesis 4.2.5 and its
 // listing, Eq. 4.2).
 

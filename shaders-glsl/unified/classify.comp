@@ -1,11 +1,11 @@
 #version 460
+#pragma program(Classify)
 // Which tiles hold mirrors, narrow lobes and wide ones, as lists with the arguments of an indirect draw.
 // A thread looks at a tile. `counts` has been cleared to 0.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "unified/parameters.glsl"
-#include "unified/tiles.glsl"
 
 layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(std430, binding = 2) buffer Counts {
@@ -26,7 +26,7 @@ void main() {
     if (any(greaterThanEqual(tile, tile_count)))
         return;
     uint found = 0;
-    ivec2 first = tile * TILE, last = min(first + TILE, unified.size) - 1;
+    ivec2 first = tile * TILE_SIDE, last = min(first + TILE_SIDE, unified.size) - 1;
     for (int y = first.y; y <= last.y; ++y) {
         for (int x = first.x; x <= last.x; ++x) {
             vec2 material = imageLoad(material_buffer, ivec2(x, y)).xy;

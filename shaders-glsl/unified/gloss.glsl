@@ -1,5 +1,6 @@
-// What tracing and resolving glossy rays share: the lobe, the pattern, and the record of a ray.
-// Needs parameters.glsl and ray.glsl.
+// What tracing and resolving glossy rays share: lobes, the pattern of directions, and, for narrow lobes (NARROW), the
+// record of a ray, for wide ones the cells that have one ray each. The latter need the images `pyramid` and
+// `material_buffer`. CPU twin: reference::unified::lobe.
 //
 // Interleaved sampling (Keller and Heidrich 2001): the directions of one stratified pattern over the
 // lobe are dealt out to the pixels, a ray each, always the same. A pixel then gathers its neighbours'
@@ -10,13 +11,17 @@
 // The gathered neighbourhood of every pixel holds each direction once: a square of 3 x 3 pixels, or of 5 x 5 cells
 // (LatticePoint). So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
 
-#define XI 0.244        // of Eq. 4.5: the lobe's share outside the cone
-#define LOG2_E 1.442695
-// What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
-#define LEAST_WEIGHT 1e-4
-#define LOG_DENSITY_BIAS 64.0 // makes the logarithm of any density positive
+#ifndef UNIFIED_GLOSS_GLSL
+#define UNIFIED_GLOSS_GLSL
 
-// alpha + 1 of DEFINITIONS, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
+#include "unified/parameters.glsl"
+#ifndef NARROW
+#include "unified/pyramid.glsl"
+#endif
+
+#define LOG2_E 1.442695
+
+// alpha + 1 of docs/definitions.md, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
 // which does not cancel; roughness is at most 1, where it is good to 1e-4.
 float LobePower(float roughness) {
     float h = 0.25 * roughness * roughness;
@@ -109,3 +114,69 @@ vec2 LatticePoint(ivec2 at, int side, int g, vec2 place) {
     int i = (at.x + side * at.y) % n;
     return (vec2(i, (i * g) % n) + place) / float(n);
 }
+
+#ifdef NARROW
+
+// What a ray of a narrow lobe saw, and the lobe that it is of, as neighbours gather them: four words, so that
+// one load brings it all.
+
+#define NO_RECORD uvec4(0)
+
+struct Record {
+    vec3 mirror; // the lobe's middle, a unit vector
+    float root;  // of alpha + 1; negative for a miss; 0 for no ray
+    vec4 color;  // of the hit, and its fade in a; a miss is 0
+};
+
+// The octahedral map of the unit sphere (Cigolle et al. 2014).
+vec2 Octahedral(vec3 v) {
+    v /= abs(v.x) + abs(v.y) + abs(v.z);
+    vec2 folded = 1.0 - abs(v.yx);
+    return v.z >= 0.0 ? v.xy : vec2(v.x >= 0.0 ? folded.x : -folded.x, v.y >= 0.0 ? folded.y : -folded.y);
+}
+
+vec3 FromOctahedral(vec2 o) {
+    float z = 1.0 - abs(o.x) - abs(o.y);
+    float fold = max(-z, 0.0);
+    return normalize(vec3(o.x + (o.x >= 0.0 ? -fold : fold), o.y + (o.y >= 0.0 ? -fold : fold), z));
+}
+
+uvec4 Pack(Record r) {
+    return uvec4(packSnorm2x16(Octahedral(r.mirror)), floatBitsToUint(r.root), packHalf2x16(r.color.rg),
+                 packHalf2x16(r.color.ba));
+}
+
+Record Unpack(uvec4 words) {
+    return Record(FromOctahedral(unpackSnorm2x16(words.x)), uintBitsToFloat(words.y),
+                  vec4(unpackHalf2x16(words.z), unpackHalf2x16(words.w)));
+}
+
+#else
+
+// Wide lobes are traced and resolved for cells of 2 x 2 pixels.
+
+// The pixel that stands for a cell: its first or its last, by turns as on a chequerboard, so that what is a pixel
+// wide and straight is met by some of the cells that it runs through.
+ivec2 CellPixel(ivec2 cell) {
+    return 2 * cell + ((cell.x + cell.y) & 1);
+}
+
+// The pixel that a cell's ray is of, CellPixel or another if that has no wide lobe, and its roughness; 0 if none has.
+ivec2 WidePixel(ivec2 cell, out float roughness) {
+    ivec2 pixel = CellPixel(cell);
+    ivec2 turned = pixel & 1;
+    roughness = 0.0;
+    for (int i = 0; i < 4 && !(roughness > 0.0); ++i) {
+        ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
+        vec2 material = imageLoad(material_buffer, p).rg;
+        if (Reflects(material) && ListOf(material) == WIDE_LIST && imageLoad(pyramid, PixelTexel(p)).r > 0.0) {
+            pixel = p;
+            roughness = material.g;
+        }
+    }
+    return pixel;
+}
+
+#endif
+
+#endif

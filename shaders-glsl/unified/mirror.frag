@@ -1,14 +1,54 @@
 #version 460
-// Mirrors: trace and composite in one pass, over the tiles of a list.
+#pragma program(Mirror)
+// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite.
+//
+// Over tiles, what is no mirror is discarded: the images already hold what it shows. With WHOLE the images hold nothing,
+// all that reflects is a mirror, and the other pixels show their lit colour.
 
 #include "unified/parameters.glsl"
-#include "unified/mirror.glsl"
 
-layout(location = 0) out vec4 out_color;
-layout(location = 1) out vec4 out_reflection; // where it is wanted
+layout(constant_id = 3) const bool HITS = false;  // out_hit is wanted
+layout(constant_id = 4) const bool WHOLE = false; // drawn over the whole image, not over tiles
+
+layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+
+layout(location = 0) out vec4 out_color;      // lit colour + reflectivity * fade * reflection
+layout(location = 1) out vec4 out_reflection; // where it is wanted: colour, and fade in a; a miss is 0
+layout(location = 2) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+
+#include "unified/traverse.glsl"
 
 void main() {
-    Mirror mirror = TraceMirror(ivec2(gl_FragCoord.xy));
-    out_reflection = mirror.reflection;
-    out_color = mirror.composite;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 material = imageLoad(material_buffer, pixel).xy;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
+    bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
+    out_reflection = vec4(0.0);
+    out_color = vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0);
+    if (HITS)
+        out_hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
+    if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
+        discard;
+    if (!traced)
+        return;
+    bool faces;
+    Ray ray = MirrorRay(pixel, depth, normal, faces);
+    Hit hit = Traverse(ray);
+    if (hit.code == PATH_HI_Z && faces) {
+        vec2 uv = hit.position * unified.pixel_to_clip;
+        out_reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), Fade(uv));
+        vec3 seen = out_color.rgb + material.x * out_reflection.a * out_reflection.rgb;
+        out_color.rgb = min(seen, GREATEST_HALF);
+    }
+    if (HITS) {
+        precise vec2 uv = hit.position * unified.pixel_to_clip;
+        precise float hit_depth = 1.0 - hit.depth;
+        vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
+        int code = hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
+        out_hit = vec4(place, float(code));
+    }
 }

@@ -1,8 +1,14 @@
-// What the passes of `unified` know of the camera and the image (src/methods/unified.rs).
+// What every pass of `unified` knows: the camera, the image and its tiles, and how a material and a colour are taken.
 
+#ifndef UNIFIED_PARAMETERS_GLSL
+#define UNIFIED_PARAMETERS_GLSL
+
+#include "common/constants.glsl"
+
+// Filled in by src/methods/unified.rs.
 layout(std140, binding = 0) uniform UnifiedBlock {
     vec2 view_to_clip;   // M_00 and M_11 of the projection
-    vec2 pixel_to_clip;  // 1 / width and 1 / height: see ray.glsl
+    vec2 pixel_to_clip;  // 1 / width and 1 / height: see traverse.glsl
     vec2 pixel_to_view;  // the same, divided by view_to_clip
     ivec2 size;          // pixels
     ivec2 padded;        // pixels of the pyramid: whole cells of its coarsest level
@@ -13,9 +19,46 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     int fade;            // 0: no fade at all
 } unified;
 
-layout(constant_id = 0) const int STRIP = 2;  // log2 of the columns to a strip of the pyramid's image (pyramid.glsl)
-layout(constant_id = 1) const int ORACLE = 1; // which version of it says what is hit
-layout(constant_id = 2) const int OVER = 0;   // 1: another reflection shows where this one misses
+bool Reflects(vec2 material) {
+    return material.x > REFLECTS_ABOVE;
+}
 
-// "A pixel reflects if its reflectivity exceeds 1e-4" (DEFINITIONS, "Surfaces").
-#define REFLECTS_ABOVE 1e-4
+// Tiles of pixels are what the classification finds and the passes are drawn over. A tile stands on the list of each
+// kind of reflector that it has a pixel of, on several if it has several. The list of a pixel that reflects:
+int ListOf(vec2 material) {
+    return material.y > WIDE_ABOVE ? WIDE_LIST : material.y > 0.0 ? NARROW_LIST : MIRROR_LIST;
+}
+
+ivec2 TileCount() {
+    return (unified.size + TILE_SIDE - 1) / TILE_SIDE;
+}
+
+// A tile's place in a word.
+uint PackTile(uvec2 tile) {
+    return tile.x | tile.y << 16;
+}
+
+ivec2 UnpackTile(uint word) {
+    return ivec2(word & 0xffffu, word >> 16);
+}
+
+// The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.
+float Fade(vec2 uv) {
+    float boundary = length(uv - vec2(0.5)) * 2.0;
+    float fade = 1.0 - clamp((boundary - unified.fade_start) / (unified.fade_end - unified.fade_start), 0.0, 1.0);
+    return unified.fade != 0 ? fade : 1.0;
+}
+
+// What a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits: NaN and
+// what is negative are no light, infinity is the greatest number. A comparison with NaN is false, which
+// no compiler may assume away as it may with isnan.
+
+float Sound(float v) {
+    return v > 0.0 ? min(v, GREATEST_HALF) : 0.0;
+}
+
+vec3 Sound(vec3 color) {
+    return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
+}
+
+#endif

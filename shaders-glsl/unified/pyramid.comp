@@ -1,24 +1,21 @@
 #version 460
+#pragma program(Pyramid)
 // The pyramid of front and back depths, all levels in one dispatch. A workgroup makes a tile of
 // 64 x 64 pixels and everything above it up to one cell. A thread makes 8 x 8 pixels and up to level 3 alone; above,
 // the threads meet in shared memory, and nothing depends on the subgroup's size. CPU twin: reference::unified.
-// (With 4 x 4 pixels a thread, four times as many wait in each barrier and go through the levels above it with
-// nothing to do: a seventh longer on lavapipe. As a loop over the four parts it takes as long as that.)
 //
-// A pixel is a block from its own depth to T behind it (DEFINITIONS, "Oracle", item 3). With
+// A pixel is a block from its own depth to T behind it (docs/definitions.md, "Oracle", item 3). With
 // reversed depth, d + k = (1 + k) near / z is proportional to 1 / z, and no view depth is needed:
 //   |z - z'| / z = |d' - d| / (d' + k),   d(z + T) = (d - k q) / (1 + q),   q = T / z.
 // The differences of nearby depths are exact, so nothing cancels at any distance.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-#include "unified/parameters.glsl"
 #include "unified/pyramid.glsl"
 
 layout(binding = 1) uniform sampler2D depth_buffer; // reversed; 0 is sky
 layout(binding = 2, rg32f) uniform writeonly image2D pyramid;
 
-#define SHARE_OF_DEPTH 0.004
 #define NOTHING 1e30 // the span to a neighbour that is sky or off screen
 
 // The tile's cells, as in the image: level n from row CellRow(n) on. Levels don't share rows, so that one

@@ -8,6 +8,13 @@
 // twice those of level 0: a cell's texel takes shifts and an addition, whatever its level, and no device has to
 // look up a mip level for each thread. Passes load it as an image of one level: nothing of it is ever filtered.
 
+#ifndef UNIFIED_PYRAMID_GLSL
+#define UNIFIED_PYRAMID_GLSL
+
+#include "unified/parameters.glsl"
+
+layout(constant_id = 0) const int STRIP = 2; // log2 of the columns to a strip
+
 const vec2 EMPTY_BLOCK = vec2(-1.0, 2.0); // front below every depth, back above
 
 int PyramidStrips() {
@@ -28,3 +35,5 @@ ivec2 CellTexel(ivec2 cell, int level) {
 ivec2 PixelTexel(ivec2 pixel) {
     return StripTexel(pixel, 0);
 }
+
+#endif

@@ -1,10 +1,14 @@
 #version 460
+#pragma program(Tile)
 // The tiles of a list as points of a tile's size, drawn indirectly without a vertex buffer. A point is
 // a square: no pixel lies on a diagonal between two triangles, where devices shade blocks twice.
 
 #include "unified/parameters.glsl"
-#include "unified/tiles.glsl"
-#include "unified/tile_list.glsl"
+
+layout(push_constant) uniform TileListBlock {
+    int list;  // MIRROR_LIST, NARROW_LIST or WIDE_LIST
+    int halve; // 1 where the targets have a texel for 2 x 2 pixels, else 0
+} tile_list;
 
 layout(std430, binding = 9) readonly buffer Tiles {
     uint tiles[];
@@ -14,7 +18,7 @@ void main() {
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[tile_list.list * count.x * count.y + gl_VertexIndex]);
     ivec2 size = (unified.size + tile_list.halve) >> tile_list.halve;
-    int side = TILE >> tile_list.halve;
+    int side = TILE_SIDE >> tile_list.halve;
     // A point whose centre is off screen is dropped: the last tiles move in, over pixels that their
     // neighbours may shade as well, to the same result, by an even number: no block of 2 x 2 pixels is cut.
     // A screen below a tile is covered from its middle.

@@ -1,3 +1,103 @@
+// The one traversal of `unified`: a ray in the image, and its walk over the pyramid until it hits a pixel's block.
+// Needs the images `pyramid` and `normal_buffer`. CPU twin: reference::unified.
+
+#ifndef UNIFIED_TRAVERSE_GLSL
+#define UNIFIED_TRAVERSE_GLSL
+
+#include "unified/pyramid.glsl"
+
+layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle says what is hit
+
+// A ray in the image: a straight line in (pixel x, pixel y, reversed depth), by a parameter s >= 0
+// that counts pixels along the axis in which the ray moves faster.
+//
+// Divided by its view depth, the pixel's point has the clip image P = (ndc, depth, 1). A view-space
+// direction d has D = (M_00 d_x, M_11 d_y, -k d_z, d_z), so that the exact derivative of the
+// projected ray, (D.xyz P.w - P.xyz D.w) / P.w^2, is
+//   (M_00 d_x - ndc.x d_z,  M_11 d_y - ndc.y d_z,  -(depth + k) d_z).
+// The point at P + tD projects to P.xyz + s D' with s = t / (1 + t d_z). The six clip planes,
+// |x|, |y| <= w and 0 <= z <= w, are the sides of a box there, and the near plane is met before
+// w = 0: the homogeneous clip is a clip against the box, without its cancellation.
+
+struct Ray {
+    ivec2 pixel;    // begins at this pixel's centre
+    float depth;    // reversed depth there
+    vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
+    vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
+    float end;      // s at which it leaves the frustum
+    vec3 direction; // in view space, of any length; for version 2 of the oracle
+};
+
+
+// From a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end` is 0 for
+// a ray that does not move on the screen.
+Ray MakeRay(ivec2 pixel, float depth, vec3 direction, vec3 change) {
+    Ray ray;
+    ray.pixel = pixel;
+    ray.depth = depth;
+    ray.direction = direction;
+    precise vec2 moved = change.xy * vec2(unified.size) * vec2(0.5, -0.5);
+    float fastest = max(abs(moved.x), abs(moved.y));
+    if (!(fastest > 1e-30)) {
+        ray.rate = vec3(0.0);
+        ray.inverse = vec2(NEVER);
+        ray.end = 0.0;
+        return ray;
+    }
+    precise float scale = 1.0 / fastest;
+    precise vec2 rate = moved * scale;
+    precise float depth_rate = change.z * scale;
+    precise float depth_inverse = abs(depth_rate) > 1.0 / NEVER ? 1.0 / depth_rate : NEVER;
+    precise vec2 inverse = vec2(abs(rate.x) > 1.0 / NEVER ? 1.0 / rate.x : NEVER,
+                                abs(rate.y) > 1.0 / NEVER ? 1.0 / rate.y : NEVER);
+    // The screen's sides by the expression of every cell's side (Traverse): a cell that ends
+    // with the screen ends the ray to the bit.
+    ivec2 side = ivec2(inverse.x > 0.0 ? unified.size.x : 0, inverse.y > 0.0 ? unified.size.y : 0);
+    precise vec2 sides = (vec2(side - pixel) - 0.5) * inverse;
+    precise float plane = ((depth_inverse > 0.0 ? 1.0 : 0.0) - depth) * depth_inverse;
+    ray.rate = vec3(rate, depth_rate);
+    ray.inverse = inverse;
+    ray.end = min(min(sides.x, sides.y), plane);
+    return ray;
+}
+
+// The point of a pixel, divided by its view depth, as a view-space vector, and as ndc.
+void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
+    vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1);
+    precise vec2 v = centre * unified.pixel_to_view;
+    precise vec2 c = centre * unified.pixel_to_clip;
+    view = vec3(v, 1.0);
+    ndc = c;
+}
+
+// Along a view-space direction of any length.
+Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
+    vec3 view;
+    vec2 ndc;
+    PixelPoint(pixel, view, ndc);
+    precise vec2 change = unified.view_to_clip * direction.xy - ndc * direction.z;
+    precise float change_z = -((depth + unified.depth_offset) * direction.z);
+    return MakeRay(pixel, depth, direction, vec3(change, change_z));
+}
+
+// Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
+// seen, for a normal of any length. v itself projects to a point and drops out of the derivative:
+// what remains has no difference of nearly equal numbers, however flat the ray meets the surface.
+// `faces` is false where the pixel is seen from behind its normal: the ray goes below the surface.
+Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
+    vec3 view;
+    vec2 ndc;
+    PixelPoint(pixel, view, ndc);
+    precise float along = view.x * normal.x + view.y * normal.y + normal.z;
+    precise float squared = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
+    precise float a = -2.0 * along * (1.0 / squared);
+    precise vec2 change = (unified.view_to_clip * normal.xy - ndc * normal.z) * a;
+    precise float change_z = -((depth + unified.depth_offset) * (1.0 + a * normal.z));
+    precise vec3 direction = view + a * normal;
+    faces = along < 0.0;
+    return MakeRay(pixel, depth, direction, vec3(change, change_z));
+}
+
 // One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, normal.glsl, ray.glsl and the
 // image `pyramid`. CPU twin: reference::unified.
 //
@@ -11,25 +111,12 @@
 // MaxSteps bounds them all, so that no ray is ever cut off.
 
 struct Hit {
-    int code;        // HIT_* or MISS_BEHIND
+    int code;        // PATH_HI_Z, PATH_MISS, PATH_MISS_BEHIND or PATH_UNFINISHED
     ivec2 pixel;     // that was hit
     vec2 position;   // continuous pixel coordinates, within that pixel
     float depth;     // reversed, of the ray there
     int steps;       // cells looked at
 };
-
-// As passes::PathCode.
-#define HIT_NONE       0 // the pixel does not reflect
-#define HIT_SURFACE    1
-#define HIT_NOTHING    3 // it left the frustum; WhyMissed tells more
-#define HIT_UNFINISHED 7 // out of steps, which cannot be; never a hit
-#define MISS_SCREEN    8 // it left by a side of the screen,
-#define MISS_NEAR      9 // the near plane
-#define MISS_SKY      10 // or the far plane, with nothing before it,
-#define MISS_BEHIND   11 // or wherever, behind the back of a block; with oracle 2 also at a block, from behind
-
-// reference::thickness.
-#define JOINED 0.8
 
 // Forward: a pixel each at least, over both axes. Down: no more often than up.
 int MaxSteps() {
@@ -54,7 +141,7 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
     vec2 before = imageLoad(pyramid, PixelTexel(PixelBefore(ray, pixel, ahead))).xy;
-    vec3 normal = Normal(pixel);
+    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     precise float thickness = block.x - block.y;
     precise float joined = JOINED * (thickness + (before.x - before.y));
     precise float gap = block.x - before.x;
@@ -67,7 +154,7 @@ bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) 
 }
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(HIT_NOTHING, ray.pixel, vec2(0.0), 0.0, 0);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0);
     // Where a cell is left: by its far side in a direction that grows, else by its near side.
     ivec2 ahead = ivec2(greaterThan(ray.inverse, vec2(0.0)));
     vec2 start = vec2(ray.pixel) + 0.5;
@@ -89,7 +176,7 @@ Hit Traverse(Ray ray) {
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
     // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
-    if (ORACLE == 2 && Dot(ray.direction, Normal(pixel)) > 0.0)
+    if (ORACLE == 2 && Dot(ray.direction, imageLoad(normal_buffer, pixel).xyz) > 0.0)
         entry_depth = recedes ? -NEVER : NEVER;
 
     // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
@@ -122,7 +209,7 @@ Hit Traverse(Ray ray) {
         entry = meets ? entry : exit;
         entry_depth = meets ? entry_depth : exit_depth;
     }
-    hit.code = entry < ray.end ? HIT_UNFINISHED : HIT_NOTHING;
+    hit.code = entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
     if (level < 0) {
         vec2 block = imageLoad(pyramid, PixelTexel(pixel)).xy;
         float front = block.x;
@@ -136,27 +223,29 @@ Hit Traverse(Ray ray) {
         precise vec2 offset = s * ray.rate.xy + 0.5;
         precise float depth = ray.depth + s * ray.rate.z;
         vec2 low = vec2(pixel - ray.pixel);
-        hit.code = HIT_SURFACE;
+        hit.code = PATH_HI_Z;
         hit.pixel = pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
         if (ORACLE == 2 && hit.steps > 1 && entry_depth < front && IsBehind(ray, entry_depth, pixel, block, ahead))
-            hit.code = MISS_BEHIND;
+            hit.code = PATH_MISS_BEHIND;
     }
     return hit;
 }
 
-// Which of MISS_* a ray is that hit nothing (DEFINITIONS, "Oracle", item 5).
+// Which of MISS_* a ray is that hit nothing (docs/definitions.md, "Oracle", item 5).
 int WhyMissed(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;
     ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
     vec2 block = imageLoad(pyramid, PixelTexel(last)).xy;
     if (block.x >= block.y && depth < block.y)
-        return MISS_BEHIND;
+        return PATH_MISS_BEHIND;
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
     precise vec2 sides = (vec2(side - ray.pixel) - 0.5) * ray.inverse;
     if (ray.end == min(sides.x, sides.y))
-        return MISS_SCREEN;
-    return ray.rate.z > 0.0 ? MISS_NEAR : MISS_SKY;
+        return PATH_MISS_SCREEN;
+    return ray.rate.z > 0.0 ? PATH_MISS_NEAR : PATH_MISS_SKY;
 }
+
+#endif

@@ -1,4 +1,5 @@
 #version 460
+#pragma program(Keep)
 // Keeps a mip level of an image, as 32-bit floats and at the size of the target, for `look.frag`:
 // what methods make is theirs until the next frame only.
 

@@ -1,21 +1,12 @@
 #version 460
+#pragma program(Look)
 // What the window shows beside its panel: one picture, two side by side, or their difference; a
 // colour, or an intermediate's numbers as shades. The target encodes sRGB.
 
+#include "common/constants.glsl"
+
 layout(binding = 0) uniform sampler2D first;
 layout(binding = 1) uniform sampler2D second;
-
-#define COMPARE_NONE       0
-#define COMPARE_SPLIT      1 // the first left of the line, the second right of it
-#define COMPARE_DIFFERENCE 2
-
-// What the numbers are: `passes::Content`.
-#define CONTENT_COLOR          0
-#define CONTENT_NORMAL         1
-#define CONTENT_REVERSED_DEPTH 2
-#define CONTENT_STANDARD_DEPTH 3
-#define CONTENT_PLAIN          4 // numbers as they are
-#define CONTENT_HEAT           5 // one number, as a heat map
 
 layout(push_constant) uniform LookBlock {
     ivec4 area;       // left, top, width and height of the pictures on the screen, pixels

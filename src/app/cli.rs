@@ -1,54 +1,10 @@
-//! The flags, each declared once. What they mean together is decided in `resolve`.
+//! The flags that several commands share, and those of most commands, each declared once. What they mean together is decided in `resolve`.
 
-use super::view::ViewOptions;
-use crate::math::OracleVersion;
-use crate::methods::{Fallback, Preset};
-use crate::passes::PosterFilter;
-use crate::passes::billboard::{Occlusion, Order};
-use crate::passes::color_chain::ChainFilter;
-use crate::passes::linear_trace::March;
-use crate::passes::planar::{MAX_PLANES, Variant};
+use super::parameters::{MethodOptions, choice};
 use crate::report::figures::Figure;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
-
-/// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
-#[derive(Debug, Parser)]
-#[command(name = "ssct", version, about, propagate_version = true)]
-pub struct Cli {
-    /// What to do.
-    #[command(subcommand)]
-    pub command: Command,
-}
-
-/// The subcommands.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    /// List what Vulkan offers here.
-    Devices(DevicesOptions),
-    /// Render one image.
-    Render(RenderOptions),
-    /// Time every pass on the GPU.
-    Time(TimeOptions),
-    /// Measure run time against error.
-    Error(ErrorOptions),
-    /// Try every method on G-buffers and cameras that break renderers.
-    Stress(StressOptions),
-    /// Write a G-buffer to a file, or run a method on one from any renderer.
-    #[command(subcommand, name = "gbuffer")]
-    GBuffer(GBufferCommand),
-    /// Render and time the built-in scenes, and write a page that shows it all.
-    Study(StudyOptions),
-    /// Make every figure of the theses, and a page that shows them.
-    Figures(FiguresOptions),
-    /// Fly through a scene in a window.
-    View(ViewOptions),
-    /// Write the ground truth for another renderer to check.
-    Truth(super::truth::TruthOptions),
-    /// Compare the times of two runs, or two images.
-    Compare(super::compare::CompareOptions),
-}
 
 /// Options of `ssct devices`.
 #[derive(Debug, Args)]
@@ -107,69 +63,6 @@ pub struct SceneOptions {
     pub normal_deviation: Option<f32>,
 }
 
-/// How methods run.
-#[derive(Debug, Args)]
-pub struct MethodOptions {
-    /// Whose constants a published method uses.
-    #[arg(long, value_enum, default_value_t)]
-    pub preset: Preset,
-    /// Bound of the Hi-Z traversal's iterations, instead of the preset's.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
-    pub iterations: Option<u32>,
-    /// Hi-Z level that the traversal begins at, instead of the preset's.
-    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u32).range(0..=31))]
-    pub start_level: Option<u32>,
-    /// Circles of the cone, instead of the preset's.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub cone_samples: Option<u32>,
-    /// Pixels that ssr and ssr-fast march at once.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub pixel_step: Option<u32>,
-    /// Blur in ssr-fast by the distance from the viewer.
-    #[arg(long)]
-    pub distance_blur: bool,
-    /// How the colour chain of ssct and hzct is filtered.
-    #[arg(long, value_enum, default_value_t)]
-    pub chain_filter: ChainFilter,
-    /// Which of several billboards on a ray shows: as the listing has it, or the nearest.
-    #[arg(long, value_enum, default_value_t)]
-    pub billboard_order: Order,
-    /// What hides a billboard: nothing, as published, or what the depth buffer shows.
-    #[arg(long, value_enum, default_value_t)]
-    pub billboard_occlusion: Occlusion,
-    /// How planar gets its mirrored scene: inside the stencil, or as a render target.
-    #[arg(long, value_enum, default_value_t)]
-    pub planar_variant: Variant,
-    /// Planes that planar mirrors the scene at: those that cover most of the screen.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PLANES)))]
-    pub planar_planes: u32,
-    /// Trace at a lower resolution and bring the reflection back to full size.
-    #[arg(long, value_enum, default_value_t)]
-    pub resolution_scale: ResolutionScale,
-    /// Which of the thesis's two listings the method linear marches by.
-    #[arg(long, value_enum, default_value_t)]
-    pub march: March,
-    /// How the method poster pre-filters the G-buffer.
-    #[arg(long, value_enum, default_value_t)]
-    pub poster_filter: PosterFilter,
-    /// First step of the linear march and of the poster's, 1 being the screen's side, instead of the preset's.
-    #[arg(long, value_name = "S", value_parser = stride)]
-    pub march_stride: Option<f32>,
-    /// Trace rays and cones in two passes instead of one; every method then also keeps its hits.
-    #[arg(long)]
-    pub split: bool,
-    /// Fade reflections at the screen's border.
-    #[arg(long, value_enum, default_value_t)]
-    pub fade: Switch,
-    /// What is seen behind a screen-space method where its reflection fades out.
-    #[arg(long, value_enum, default_value_t)]
-    pub fallback: Fallback,
-    /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
-    /// those that it can have come to from in front.
-    #[arg(long, value_enum, default_value_t)]
-    pub oracle: OracleVersion,
-}
-
 /// Which device, and whether it is watched.
 #[derive(Debug, Args)]
 pub struct DeviceOptions {
@@ -200,7 +93,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
     /// Write a figure of the thesis or the poster instead of the image.
-    #[arg(long, value_enum, requires = "output")]
+    #[arg(long, value_parser = choice::<Figure>(), requires = "output")]
     pub figure: Option<Figure>,
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
@@ -422,42 +315,6 @@ pub struct FiguresOptions {
     pub device: DeviceOptions,
 }
 
-/// Traced pixels a side over pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum ResolutionScale {
-    /// Every pixel.
-    #[default]
-    #[value(name = "1")]
-    Full,
-    /// A pixel in four.
-    #[value(name = "0.5")]
-    Half,
-    /// A pixel in sixteen.
-    #[value(name = "0.25")]
-    Quarter,
-}
-
-impl ResolutionScale {
-    /// Pixels a side of a pixel that is traced.
-    pub fn divisor(self) -> u32 {
-        match self {
-            Self::Full => 1,
-            Self::Half => 2,
-            Self::Quarter => 4,
-        }
-    }
-}
-
-/// On or off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub enum Switch {
-    /// Yes.
-    #[default]
-    On,
-    /// No.
-    Off,
-}
-
 /// `960x540`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("{text:?} is no size; write it as 960x540");
@@ -467,14 +324,6 @@ pub fn size(text: &str) -> Result<[u32; 2], String> {
         (Ok(0), Ok(_)) | (Ok(_), Ok(0)) => Err(format!("a size of {text} has no pixels")),
         (Ok(w), Ok(h)) => Ok([w, h]),
         _ => Err(wrong()),
-    }
-}
-
-/// A part of the screen's side.
-fn stride(text: &str) -> Result<f32, String> {
-    match text.trim().parse::<f32>() {
-        Ok(s) if s > 0.0 && s <= 1.0 => Ok(s),
-        _ => Err(format!("{text:?}: must be above 0 and at most 1")),
     }
 }
 

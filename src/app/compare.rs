@@ -71,7 +71,8 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
     }
     let records = compare::times(&load(&options.a)?, &load(&options.b)?, threshold);
     if records.iter().all(|r| r.only_in.is_some()) {
-        anyhow::bail!("{} and {} have no pass in common", options.a.display(), options.b.display());
+        let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
+        anyhow::bail!("{} and {} have no pass in common{differs}", options.a.display(), options.b.display());
     }
     if let Some(folder) = &options.output {
         report::write_times(folder, &records)?;

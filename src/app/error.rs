@@ -60,12 +60,12 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         [] => vec![[480, 270]],
         sizes => sizes.to_vec(),
     };
-    let base = resolve::setup(&common.method_options, sizes[0]);
+    let base = common.method_options.setup(sizes[0]);
     let methods = methods::choose(&options.method, &base)?;
     let variants = if options.quick || options.no_sweep {
-        methods.iter().map(|method| Variant { method, setup: base }).collect()
+        methods.iter().map(|method| Variant { method, setup: base.clone() }).collect()
     } else {
-        sweep::variants(&methods, base)
+        sweep::variants(&methods, &base)
     };
     let views = |scene: &Scene| -> Result<Vec<View>> {
         if common.place.view.is_some() || common.place.eye.is_some() {

@@ -73,17 +73,17 @@ impl Plan {
             let key = key(&spec);
             // Of one scene at a time.
             stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
-            if !journal.has(&key) {
-                if stage.is_none() {
-                    stage = Some((&spec.scene.name, Stage::new(gpu, spec.scene)?));
-                }
-                let Some((_, stage)) = &mut stage else { continue };
+            journal.get_or(&key, |journal| {
+                let (_, stage) = match &mut stage {
+                    Some(stage) => stage,
+                    none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
+                };
                 let cell = measure(&spec, stage, journal, &mut go_on)?;
                 if let Some(folder) = pictures {
                     error_report::write_strips(folder, &stem_of(&spec), &cell)?;
                 }
-                journal.put(key, &cell.records)?;
-            }
+                Ok(cell.records)
+            })?;
             progress();
             go_on()?;
         }

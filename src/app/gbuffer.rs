@@ -3,10 +3,9 @@
 use super::cli::{GBufferCommand, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
 use crate::gpu::frame::Mode;
-use crate::methods::{self, METHODS, Setup};
+use crate::methods::{self, METHODS, Setup, Wants};
 use crate::report::{files, images};
 use crate::scene::gbuffer_file;
-use crate::study::timing::camera;
 use crate::study::{Shot, Stage, gbuffer};
 
 /// Runs the subcommand.
@@ -24,9 +23,9 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, place, None)?;
     let gpu = resolve::gpu(&options.device)?;
     let mut stage = Stage::new(&gpu, &scene)?;
-    let camera = camera(&scene, &view, options.size);
+    let camera = view.camera(&scene, options.size);
     let setup = Setup::new(options.size);
-    let shot = Shot::new(&mut stage, &METHODS[0], &setup, camera, globals.materials(&scene, &view))?;
+    let shot = Shot::new(&mut stage, &METHODS[0], &setup, Wants::IMAGE, camera, globals.materials(&scene, &view))?;
     stage.run(&shot, Mode::Plain)?;
     let data = gbuffer::read(&mut stage.context, &shot)?;
     files::write(&options.file, &gbuffer_file::encode(&data, &options.file)?)?;
@@ -40,7 +39,8 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     let method = methods::find(&options.method)?;
     let data = gbuffer_file::load(&options.file)?;
     let gpu = resolve::gpu(&options.device)?;
-    let setup = resolve::setup(&options.method_options, [data.width, data.height]);
+    let setup = options.method_options.setup([data.width, data.height]);
+    methods::check_read(&[method], &setup)?;
     let made = gbuffer::reflect(&gpu, &data, method, &setup)?;
     images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
     gpu.check_validation()?;

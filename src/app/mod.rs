@@ -1,12 +1,14 @@
 //! The command: arguments, headless runs, exit status. The only place that prints.
 
 mod cli;
+mod command;
 mod compare;
 mod devices;
 mod error;
 mod error_cells;
 mod figures;
 mod gbuffer;
+mod parameters;
 mod precision;
 mod progress;
 mod reference;
@@ -17,6 +19,7 @@ mod stress;
 mod study;
 mod time;
 mod time_captions;
+mod time_output;
 mod time_path;
 mod truth;
 #[cfg(feature = "window")]
@@ -27,7 +30,7 @@ mod view;
 
 use crate::error::Error;
 use clap::Parser;
-use cli::{Cli, Command};
+use command::{Cli, Command};
 use std::io::Write;
 use std::process::ExitCode;
 
@@ -68,12 +71,32 @@ pub fn run() -> ExitCode {
         Err(e) => {
             // Our own errors name their cause in their sentence; others have it behind them.
             match e.downcast_ref::<Error>() {
-                Some(own) => eprintln!("ssct: {own}"),
+                Some(own) => eprintln!("ssct: {own}{}", advice(own)),
                 None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
                 None => eprintln!("ssct: {e:#}"),
             }
-            ExitCode::from(e.downcast_ref::<Error>().map_or(1, Error::exit_status))
+            ExitCode::from(e.downcast_ref::<Error>().map_or(1, exit_status))
         }
+    }
+}
+
+/// The exit status for an error of the library: 2 for wrong arguments, 128 + n for signal n, else 1.
+fn exit_status(error: &Error) -> u8 {
+    match error {
+        Error::Usage(_) | Error::Unfinished { .. } => 2,
+        Error::Stopped { signal, .. } => 128 + signal,
+        _ => 1,
+    }
+}
+
+/// Which flags help after an error, as the end of its sentence.
+fn advice(error: &Error) -> String {
+    match error {
+        Error::Stopped { kept: Some(_), .. } => ", and --resume goes on with it".to_owned(),
+        Error::Unfinished { journal, .. } => {
+            format!(": --resume goes on with it; to begin anew, take another folder or remove {}", journal.display())
+        }
+        _ => String::new(),
     }
 }
 

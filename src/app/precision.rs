@@ -2,10 +2,12 @@
 
 use super::cli::ErrorOptions;
 use super::error_cells::{QUICK_SIZE, QUICK_VIEWS};
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods;
 use crate::report::{files, precision_report};
+use crate::scene::Scene;
 use crate::study::precision::{PrecisionRecord, PrecisionSpec, measure};
 use crate::study::{Globals, stress};
 use std::io::Write;
@@ -55,24 +57,40 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
         return Err(Error::Usage(message).into());
     }
     let gpu = resolve::gpu(&options.common.device)?;
-    let setup = resolve::setup(&options.common.method_options, size);
+    let setup = options.common.method_options.setup(size);
+    methods::check_read(&methods, &setup)?;
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let bar = progress::bar("precision", views.len() * globals.len());
     let mut records: Vec<PrecisionRecord> = Vec::new();
-    for view in &views {
-        for &globals in &globals {
-            let (gpu, scene, rays) = (&gpu, &scene, options.rays);
-            records.extend(measure(&PrecisionSpec { gpu, scene, view, globals, methods: &methods, setup, rays })?);
-            bar.inc(1);
+    let mut outcome = Ok(());
+    for (view, &globals) in views.iter().flat_map(|view| globals.iter().map(move |g| (view, g))) {
+        let (gpu, scene, methods, setup, rays) = (&gpu, &scene, &methods[..], setup.clone(), options.rays);
+        let spec = PrecisionSpec { gpu, scene, view, globals, methods, setup, rays };
+        let key = format!("precision {} {} {}", scene.name, view.name, spec.digest());
+        // What ended the measurement does not end the report of what the journal has.
+        if outcome.is_ok() {
+            let measured = run.journal.get_or(&key, |_| measure(&spec));
+            outcome = measured.map(drop).and_then(|()| progress::step(&bar));
         }
+        records.extend(run.journal.get::<Vec<PrecisionRecord>>(&key).into_iter().flatten());
     }
     bar.finish_and_clear();
+    let wrote = write(options, &records, &scene);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
+    gpu.check_validation()?;
+    Ok(())
+}
+
+/// Writes the files, if a folder is asked for, and prints the records or the text.
+fn write(options: &ErrorOptions, records: &[PrecisionRecord], scene: &Scene) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
         let command = format!("ssct error --precision --scene {} --rays {}", scene.name, options.rays);
-        precision_report::write(folder, &records, &command)?;
+        precision_report::write(folder, records, &command)?;
     }
     let mut out = std::io::stdout().lock();
-    let text = if options.json { files::json(&records) } else { precision_report::text(&records) };
+    let text = if options.json { files::json(records) } else { precision_report::text(records) };
     out.write_all(text.as_bytes())?;
-    gpu.check_validation()?;
     Ok(())
 }

@@ -4,13 +4,13 @@ use super::cli::RenderOptions;
 use super::{progress, resolve};
 use crate::error::Error;
 use crate::gpu::Pixels;
+use crate::methods::Fallback;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, Target, WorldReference};
+use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::report::images;
 use crate::scene::Scene;
 use crate::study::record::DEFINITIONS;
-use crate::study::timing::camera;
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let scene = resolve::scene(&common.place, "rooms")?;
     let view = resolve::view(&scene, &common.place, None)?;
     let materials = globals.materials(&scene, &view);
-    let camera = camera(&scene, &view, options.size);
+    let camera = view.camera(&scene, options.size);
 
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
@@ -74,7 +74,7 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<P
     let view = resolve::view(scene, &options.common.place, None)?;
     let materials = globals.materials(scene, &view);
     let world = World::new(scene, &materials);
-    let first_hits = FirstHits::trace(&world, &camera(scene, &view, options.size), options.size);
+    let first_hits = FirstHits::trace(&world, &view.camera(scene, options.size), options.size);
     let escape = escape(options);
     let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
     let mut state = reference.start();
@@ -86,16 +86,19 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<P
 
 /// As for the methods: with a fallback, what escapes brings the environment.
 fn escape(options: &RenderOptions) -> Escape {
-    if options.common.method_options.fallback.is_none() { Escape::Black } else { Escape::Environment }
+    match options.common.method_options.setup(options.size).effect().fallback {
+        Fallback::None => Escape::Black,
+        _ => Escape::Environment,
+    }
 }
 
 /// When the options are met.
-fn target(options: &RenderOptions) -> Target {
-    Target {
+fn target(options: &RenderOptions) -> SamplingTarget {
+    SamplingTarget {
         standard_error: f64::from(options.standard_error),
         samples_max: options.max_rays,
-        samples_min: Target::default().samples_min.min(options.max_rays),
-        ..Target::default()
+        samples_min: SamplingTarget::default().samples_min.min(options.max_rays),
+        ..SamplingTarget::default()
     }
 }
 

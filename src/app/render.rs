@@ -2,10 +2,10 @@
 
 use super::cli::RenderOptions;
 use super::resolve;
-use crate::methods::{self, Setup};
+use crate::methods::{self, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
-use crate::study::timing::camera;
+use crate::study::record::recorded;
 use crate::study::{Shot, Stage, image};
 use std::io::Write;
 
@@ -25,12 +25,13 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &common.place, None)?;
     let gpu = resolve::gpu(&common.device)?;
 
-    // The hits exist only where ray trace and cone trace are two passes; the image is the same.
     let inside = options.dump.is_some() || options.figure.is_some();
-    let setup = setup(options, inside);
+    let setup = setup(options);
+    methods::check_read(&[method], &setup)?;
+    let wants = if inside { Wants::HITS } else { Wants::REFLECTION };
     let mut stage = Stage::new(&gpu, &scene)?;
-    let camera = camera(&scene, &view, options.size);
-    let shot = Shot::new(&mut stage, method, &setup, camera, globals.materials(&scene, &view))?;
+    let camera = view.camera(&scene, options.size);
+    let shot = Shot::new(&mut stage, method, &setup, wants, camera, globals.materials(&scene, &view))?;
     let rendered = image::render(&mut stage, &shot, inside)?;
 
     let intermediates = rendered.intermediates.as_ref();
@@ -48,6 +49,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
         let summary = serde_json::json!({
             "kind": "render", "definitions": crate::study::record::DEFINITIONS, "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
+            "setup": recorded(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
             "validation": common.device.validation.then(|| gpu.validation().len()),
         });
@@ -66,10 +68,10 @@ pub fn method_name(options: &RenderOptions) -> &str {
     options.method.as_deref().or(options.figure.map(Figure::method)).unwrap_or("ssct")
 }
 
-/// How the method is set up; to see inside, in two passes.
-pub fn setup(options: &RenderOptions, inside: bool) -> Setup {
-    let setup = resolve::setup(&options.common.method_options, options.size);
-    Setup { split: setup.split || inside, ..options.figure.map_or(setup, |f| f.setup(setup)) }
+/// How the method is set up, for the figure if there is one.
+pub fn setup(options: &RenderOptions) -> Setup {
+    let setup = options.common.method_options.setup(options.size);
+    options.figure.map_or(setup.clone(), |f| f.setup(&setup))
 }
 
 /// What the frame did and what it left out, a pass a line.

@@ -1,11 +1,8 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{DeviceOptions, MethodOptions, SceneOptions, Switch};
+use super::cli::{DeviceOptions, SceneOptions};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
-use crate::methods::{Setup, Tuning};
-use crate::passes::billboard::Billboards;
-use crate::passes::planar::Mirrors;
 use crate::scene::path::VIEWS;
 use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
 use crate::study::Globals;
@@ -145,33 +142,5 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
     match globals(options)?[..] {
         [one] => Ok(one),
         _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
-    }
-}
-
-/// How methods are set up at a size.
-pub fn setup(options: &MethodOptions, extent: [u32; 2]) -> Setup {
-    Setup {
-        extent,
-        preset: options.preset,
-        tuning: Tuning {
-            iterations: options.iterations,
-            start_level: options.start_level,
-            cone_samples: options.cone_samples,
-            march_stride: options.march_stride,
-            pixel_step: options.pixel_step,
-            distance_blur: options.distance_blur,
-        },
-        split: options.split,
-        chain_filter: options.chain_filter,
-        march: options.march,
-        poster_filter: options.poster_filter,
-        billboards: Billboards { order: options.billboard_order, occlusion: options.billboard_occlusion },
-        mirrors: Mirrors { variant: options.planar_variant, planes: options.planar_planes },
-        fade: options.fade == Switch::On,
-        divisor: options.resolution_scale.divisor(),
-        composite: true,
-        reflection: true,
-        fallback: options.fallback,
-        oracle: options.oracle,
     }
 }

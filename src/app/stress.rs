@@ -13,6 +13,7 @@ use crate::study::stress::motion::{self, MOTIONS, Motion, MotionRecord, MotionSp
 use crate::study::stress::{self, JUDGED, StressRecord, cases::cases};
 use indicatif::ProgressBar;
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::json;
 use std::io::Write;
 
@@ -135,15 +136,13 @@ impl<K: PartialEq, T> Last<K, T> {
 }
 
 /// Measures what the journal lacks, and keeps it there.
-fn kept<T: Serialize>(
+fn kept<T: Serialize + DeserializeOwned>(
     journal: &mut Journal,
     key: String,
     bar: &ProgressBar,
     measure: impl FnOnce() -> Result<Vec<T>>,
 ) -> Result<()> {
-    if !journal.has(&key) {
-        journal.put(key, &measure()?)?;
-    }
+    journal.get_or(&key, |_| measure())?;
     progress::step(bar)
 }
 

@@ -6,7 +6,7 @@ use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{self, METHODS, MethodInfo, Setup};
+use crate::methods::{self, METHODS, MethodInfo, Setup, Wants};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
@@ -14,7 +14,7 @@ use crate::scene::{Scene, View, library};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_AND_ENVIRONMENT, WORLD_REFERENCE};
 use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
-use crate::study::timing::{self, TimeSpec, camera};
+use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, Shot, Stage, TimeRecord, image};
 use indicatif::ProgressBar;
 use std::io::Write;
@@ -227,8 +227,15 @@ fn pictures(
     for view in views {
         let mut pictures = Vec::new();
         for (n, method) in METHODS.iter().enumerate() {
-            let camera = camera(scene, view, plan.size);
-            let shot = Shot::new(&mut stage, method, &Setup::new(plan.size), camera, GLOSSY.materials(scene, view))?;
+            let camera = view.camera(scene, plan.size);
+            let shot = Shot::new(
+                &mut stage,
+                method,
+                &Setup::new(plan.size),
+                Wants::IMAGE,
+                camera,
+                GLOSSY.materials(scene, view),
+            )?;
             let rendered = image::render(&mut stage, &shot, false)?;
             if n == 0 {
                 let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
@@ -288,10 +295,10 @@ fn thesis_figures(gpu: &Gpu, scenes: &[Scene], folder: &Path, plan: &Plan) -> Re
     let mut pictures = Vec::new();
     for (figure, stem, extent, view, caption) in wanted {
         let view = scene.view(view)?;
-        let camera = camera(scene, view, extent);
-        let setup = figure.setup(Setup { split: true, ..Setup::new(extent) });
+        let camera = view.camera(scene, extent);
+        let setup = figure.setup(&Setup::new(extent));
         let method = methods::find(figure.method())?;
-        let shot = Shot::new(&mut stage, method, &setup, camera, GLOSSY.materials(scene, view))?;
+        let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, GLOSSY.materials(scene, view))?;
         if let Some(all) = image::render(&mut stage, &shot, true)?.intermediates {
             let file = format!("images/{stem}.png");
             figures::draw(figure, &all, &camera.lens)?.write_png(&folder.join(&file))?;

@@ -2,15 +2,14 @@
 
 use super::cli::{Table, TimeOptions};
 use super::run::Run;
+use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, Gpu};
 use crate::methods::{self, METHODS};
 use crate::report::{files, plot, tables};
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
-use std::io::Write;
 
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
@@ -26,7 +25,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
     let methods = match &options.method[..] {
         [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
-        names => methods::choose(names, &resolve::setup(&common.method_options, [1, 1]))?,
+        names => methods::choose(names, &common.method_options.setup([1, 1]))?,
     };
     let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
     let sizes = sizes(options, table)?;
@@ -34,7 +33,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         return Err(Error::Usage("--samples 0: at least one is needed".into()).into());
     }
     let gpu = resolve::gpu(&common.device)?;
-    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let setup = common.method_options.setup(sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
     let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples };
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
@@ -43,7 +42,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = timing::records(&spec, &run.journal);
 
-    let written = Written {
+    let written = TimeOutput {
         stem: "time",
         json: files::json(&records),
         samples: ("time-samples.csv", files::samples_csv(&records)),
@@ -53,55 +52,10 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     written.conclude(options, run, outcome, &gpu)
 }
 
-/// What a measurement leaves.
-pub struct Written {
-    /// Of the file names.
-    pub stem: &'static str,
-    /// Records.
-    pub json: String,
-    /// Every sample: file name and CSV.
-    pub samples: (&'static str, String),
-    /// SVG.
-    pub plot: String,
-    /// For a terminal.
-    pub text: String,
-}
-
-impl Written {
-    /// The end of a run, by itself or not: what was measured is written and printed, and only then is said
-    /// what ended it.
-    pub fn conclude(&self, options: &TimeOptions, run: Run, outcome: Result<()>, gpu: &Gpu) -> anyhow::Result<()> {
-        let wrote = self.out(options);
-        run.ended(outcome)?;
-        wrote?;
-        run.finish()?;
-        Ok(gpu.check_validation()?)
-    }
-
-    /// Writes the files, if a folder is asked for, and prints the records or the text.
-    fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
-        if let Some(folder) = &options.output {
-            let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
-            files::write(&named("json"), self.json.as_bytes())?;
-            files::write(&folder.join(self.samples.0), self.samples.1.as_bytes())?;
-            files::write(&named("svg"), self.plot.as_bytes())?;
-            files::write(&named("txt"), self.text.as_bytes())?;
-        }
-        let shown = if options.json { &self.json } else { &self.text };
-        std::io::stdout().lock().write_all(shown.as_bytes())?;
-        Ok(())
-    }
-}
-
-/// The device of some records, as a line.
-pub fn device_line(device: &DeviceInfo) -> String {
-    format!("{} ({}, {})\n", device.name, device.kind, device.driver)
-}
-
 fn text(records: &[TimeRecord], table: bool) -> String {
     let mut text = String::new();
     if let Some(first) = records.first() {
-        text += &device_line(&first.head.device);
+        text += &device_line(&first.head.program.device);
     }
     if table {
         text += &tables::table_5_8(&compare(records));

@@ -3,7 +3,7 @@
 
 use super::cli::TimeOptions;
 use super::run::{Run, go_on};
-use super::time::{Written, device_line};
+use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods::{self, MethodInfo};
@@ -54,7 +54,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
             methods: compared,
             sizes: vec![caption.size],
             globals: globals.clone(),
-            setup: resolve::setup(&options.common.method_options, caption.size),
+            setup: options.common.method_options.setup(caption.size),
             warmup: options.warmup,
             samples: options.samples,
         };
@@ -94,7 +94,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     for r in &references {
         all.push(json(serde_json::to_value(r))?);
     }
-    let written = Written {
+    let written = TimeOutput {
         stem: "time",
         json: files::json(&all),
         samples: ("time-samples.csv", files::samples_csv(&records)),

@@ -2,7 +2,7 @@
 
 use super::cli::TimeOptions;
 use super::run::Run;
-use super::time::{Written, device_line};
+use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::methods;
 use crate::report::{files, path_report};
@@ -15,7 +15,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     let mut scene = resolve::scene(&common.place, "rooms")?;
     let path = resolve::path(&scene, path)?;
     let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
-    let setup = resolve::setup(&common.method_options, sizes[0]);
+    let setup = common.method_options.setup(sizes[0]);
     let methods = methods::choose(&options.method, &setup)?;
     scene.lens = resolve::lens(&common.place, scene.lens)?;
     let gpu = resolve::gpu(&common.device)?;
@@ -36,7 +36,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = records(&spec, &run.journal);
 
-    let written = Written {
+    let written = TimeOutput {
         stem: "path",
         json: files::json(&records),
         samples: ("path-frames.csv", path_report::frames_csv(&records)),

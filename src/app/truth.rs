@@ -4,7 +4,6 @@ use super::cli::{SceneOptions, size};
 use super::resolve;
 use crate::error::Error;
 use crate::report::mitsuba::{Export, export};
-use crate::study::timing::camera;
 use clap::{Args, Subcommand};
 use std::io::Write;
 use std::path::PathBuf;
@@ -55,7 +54,7 @@ pub fn run(options: &TruthOptions) -> anyhow::Result<()> {
         &Export {
             scene: &scene,
             materials: &materials,
-            camera: camera(&scene, &view, options.size),
+            camera: view.camera(&scene, options.size),
             extent: options.size,
             samples: options.samples,
             seed: options.seed,

@@ -4,8 +4,8 @@ mod open;
 
 use super::image::{Sampler, Samplers};
 use super::pipeline::ComputePipelines;
+use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
-use super::watch::Watch;
 use crate::error::{Error, Result};
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
@@ -86,7 +86,7 @@ pub(crate) struct Shared {
     pub limits: vk::PhysicalDeviceLimits,
     pub timestamp_mask: u64,
     pub has_pipeline_statistics: bool,
-    /// Whether descriptors are pushed, or else bound as allocated sets (`frame/sets.rs`).
+    /// Whether descriptors are pushed, or else bound as allocated sets (`frame/quirks/sets.rs`).
     pub pushes_descriptors: bool,
     /// Pixels along a side of the largest point.
     pub largest_point: f32,
@@ -227,6 +227,11 @@ impl Gpu {
         [l.max_framebuffer_width, l.max_framebuffer_height, width / 2, height / 2]
             .into_iter()
             .fold(l.max_image_dimension2_d, u32::min)
+    }
+
+    /// The most vertices that the indices of one draw can tell apart.
+    pub fn max_vertices(&self) -> u64 {
+        u64::from(self.shared.limits.max_draw_indexed_index_value) + 1
     }
 
     /// The largest width, height and depth of a volume.

@@ -1,23 +1,26 @@
 //! One frame: its passes, each with its label, timestamps and barriers, recorded and submitted.
 //!
-//! A pass states what it reads and writes by naming its shader's bindings and its targets; the
+//! A pass states what it reads and writes by its program's struct and its targets; the
 //! frame derives the barriers from the table in [`super::sync`]. In timing mode a full barrier
 //! separates passes, so that neighbours cannot overlap and the sum of passes is the frame.
 
 mod bind;
 mod draw;
-mod sets;
-mod settle;
+mod quirks;
 mod target;
 mod transfer;
+mod uniforms;
 
 use super::device::{Gpu, vulkan};
-use super::image::{ImageSlice, Sampler};
-use super::memory::{Buffer, Place};
+use super::image::ImageSlice;
+use super::memory::Buffer;
+use super::program::Sampled;
 use super::sync::{Access, State, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
+use bind::Given;
+use quirks::{sets, settle};
 use std::cell::Cell;
 use std::rc::Rc;
 pub use target::Target;
@@ -33,13 +36,13 @@ pub enum Mode {
     Counted,
 }
 
-/// What a shader's binding is given.
+/// What a binding is given, as [`Program::resources`](super::program::Program::resources) says it.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
-    Sampled(ImageSlice<'a>, Sampler),
+    Sampled(Sampled<'a>),
     /// As many images as the shader's array has, sampled.
-    SampledArray(&'a [ImageSlice<'a>], Sampler),
+    SampledArray(&'a [Sampled<'a>]),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
     /// A level of an image, loaded without a sampler.
@@ -50,18 +53,6 @@ pub enum Resource<'a> {
     Buffer(&'a Buffer),
     /// A storage buffer, only read.
     ReadBuffer(&'a Buffer),
-}
-
-impl<'a> Resource<'a> {
-    /// Fetched, or sampled at the nearest texel.
-    pub fn nearest(slice: ImageSlice<'a>) -> Self {
-        Self::Sampled(slice, Sampler::NearestClamp)
-    }
-
-    /// Sampled with trilinear filtering.
-    pub fn trilinear(slice: ImageSlice<'a>) -> Self {
-        Self::Sampled(slice, Sampler::TrilinearClamp)
-    }
 }
 
 /// What one submission did.
@@ -94,7 +85,7 @@ pub struct FrameContext {
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    uniforms: Buffer,
+    uniforms: uniforms::Uniforms,
     timestamps: Timestamps,
     statistics: Option<Statistics>,
     settling: Option<settle::Settling>,
@@ -102,14 +93,11 @@ pub struct FrameContext {
     sets: Option<sets::DescriptorSets>,
 }
 
-const UNIFORM_BYTES: u64 = 1 << 20;
-
 impl FrameContext {
     /// What frames need on a device.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         let device = gpu.raw();
-        let uniforms =
-            Buffer::new(gpu, "frame uniforms", UNIFORM_BYTES, vk::BufferUsageFlags::UNIFORM_BUFFER, Place::Upload)?;
+        let uniforms = uniforms::Uniforms::new(gpu)?;
         let timestamps = Timestamps::new(gpu)?;
         let statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
         let settling = settle::Settling::new(gpu)?;
@@ -161,6 +149,7 @@ impl FrameContext {
                 sets.reset()?;
             }
         }
+        self.uniforms.reset();
         match mode {
             Mode::Plain => {}
             Mode::Timed => self.timestamps.reset(),
@@ -173,7 +162,6 @@ impl FrameContext {
         let mut frame = Frame {
             context: self,
             mode,
-            uniform_bytes: 0,
             passes: Vec::new(),
             skipped: Vec::new(),
             counted: false,
@@ -181,7 +169,7 @@ impl FrameContext {
             undo: Undo::default(),
             settled: Vec::new(),
         };
-        frame.stamp();
+        frame.stamp()?;
         Ok(frame)
     }
 
@@ -208,7 +196,6 @@ impl Drop for FrameContext {
 pub struct Frame<'c> {
     context: &'c mut FrameContext,
     mode: Mode,
-    uniform_bytes: u64,
     passes: Vec<(String, bool)>,
     skipped: Vec<Skipped>,
     counted: bool,
@@ -274,7 +261,7 @@ impl Frame<'_> {
     }
 
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
-        self.stamp();
+        self.stamp()?;
         let device = self.context.gpu.raw();
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.context.commands)];
         let submit = vk::SubmitInfo2::default()
@@ -328,25 +315,23 @@ impl Frame<'_> {
         if self.mode == Mode::Timed {
             self.full_barrier();
         }
-        self.stamp();
-        if let (Mode::Counted, Some(statistics)) = (self.mode, &self.context.statistics) {
-            statistics.begin(commands);
+        self.stamp()?;
+        if let (Mode::Counted, Some(statistics)) = (self.mode, &mut self.context.statistics) {
+            statistics.begin(commands)?;
         }
         record(self)?;
         if let (Mode::Counted, Some(statistics)) = (self.mode, &mut self.context.statistics) {
             statistics.end(commands);
         }
-        self.stamp();
+        self.stamp()?;
         self.context.gpu.end_label(commands);
         self.passes.push((name.to_owned(), self.counted));
         Ok(())
     }
 
-    fn stamp(&mut self) {
-        if self.mode == Mode::Timed {
-            let commands = self.context.commands;
-            self.context.timestamps.stamp(commands);
-        }
+    fn stamp(&mut self) -> Result<()> {
+        let commands = self.context.commands;
+        if self.mode == Mode::Timed { self.context.timestamps.stamp(commands) } else { Ok(()) }
     }
 
     fn device(&self) -> &ash::Device {
@@ -367,11 +352,11 @@ impl Frame<'_> {
     }
 
     /// Brings a pass's resources to their use, with the next [`Self::flush`].
-    fn prepare(&mut self, resources: &[(&str, Resource)], sampled: Access, read: Access) {
-        for (_, resource) in resources {
+    fn prepare(&mut self, given: &Given, sampled: Access, read: Access) {
+        for (_, resource) in &given.resources {
             match *resource {
-                Resource::Sampled(slice, _) => self.use_image(slice, sampled),
-                Resource::SampledArray(slices, _) => slices.iter().for_each(|s| self.use_image(*s, sampled)),
+                Resource::Sampled(Sampled(slice, _)) => self.use_image(slice, sampled),
+                Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
                 Resource::Loaded(slice) => self.use_image(slice, read),
                 Resource::Buffer(b) => self.use_buffer(b, Access::ComputeStorage),

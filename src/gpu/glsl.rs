@@ -1,9 +1,16 @@
-//! From GLSL to SPIR-V (shaderc, which is glslang), and what the SPIR-V says of its bindings and blocks.
-//! `build.rs` includes this file, and so does the window, which compiles shaders anew when they change:
-//! both see the same.
+//! From GLSL to SPIR-V (shaderc, which is glslang), and what the SPIR-V says of bindings, blocks, outputs and
+//! specialization constants. `build.rs` includes this file, and so does the window, which compiles shaders anew when
+//! they change: both see the same.
+//!
+//! A stage file names its programs right below `#version`, one a line, with what is defined for each:
+//!
+//! ```glsl
+//! #pragma program(BlurAcross, ACROSS)
+//! #pragma program(BlurDown)
+//! ```
 
 use rspirv::dr::{Module, Operand};
-use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass, Word};
+use rspirv::spirv::{Decoration, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
@@ -36,17 +43,58 @@ fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
     }
 }
 
-/// Compiles a stage for Vulkan 1.3; `root` is what includes are relative to where they are not beside
-/// the file that includes them.
+/// A program that a stage file names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// Name of its struct in Rust.
+    pub name: String,
+    /// Macros that are defined for it.
+    pub defines: Vec<String>,
+}
+
+/// The programs that a stage's source names, in order.
+///
+/// # Errors
+/// A sentence on a pragma that is none of ours.
+pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
+    let mut found = Vec::new();
+    for (line, text) in source.lines().enumerate() {
+        let Some(pragma) = text.strip_prefix("#pragma ") else { continue };
+        let words = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
+        let words: Vec<&str> = words.unwrap_or_default().split(',').map(str::trim).collect();
+        let is_word = |w: &&str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        if !words.iter().all(|w| is_word(w)) {
+            return Err(format!(
+                "{}:{}: {text:?} should be `#pragma program(Name)` or `#pragma program(Name, DEFINED, …)`",
+                path.display(),
+                line + 1
+            ));
+        }
+        let defines = words[1..].iter().map(|w| (*w).to_owned()).collect();
+        found.push(Named { name: words[0].to_owned(), defines });
+    }
+    Ok(found)
+}
+
+/// Compiles a stage for Vulkan 1.3 with some macros defined; `root` is what includes are relative to where they are
+/// not beside the file that includes them.
 ///
 /// # Errors
 /// The compiler's message, which names file and line.
-pub fn compile(compiler: &shaderc::Compiler, root: &Path, path: &Path) -> Result<Compiled, String> {
+pub fn compile<D: AsRef<str>>(
+    compiler: &shaderc::Compiler,
+    root: &Path,
+    path: &Path,
+    defines: &[D],
+) -> Result<Compiled, String> {
     let included = RefCell::new(vec![path.to_path_buf()]);
     let source = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| format!("shaderc: {e}"))?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
     options.set_warnings_as_errors();
+    for define in defines {
+        options.add_macro_definition(define.as_ref(), None);
+    }
     // Unoptimised: the driver optimises, and the module stays close to the listing.
     options.set_optimization_level(shaderc::OptimizationLevel::Zero);
     options.set_include_callback(|name, _, includer, _| {
@@ -76,14 +124,57 @@ pub struct Compiled {
 /// What a stage asks of its pipeline, and how its blocks lie in memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Interface {
-    /// Binding, name, kind and number of descriptors of each, in order.
-    pub bindings: Vec<(u32, String, &'static str, u32)>,
-    /// Bytes of the push-constant block.
-    pub push_size: u32,
+    /// What it binds, by number.
+    pub bindings: Vec<Bound>,
+    /// Its push-constant block.
+    pub push: Option<Push>,
+    /// Name and Rust type of a component of each colour that it writes, by location; of a fragment stage.
+    pub outputs: Vec<(String, &'static str)>,
+    /// Its specialization constants, by id.
+    pub constants: Vec<Constant>,
     /// Threads of a workgroup.
     pub local_size: [u32; 3],
     /// Uniform and push-constant blocks and the structs in them, by name.
     pub blocks: BTreeMap<String, Block>,
+}
+
+/// One binding of a stage.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bound {
+    /// `layout(binding = …)`.
+    pub binding: u32,
+    /// The variable's name, or the block's where the variable has none.
+    pub name: String,
+    /// The variant of `BindingKind`.
+    pub kind: &'static str,
+    /// Descriptors: above 1 for an array of images.
+    pub count: u32,
+    /// Name of the block; empty for an image.
+    pub block: String,
+    /// Whether the stage says that it only reads.
+    pub read_only: bool,
+}
+
+/// A push-constant block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Push {
+    /// The variable's name.
+    pub name: String,
+    /// The block's.
+    pub block: String,
+    /// Bytes.
+    pub size: u32,
+}
+
+/// A specialization constant.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Constant {
+    /// `layout(constant_id = …)`.
+    pub id: u32,
+    /// Its name.
+    pub name: String,
+    /// Its type in Rust.
+    pub ty: &'static str,
 }
 
 /// Finds a module's interface; `name` is what errors call it.
@@ -179,6 +270,15 @@ impl<'a> Reflection<'a> {
         })
     }
 
+    fn is_member_decorated(&self, id: Word, member: u32, wanted: Decoration) -> bool {
+        self.module.annotations.iter().any(|i| match (i.class.opcode, i.operands.as_slice()) {
+            (Op::MemberDecorate, [Operand::IdRef(target), Operand::LiteralBit32(m), Operand::Decoration(d), ..]) => {
+                *target == id && *m == member && *d == wanted
+            }
+            _ => false,
+        })
+    }
+
     fn definition(&self, id: Word) -> Option<&rspirv::dr::Instruction> {
         self.module.types_global_values.iter().find(|i| i.result_id == Some(id))
     }
@@ -213,20 +313,33 @@ impl<'a> Reflection<'a> {
     fn interface(&self) -> Result<Interface, String> {
         let mut found = Interface {
             bindings: Vec::new(),
-            push_size: 0,
+            push: None,
+            outputs: Vec::new(),
+            constants: self.constants()?,
             local_size: match self.local_size {
                 Some([x, y, z]) => [self.constant_u32(x)?, self.constant_u32(y)?, self.constant_u32(z)?],
                 None => [1; 3],
             },
             blocks: BTreeMap::new(),
         };
+        let is_fragment = self.is_fragment();
+        let mut outputs = BTreeMap::new();
         for (id, class, pointee) in self.variables()? {
+            let own = self.names.get(&id).filter(|n| !n.is_empty());
+            let block = self.names.get(&pointee).cloned().unwrap_or_default();
+            let name = own.unwrap_or(&block).clone();
             let is_block = matches!(class, StorageClass::Uniform | StorageClass::PushConstant);
             if is_block && self.definition(pointee).is_some_and(|d| d.class.opcode == Op::TypeStruct) {
                 self.collect(pointee, &mut found.blocks)?;
             }
             if class == StorageClass::PushConstant {
-                found.push_size = self.struct_of(pointee)?.size;
+                found.push = Some(Push { name, block, size: self.struct_of(pointee)?.size });
+                continue;
+            }
+            if is_fragment && class == StorageClass::Output {
+                if let Some(location) = self.decoration(id, Decoration::Location) {
+                    outputs.insert(location, (name, self.component(pointee)?));
+                }
                 continue;
             }
             let Some(binding) = self.decoration(id, Decoration::Binding) else { continue };
@@ -243,12 +356,56 @@ impl<'a> Reflection<'a> {
                 (StorageClass::StorageBuffer, _) => "StorageBuffer",
                 other => return Err(format!("{}: binding {binding} has an unknown kind {other:?}", self.name)),
             };
-            let own = self.names.get(&id).filter(|n| !n.is_empty());
-            let name = own.or_else(|| self.names.get(&pointee)).cloned().unwrap_or_default();
-            found.bindings.push((binding, name, kind, count));
+            found.bindings.push(Bound { binding, name, kind, count, block, read_only: self.is_read_only(id, pointee) });
         }
         found.bindings.sort();
+        if outputs.keys().copied().ne(0..outputs.len() as u32) {
+            return Err(format!("{}: its outputs are not at locations 0, 1 and so on", self.name));
+        }
+        found.outputs = outputs.into_values().collect();
         Ok(found)
+    }
+
+    fn is_fragment(&self) -> bool {
+        let model = |i: &rspirv::dr::Instruction| i.operands.first().cloned();
+        self.module.entry_points.iter().any(|i| model(i) == Some(Operand::ExecutionModel(ExecutionModel::Fragment)))
+    }
+
+    /// Whether a variable, or all that its block holds, is declared `readonly`.
+    fn is_read_only(&self, id: Word, pointee: Word) -> bool {
+        let members = match self.definition(pointee) {
+            Some(d) if d.class.opcode == Op::TypeStruct => self.members(pointee).len() as u32,
+            _ => 0,
+        };
+        let all = members > 0 && (0..members).all(|m| self.is_member_decorated(pointee, m, Decoration::NonWritable));
+        all || self.decoration(id, Decoration::NonWritable).is_some()
+    }
+
+    /// The specialization constants, by id.
+    fn constants(&self) -> Result<Vec<Constant>, String> {
+        let mut found = Vec::new();
+        for i in &self.module.types_global_values {
+            let is_one = matches!(i.class.opcode, Op::SpecConstant | Op::SpecConstantTrue | Op::SpecConstantFalse);
+            let (true, Some(result), Some(ty)) = (is_one, i.result_id, i.result_type) else { continue };
+            let Some(id) = self.decoration(result, Decoration::SpecId) else { continue };
+            let name = self.names.get(&result).cloned().unwrap_or_default();
+            found.push(Constant { id, name, ty: self.component(ty)? });
+        }
+        found.sort();
+        Ok(found)
+    }
+
+    /// The Rust type of a scalar, or of a vector's component.
+    fn component(&self, id: Word) -> Result<&'static str, String> {
+        let d = self.definition(id).ok_or("no type")?;
+        Ok(match d.class.opcode {
+            Op::TypeBool => "bool",
+            Op::TypeFloat => "f32",
+            Op::TypeInt if d.operands.get(1) == Some(&Operand::LiteralBit32(1)) => "i32",
+            Op::TypeInt => "u32",
+            Op::TypeVector => self.component(self.operand_id(id, 0)?)?,
+            other => return Err(format!("{}: an output or a constant of type {other:?}", self.name)),
+        })
     }
 
     fn collect(&self, id: Word, structs: &mut BTreeMap<String, Block>) -> Result<(), String> {
@@ -321,5 +478,27 @@ impl<'a> Reflection<'a> {
             }
             _ => return Err(wrong()),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn programs_are_read_off_their_pragmas() {
+        let named = |source| programs(source, Path::new("a.frag"));
+        let found =
+            named("#version 460\n#pragma program(Down)\n#pragma program( Across , VOLUME,HITS )\nvoid main() {}\n");
+        let program = |name: &str, defines: &[&str]| Named {
+            name: name.into(),
+            defines: defines.iter().map(|d| (*d).to_owned()).collect(),
+        };
+        assert_eq!(found, Ok(vec![program("Down", &[]), program("Across", &["VOLUME", "HITS"])]));
+        for wrong in ["#pragma program()", "#pragma program(A", "#pragma program(A, )", "#pragma programme(A)"] {
+            let source = format!("#version 460\n{wrong}\n");
+            let message = programs(&source, Path::new("a.frag")).unwrap_err();
+            assert!(message.starts_with("a.frag:2: ") && message.contains(wrong), "{message}");
+        }
     }
 }

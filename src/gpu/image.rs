@@ -82,7 +82,8 @@ impl Image {
         let limit = gpu.max_image_size();
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(Error::Usage(format!(
-                "an image of {width}x{height} is impossible: each side must be 1 to {limit} on {}",
+                "{}: an image of {width}x{height} is impossible: each side must be 1 to {limit} on {}",
+                desc.name,
                 gpu.info().name
             )));
         }
@@ -100,7 +101,8 @@ impl Image {
         let limit = gpu.max_volume_size().min(gpu.max_image_size());
         if [width, height, depth].iter().any(|side| *side == 0 || *side > limit) {
             return Err(Error::Usage(format!(
-                "a volume of {width}x{height}x{depth} is impossible: each side must be 1 to {limit} on {}",
+                "{}: a volume of {width}x{height}x{depth} is impossible: each side must be 1 to {limit} on {}",
+                desc.name,
                 gpu.info().name
             )));
         }

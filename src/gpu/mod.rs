@@ -10,18 +10,21 @@ pub mod frame;
 #[cfg(feature = "window")]
 pub mod glsl;
 pub mod image;
+mod limits;
 pub mod memory;
 #[cfg(feature = "window")]
 pub mod overlay;
 pub mod pipeline;
+pub mod program;
+pub mod programs;
 pub mod readback;
 pub mod shader;
 #[cfg(feature = "window")]
 pub mod swapchain;
 pub mod sync;
+pub mod testing;
 pub mod timing;
 pub mod validation;
-pub mod watch;
 
 pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
@@ -30,8 +33,9 @@ pub use memory::Buffer;
 #[cfg(feature = "window")]
 pub use overlay::Overlay;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
+pub use program::Sampled;
 pub use readback::Pixels;
 #[cfg(feature = "window")]
 pub use swapchain::{PresentMode, Swapchain};
+pub use testing::watch::{Fault, Watch};
 pub use timing::PassTime;
-pub use watch::{Fault, Watch};

@@ -1,15 +1,18 @@
-//! Graphics and compute pipelines. Set 0 is pushed (VK_KHR_push_descriptor; but for GPU-assisted validation,
-//! `frame/sets.rs`) and laid out as the shaders' reflection says, so that there is no descriptor pool and resources
-//! are bound by name.
+//! Graphics and compute pipelines, typed by their programs. Set 0 is pushed (VK_KHR_push_descriptor; but for
+//! GPU-assisted validation, `frame/quirks/sets.rs`) and laid out as the shaders' reflection says, so that there is no
+//! descriptor pool.
 
 use super::device::{Gpu, vulkan};
 use super::image;
+use super::limits;
+use super::program::{self, Constants, Fragment, Program, VertexProgram, agree};
+use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::ops::Deref;
+use std::marker::PhantomData;
 use std::rc::Rc;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
@@ -19,43 +22,43 @@ pub(crate) struct Layout {
     pub set: vk::DescriptorSetLayout,
     pub pipeline: vk::PipelineLayout,
     pub bindings: Vec<Binding>,
-    pub push_size: u32,
     pub stages: vk::ShaderStageFlags,
 }
 
-/// A vertex and a fragment shader with their fixed state.
-pub struct GraphicsPipeline {
-    pub(crate) layout: Layout,
-    pub(crate) handle: vk::Pipeline,
-    pub(crate) name: &'static str,
-    /// Whether it drew before (`frame/settle.rs`).
-    pub(crate) settled: Rc<Cell<bool>>,
+/// A fragment and a vertex program with their fixed state. `V` is by default the triangle that covers the targets.
+pub struct GraphicsPipeline<F, V = Fullscreen> {
+    pub(crate) graphics: Graphics,
+    programs: PhantomData<fn() -> (F, V)>,
 }
 
-/// A compute shader. Those who use one shader at the same time have one pipeline: a driver may take long to compile
+/// What a [`GraphicsPipeline`] is to Vulkan.
+pub(crate) struct Graphics {
+    pub layout: Layout,
+    pub handle: vk::Pipeline,
+    pub name: &'static str,
+    /// Whether it drew before (`frame/quirks/settle.rs`).
+    pub settled: Rc<Cell<bool>>,
+}
+
+/// A compute program. Those who use one program at the same time have one pipeline: a driver may take long to compile
 /// it, and under GPU-assisted validation takes half a minute for some.
-pub struct ComputePipeline(Arc<Compute>);
-
-impl Deref for ComputePipeline {
-    type Target = Compute;
-
-    fn deref(&self) -> &Compute {
-        &self.0
-    }
+pub struct ComputePipeline<P> {
+    pub(crate) compute: Arc<SharedCompute>,
+    program: PhantomData<fn() -> P>,
 }
 
 /// The compute pipelines in use, by their shader's name and constants.
 #[derive(Default)]
-pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<Compute>>>);
+pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<SharedCompute>>>);
 
-type ComputeKey = (&'static str, Vec<i32>);
+type ComputeKey = (&'static str, Vec<(u32, u32)>);
 
 /// What the users of a [`ComputePipeline`] share.
-pub struct Compute {
-    pub(crate) layout: Layout,
-    pub(crate) handle: vk::Pipeline,
-    pub(crate) name: &'static str,
-    pub(crate) local_size: [u32; 3],
+pub(crate) struct SharedCompute {
+    pub layout: Layout,
+    pub handle: vk::Pipeline,
+    pub name: &'static str,
+    pub local_size: [u32; 3],
 }
 
 /// What a pipeline does with the stencil of its depth target.
@@ -69,7 +72,7 @@ enum Stencil {
 
 /// The depth target of a pipeline.
 #[derive(Clone, Copy)]
-struct DepthState {
+pub(super) struct DepthState {
     format: vk::Format,
     /// Whether depth is tested and written.
     tested: bool,
@@ -86,7 +89,7 @@ pub struct VertexInput<'a> {
 }
 
 /// What a graphics pipeline draws.
-enum Geometry<'a> {
+pub(super) enum Geometry<'a> {
     Triangles(Option<VertexInput<'a>>),
     Points,
 }
@@ -101,6 +104,7 @@ impl Layout {
                 }
             }
         }
+        limits::check(gpu, &shaders.iter().map(|(shader, _)| *shader).collect::<Vec<_>>(), &bindings)?;
         let stages = shaders.iter().fold(vk::ShaderStageFlags::empty(), |s, (_, stage)| s | *stage);
         let push_size = shaders.iter().map(|(s, _)| s.push_constant_size).max().unwrap_or(0);
         let name = shaders.last().map_or("", |(s, _)| s.name);
@@ -123,8 +127,7 @@ impl Layout {
         // SAFETY: the create infos live through the calls; both handles are destroyed in `drop`.
         let set = unsafe { gpu.raw().create_descriptor_set_layout(&info, None) }
             .map_err(vulkan(format!("vkCreateDescriptorSetLayout for {name}")))?;
-        let mut layout =
-            Self { gpu: gpu.clone(), set, pipeline: vk::PipelineLayout::null(), bindings, push_size, stages };
+        let mut layout = Self { gpu: gpu.clone(), set, pipeline: vk::PipelineLayout::null(), bindings, stages };
         let (sets, pushes) = ([set], [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size }]);
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_size > 0 {
             &pushes
@@ -136,10 +139,6 @@ impl Layout {
             .map_err(vulkan(format!("vkCreatePipelineLayout for {name}")))?;
         gpu.name(layout.pipeline, name);
         Ok(layout)
-    }
-
-    pub fn binding(&self, name: &str) -> Option<Binding> {
-        self.bindings.iter().copied().find(|b| b.name == name)
     }
 }
 
@@ -164,84 +163,94 @@ impl Drop for Layout {
     }
 }
 
-impl GraphicsPipeline {
-    /// A fragment shader over the whole of its targets.
-    pub fn fullscreen(gpu: &Gpu, fragment: &'static Shader, targets: &[vk::Format]) -> Result<Self> {
-        Self::fullscreen_with(gpu, fragment, targets, &[])
+impl<F: Fragment> GraphicsPipeline<F> {
+    /// A fragment program over the whole of its targets, whose formats are given by location: UNDEFINED for an output
+    /// that nobody wants.
+    pub fn fullscreen(gpu: &Gpu, targets: F::Outputs<vk::Format>) -> Result<Self>
+    where
+        F: Program<Constants = ()>,
+    {
+        Self::fullscreen_with(gpu, targets, &())
     }
 
-    /// The same with values of the fragment shader's specialization constants 0, 1 and so on.
-    pub fn fullscreen_with(
-        gpu: &Gpu,
-        fragment: &'static Shader,
-        targets: &[vk::Format],
-        constants: &[i32],
-    ) -> Result<Self> {
-        let shaders = Shaders { vertex: &super::shader::COMMON_FULLSCREEN_VERT, fragment, constants };
-        Self::new(gpu, shaders, Geometry::Triangles(None), targets, None)
+    /// The same for a program with specialization constants.
+    pub fn fullscreen_with(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
+        Self::of(gpu, constants, Geometry::Triangles(None), targets, None)
     }
 
-    /// Points, that is squares of pixels, which a vertex shader makes from nothing but their number. Constants
-    /// are as of [`Self::fullscreen_with`].
-    pub fn points(
-        gpu: &Gpu,
-        vertex: &'static Shader,
-        fragment: &'static Shader,
-        targets: &[vk::Format],
-        constants: &[i32],
-    ) -> Result<Self> {
-        Self::new(gpu, Shaders { vertex, fragment, constants }, Geometry::Points, targets, None)
+    /// A fragment program over the whole of a depth target with stencil that marks every pixel that it
+    /// doesn't discard, and writes nothing else.
+    pub fn marking(gpu: &Gpu, depth: vk::Format) -> Result<Self>
+    where
+        F: Fragment<Outputs<vk::Format> = [vk::Format; 0]> + Program<Constants = ()>,
+    {
+        let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
+        Self::of(gpu, &(), Geometry::Triangles(None), [], Some(depth))
+    }
+}
+
+impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
+    /// Points, that is squares of pixels, which a vertex program makes from nothing but their number.
+    pub fn points(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
+        Self::of(gpu, constants, Geometry::Points, targets, None)
     }
 
-    /// Triangles, both sides, with reversed depth (greater wins) where there is a depth format.
+    /// Triangles, both sides, with reversed depth (greater wins).
     /// The viewport has negative height, so a triangle whose winding agrees with its normal, by
     /// the usual cross product in our left-handed world, is front-facing when it faces the camera.
-    pub fn mesh(
-        gpu: &Gpu,
-        vertex: &'static Shader,
-        fragment: &'static Shader,
-        input: VertexInput,
-        targets: &[vk::Format],
-        depth: vk::Format,
-    ) -> Result<Self> {
+    pub fn mesh(gpu: &Gpu, input: VertexInput, targets: F::Outputs<vk::Format>, depth: vk::Format) -> Result<Self>
+    where
+        F: Program<Constants = ()>,
+    {
         let depth = DepthState { format: depth, tested: true, stencil: None };
-        Self::new(gpu, Shaders::plain(vertex, fragment), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::of(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
-    /// As [`Self::mesh`], but draws only where a [`Self::marking`] pipeline marked the stencil; the
+    /// As [`Self::mesh`], but draws only where a [`GraphicsPipeline::marking`] pipeline marked the stencil; the
     /// depth format has one.
     pub fn mesh_where_marked(
         gpu: &Gpu,
-        vertex: &'static Shader,
-        fragment: &'static Shader,
         input: VertexInput,
-        targets: &[vk::Format],
+        targets: F::Outputs<vk::Format>,
         depth: vk::Format,
-    ) -> Result<Self> {
+    ) -> Result<Self>
+    where
+        F: Program<Constants = ()>,
+    {
         let depth = DepthState { format: depth, tested: true, stencil: Some(Stencil::OnlyMarked) };
-        Self::new(gpu, Shaders::plain(vertex, fragment), Geometry::Triangles(Some(input)), targets, Some(depth))
+        Self::of(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
-    /// A fragment shader over the whole of a depth target with stencil that marks every pixel that it
-    /// doesn't discard, and writes nothing else.
-    pub fn marking(gpu: &Gpu, fragment: &'static Shader, depth: vk::Format) -> Result<Self> {
-        let depth = DepthState { format: depth, tested: false, stencil: Some(Stencil::Mark) };
-        let shaders = Shaders::plain(&super::shader::COMMON_FULLSCREEN_VERT, fragment);
-        Self::new(gpu, shaders, Geometry::Triangles(None), &[], Some(depth))
-    }
-
-    fn new(
+    fn of(
         gpu: &Gpu,
-        Shaders { vertex, fragment, constants }: Shaders,
+        constants: &F::Constants,
+        geometry: Geometry,
+        targets: F::Outputs<vk::Format>,
+        depth: Option<DepthState>,
+    ) -> Result<Self> {
+        const { assert!(agree(F::SHADER, V::SHADER), "the stages disagree on a binding") };
+        let stages = Stages { vertex: V::SHADER, fragment: F::SHADER, constants: &constants.entries() };
+        let graphics = Graphics::new(gpu, stages, geometry, targets.as_ref(), depth)?;
+        Ok(Self { graphics, programs: PhantomData })
+    }
+}
+
+impl Graphics {
+    /// Targets of no format at the end are left out.
+    pub(super) fn new(
+        gpu: &Gpu,
+        Stages { vertex, fragment, constants }: Stages,
         geometry: Geometry,
         targets: &[vk::Format],
         depth: Option<DepthState>,
     ) -> Result<Self> {
+        let wanted = targets.iter().rposition(|format| *format != vk::Format::UNDEFINED).map_or(0, |last| last + 1);
+        let targets = &targets[..wanted];
         let layout =
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
-        let entries = constant_entries(constants);
-        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let (entries, values) = specialization(constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let stages = [
             modules[0].stage(vk::ShaderStageFlags::VERTEX),
             modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
@@ -324,18 +333,11 @@ impl GraphicsPipeline {
 }
 
 /// The stages of a graphics pipeline.
-struct Shaders<'c> {
-    vertex: &'static Shader,
-    fragment: &'static Shader,
-    /// Values of the fragment shader's specialization constants 0, 1 and so on.
-    constants: &'c [i32],
-}
-
-impl Shaders<'static> {
-    /// Without constants.
-    fn plain(vertex: &'static Shader, fragment: &'static Shader) -> Self {
-        Self { vertex, fragment, constants: &[] }
-    }
+pub(super) struct Stages<'c> {
+    pub vertex: &'static Shader,
+    pub fragment: &'static Shader,
+    /// Id and bits of the fragment shader's specialization constants.
+    pub constants: &'c [(u32, u32)],
 }
 
 impl Stencil {
@@ -348,37 +350,46 @@ impl Stencil {
     }
 }
 
-impl ComputePipeline {
-    /// The pipeline of a compute shader.
-    pub fn new(gpu: &Gpu, shader: &'static Shader) -> Result<Self> {
-        Self::with(gpu, shader, &[])
+impl<P: program::Compute> ComputePipeline<P> {
+    /// The pipeline of a compute program.
+    pub fn new(gpu: &Gpu) -> Result<Self>
+    where
+        P: Program<Constants = ()>,
+    {
+        Self::with(gpu, &())
     }
 
-    /// The same with values of the shader's specialization constants 0, 1 and so on.
-    pub fn with(gpu: &Gpu, shader: &'static Shader, constants: &[i32]) -> Result<Self> {
-        // Code that a window replaced may change again.
-        #[cfg(feature = "window")]
-        if gpu.shared().replaced_shaders.get(shader.name).is_some() {
-            return Ok(Self(Arc::new(Compute::new(gpu, shader, constants)?)));
-        }
-        let known = || gpu.shared().compute_pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (shader.name, constants.to_vec());
-        let kept = known().get(&key).and_then(Weak::upgrade);
-        if let Some(kept) = kept {
-            return Ok(Self(kept));
-        }
-        let made = Arc::new(Compute::new(gpu, shader, constants)?);
-        known().insert(key, Arc::downgrade(&made));
-        Ok(Self(made))
+    /// The same for a program with specialization constants.
+    pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
+        let compute = SharedCompute::shared(gpu, P::SHADER, constants.entries())?;
+        Ok(Self { compute, program: PhantomData })
     }
 }
 
-impl Compute {
-    fn new(gpu: &Gpu, shader: &'static Shader, constants: &[i32]) -> Result<Self> {
+impl SharedCompute {
+    /// The one that is in use, or a new one.
+    pub(super) fn shared(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
+        // Code that a window replaced may change again.
+        #[cfg(feature = "window")]
+        if gpu.shared().replaced_shaders.get(shader.name).is_some() {
+            return Ok(Arc::new(Self::new(gpu, shader, &constants)?));
+        }
+        let known = || gpu.shared().compute_pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (shader.name, constants);
+        let kept = known().get(&key).and_then(Weak::upgrade);
+        if let Some(kept) = kept {
+            return Ok(kept);
+        }
+        let made = Arc::new(Self::new(gpu, shader, &key.1)?);
+        known().insert(key, Arc::downgrade(&made));
+        Ok(made)
+    }
+
+    fn new(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
         let module = Module::new(gpu, shader)?;
-        let entries = constant_entries(constants);
-        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
+        let (entries, values) = specialization(constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
         let info = vk::ComputePipelineCreateInfo::default()
             .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants))
             .layout(layout.pipeline);
@@ -390,11 +401,15 @@ impl Compute {
     }
 }
 
-/// Specialization constants 0, 1 and so on.
-fn constant_entries(constants: &[i32]) -> Vec<vk::SpecializationMapEntry> {
-    let size = size_of::<i32>();
-    let entry = |i| vk::SpecializationMapEntry { constant_id: i as u32, offset: (size * i) as u32, size };
-    (0..constants.len()).map(entry).collect()
+/// Where each specialization constant lies among the values, and the values.
+fn specialization(constants: &[(u32, u32)]) -> (Vec<vk::SpecializationMapEntry>, Vec<u32>) {
+    let size = size_of::<u32>();
+    let entry = |(i, (constant_id, _)): (usize, &(u32, u32))| vk::SpecializationMapEntry {
+        constant_id: *constant_id,
+        offset: (size * i) as u32,
+        size,
+    };
+    (constants.iter().enumerate().map(entry).collect(), constants.iter().map(|(_, bits)| *bits).collect())
 }
 
 fn first(
@@ -409,14 +424,14 @@ fn first(
     })
 }
 
-impl Drop for GraphicsPipeline {
+impl Drop for Graphics {
     fn drop(&mut self) {
         // SAFETY: submissions are waited for before resources go (`FrameContext`).
         unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };
     }
 }
 
-impl Drop for Compute {
+impl Drop for SharedCompute {
     fn drop(&mut self) {
         // SAFETY: as above.
         unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };

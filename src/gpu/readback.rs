@@ -15,7 +15,8 @@ pub struct Pixels {
     pub height: u32,
     /// 1, 2 or 4.
     pub channels: usize,
-    /// `channels · width · height` values; sRGB formats are decoded to linear.
+    /// `channels · width · height` values; sRGB formats are decoded to linear, and whole numbers of 32 bits are the
+    /// bits of floats.
     pub values: Vec<f32>,
 }
 
@@ -85,7 +86,8 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     Some(match format {
         vk::Format::D32_SFLOAT | vk::Format::R32_SFLOAT => (1, 4, f32s),
         vk::Format::R32G32_SFLOAT => (2, 8, f32s),
-        vk::Format::R32G32B32A32_SFLOAT => (4, 16, f32s),
+        // Words of whole numbers are handed over as the bits of floats.
+        vk::Format::R32G32B32A32_SFLOAT | vk::Format::R32G32B32A32_UINT => (4, 16, f32s),
         vk::Format::R16G16_SFLOAT => (2, 4, f16s),
         vk::Format::R16G16B16A16_SFLOAT => (4, 8, f16s),
         vk::Format::R8_UNORM => (1, 1, unorm),

@@ -8,6 +8,7 @@ use super::frame::{Frame, FrameContext, Mode};
 use super::image::Image;
 use super::sync::Access;
 use crate::error::{Error, Result};
+use crate::parameter::{Choices, choices};
 use ash::vk;
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 use std::any::Any;
@@ -17,33 +18,34 @@ use std::sync::Arc;
 /// How long to wait for an image before the caller gets a chance to handle events.
 const ACQUIRE_TIMEOUT_NS: u64 = 1_000_000_000;
 
-/// How images replace one another on the screen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-pub enum PresentMode {
-    /// In order, at the display's pace; every surface has it.
-    #[default]
-    Fifo,
-    /// The newest, at the display's pace; rendering does not wait.
-    Mailbox,
-    /// At once, and it may tear.
-    Immediate,
+choices! {
+    /// How images replace one another on the screen.
+    pub enum PresentMode {
+        /// In order, at the display's pace; every surface has it.
+        Fifo = "fifo",
+        /// The newest, at the display's pace; rendering does not wait.
+        Mailbox = "mailbox",
+        /// At once, and it may tear.
+        Immediate = "immediate",
+    }
 }
 
 impl PresentMode {
-    const ALL: [(Self, vk::PresentModeKHR, &'static str); 3] = [
-        (Self::Fifo, vk::PresentModeKHR::FIFO, "fifo"),
-        (Self::Mailbox, vk::PresentModeKHR::MAILBOX, "mailbox"),
-        (Self::Immediate, vk::PresentModeKHR::IMMEDIATE, "immediate"),
-    ];
+    fn vulkan(self) -> vk::PresentModeKHR {
+        match self {
+            Self::Fifo => vk::PresentModeKHR::FIFO,
+            Self::Mailbox => vk::PresentModeKHR::MAILBOX,
+            Self::Immediate => vk::PresentModeKHR::IMMEDIATE,
+        }
+    }
 
     /// The mode in Vulkan's terms, if it is among those that a surface offers.
     fn among(self, offered: &[vk::PresentModeKHR]) -> Result<vk::PresentModeKHR> {
-        let there = || Self::ALL.iter().filter(|(_, mode, _)| offered.contains(mode));
-        there().find(|(m, ..)| *m == self).map(|(_, mode, _)| *mode).ok_or_else(|| {
-            let names: Vec<_> = there().map(|(.., name)| *name).collect();
-            let wanted = Self::ALL[self as usize].2;
-            Error::Usage(format!("this window does not present by {wanted}; it does by: {}", names.join(", ")))
-        })
+        if offered.contains(&self.vulkan()) {
+            return Ok(self.vulkan());
+        }
+        let there: Vec<_> = Self::ALL.iter().filter(|m| offered.contains(&m.vulkan())).map(|m| m.name()).collect();
+        Err(Error::Usage(format!("this window does not present by {}; it does by: {}", self.name(), there.join(", "))))
     }
 }
 
@@ -218,7 +220,7 @@ impl Swapchain {
             )
         };
         if !presents || !self.capabilities()?.supported_usage_flags.contains(vk::ImageUsageFlags::TRANSFER_DST) {
-            return Err(Error::NoWindow(format!("{name} cannot present to it; --device takes another")));
+            return Err(Error::NoWindow(format!("{name} cannot present to it; another device may")));
         }
         let encodes = |format| {
             // SAFETY: the physical device belongs to the instance.

@@ -11,74 +11,129 @@ pub struct PassTime {
     pub name: String,
     /// Milliseconds between the timestamps around it.
     pub ms: f64,
-    /// Whether the pass counts towards the method's total (DEFINITIONS, "Time").
+    /// Whether the pass counts towards the method's total (docs/definitions.md, "Time").
     pub counted: bool,
 }
 
-/// Pass slots of a query pool; a frame with more fails loudly.
-const MAX_PASSES: u32 = 256;
+/// Queries of one pool.
+const QUERIES: u32 = 512;
+
+/// Queries of one kind, which are taken in order: as many pools as a frame needs, kept for the next.
+struct Queries {
+    gpu: Gpu,
+    name: &'static str,
+    kind: vk::QueryType,
+    counters: vk::QueryPipelineStatisticFlags,
+    pools: Vec<vk::QueryPool>,
+    taken: u32,
+}
+
+impl Queries {
+    fn new(
+        gpu: &Gpu,
+        name: &'static str,
+        kind: vk::QueryType,
+        counters: vk::QueryPipelineStatisticFlags,
+    ) -> Result<Self> {
+        let mut queries = Self { gpu: gpu.clone(), name, kind, counters, pools: Vec::new(), taken: 0 };
+        queries.grow()?;
+        Ok(queries)
+    }
+
+    /// Forgets the last frame's.
+    fn reset(&mut self) {
+        for pool in &self.pools {
+            // SAFETY: hostQueryReset is enabled and no submission is under way.
+            unsafe { self.gpu.raw().reset_query_pool(*pool, 0, QUERIES) };
+        }
+        self.taken = 0;
+    }
+
+    /// The next query: its pool and its place there.
+    fn take(&mut self) -> Result<(vk::QueryPool, u32)> {
+        if self.taken == QUERIES * self.pools.len() as u32 {
+            self.grow()?;
+        }
+        let query = (self.pools[(self.taken / QUERIES) as usize], self.taken % QUERIES);
+        self.taken += 1;
+        Ok(query)
+    }
+
+    fn grow(&mut self) -> Result<()> {
+        let info = vk::QueryPoolCreateInfo::default()
+            .query_type(self.kind)
+            .query_count(QUERIES)
+            .pipeline_statistics(self.counters);
+        // SAFETY: the create info is complete; destroyed in `drop`.
+        let pool = unsafe { self.gpu.raw().create_query_pool(&info, None) }
+            .map_err(vulkan(format!("vkCreateQueryPool for {}", self.name)))?;
+        self.gpu.name(pool, self.name);
+        self.pools.push(pool);
+        // SAFETY: hostQueryReset is enabled, and nothing uses the new pool.
+        unsafe { self.gpu.raw().reset_query_pool(pool, 0, QUERIES) };
+        Ok(())
+    }
+
+    /// The results of all that were taken, in order, after the submission that wrote them is done.
+    fn results<T: bytemuck::Zeroable + Copy>(&self) -> Result<Vec<T>> {
+        let mut all = vec![T::zeroed(); self.taken as usize];
+        for (results, pool) in all.chunks_mut(QUERIES as usize).zip(&self.pools) {
+            // SAFETY: all these queries were written by the finished submission.
+            unsafe {
+                self.gpu.raw().get_query_pool_results(
+                    *pool,
+                    0,
+                    results,
+                    vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
+                )
+            }
+            .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;
+        }
+        Ok(all)
+    }
+}
+
+impl Drop for Queries {
+    fn drop(&mut self) {
+        for pool in &self.pools {
+            // SAFETY: no submission is under way (`FrameContext`).
+            unsafe { self.gpu.raw().destroy_query_pool(*pool, None) };
+        }
+    }
+}
 
 /// Two timestamps a pass, plus one before the first and one after the last pass.
-pub(super) struct Timestamps {
-    gpu: Gpu,
-    pool: vk::QueryPool,
-    used: u32,
-}
+pub(super) struct Timestamps(Queries);
 
 impl Timestamps {
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let info =
-            vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * MAX_PASSES + 2);
-        // SAFETY: the create info is complete; destroyed in `drop`.
-        let pool =
-            unsafe { gpu.raw().create_query_pool(&info, None) }.map_err(vulkan("vkCreateQueryPool for timestamps"))?;
-        gpu.name(pool, "timestamps");
-        Ok(Self { gpu: gpu.clone(), pool, used: 0 })
+        let none = vk::QueryPipelineStatisticFlags::empty();
+        Ok(Self(Queries::new(gpu, "timestamps", vk::QueryType::TIMESTAMP, none)?))
     }
 
     /// Forgets the last frame.
     pub fn reset(&mut self) {
-        // SAFETY: hostQueryReset is enabled and no submission is under way.
-        unsafe { self.gpu.raw().reset_query_pool(self.pool, 0, 2 * MAX_PASSES + 2) };
-        self.used = 0;
+        self.0.reset();
     }
 
     /// Writes the next timestamp; the slots follow in the order of recording.
-    pub fn stamp(&mut self, commands: vk::CommandBuffer) {
-        assert!(self.used < 2 * MAX_PASSES + 2, "more than {MAX_PASSES} passes in a frame");
-        // SAFETY: the command buffer is recording; the slot was reset and is written once.
+    pub fn stamp(&mut self, commands: vk::CommandBuffer) -> Result<()> {
+        let (pool, query) = self.0.take()?;
+        // SAFETY: the command buffer is recording; the query was reset and is written once.
         unsafe {
-            self.gpu.raw().cmd_write_timestamp2(commands, vk::PipelineStageFlags2::ALL_COMMANDS, self.pool, self.used);
+            self.0.gpu.raw().cmd_write_timestamp2(commands, vk::PipelineStageFlags2::ALL_COMMANDS, pool, query);
         }
-        self.used += 1;
+        Ok(())
     }
 
     /// Milliseconds of every stamp since the first, after the submission is done.
     pub fn milliseconds(&self) -> Result<Vec<f64>> {
-        if self.used == 0 {
-            return Ok(Vec::new());
-        }
-        let mut ticks = vec![0_u64; self.used as usize];
-        // SAFETY: all these slots were written by the finished submission.
-        unsafe {
-            self.gpu.raw().get_query_pool_results(
-                self.pool,
-                0,
-                &mut ticks,
-                vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
-            )
-        }
-        .map_err(vulkan("vkGetQueryPoolResults for timestamps"))?;
-        let (mask, period) = (self.gpu.shared().timestamp_mask, f64::from(self.gpu.shared().limits.timestamp_period));
+        let ticks: Vec<u64> = self.0.results()?;
+        let shared = self.0.gpu.shared();
+        let (mask, period) = (shared.timestamp_mask, f64::from(shared.limits.timestamp_period));
+        let first = ticks.first().copied().unwrap_or(0);
         // A counter of fewer than 64 bits may wrap: subtract first, then mask.
-        Ok(ticks.iter().map(|t| (t.wrapping_sub(ticks[0]) & mask) as f64 * period * 1e-6).collect())
-    }
-}
-
-impl Drop for Timestamps {
-    fn drop(&mut self) {
-        // SAFETY: no submission is under way (`FrameContext`).
-        unsafe { self.gpu.raw().destroy_query_pool(self.pool, None) };
+        Ok(ticks.iter().map(|t| (t.wrapping_sub(first) & mask) as f64 * period * 1e-6).collect())
     }
 }
 
@@ -97,63 +152,44 @@ pub struct PassWork {
 
 /// One pipeline-statistics query a pass; a run of its own, since it disturbs the times.
 pub(super) struct Statistics {
-    gpu: Gpu,
-    pool: vk::QueryPool,
-    used: u32,
+    queries: Queries,
+    /// The query that was begun.
+    begun: Option<(vk::QueryPool, u32)>,
 }
 
 impl Statistics {
     pub fn new(gpu: &Gpu) -> Result<Self> {
         use vk::QueryPipelineStatisticFlags as F;
-        let info = vk::QueryPoolCreateInfo::default()
-            .query_type(vk::QueryType::PIPELINE_STATISTICS)
-            .query_count(MAX_PASSES)
-            .pipeline_statistics(
-                F::VERTEX_SHADER_INVOCATIONS
-                    | F::CLIPPING_PRIMITIVES
-                    | F::FRAGMENT_SHADER_INVOCATIONS
-                    | F::COMPUTE_SHADER_INVOCATIONS,
-            );
-        // SAFETY: the feature is enabled where this is called; destroyed in `drop`.
-        let pool =
-            unsafe { gpu.raw().create_query_pool(&info, None) }.map_err(vulkan("vkCreateQueryPool for statistics"))?;
-        gpu.name(pool, "pipeline statistics");
-        Ok(Self { gpu: gpu.clone(), pool, used: 0 })
+        let counters = F::VERTEX_SHADER_INVOCATIONS
+            | F::CLIPPING_PRIMITIVES
+            | F::FRAGMENT_SHADER_INVOCATIONS
+            | F::COMPUTE_SHADER_INVOCATIONS;
+        let queries = Queries::new(gpu, "pipeline statistics", vk::QueryType::PIPELINE_STATISTICS, counters)?;
+        Ok(Self { queries, begun: None })
     }
 
     pub fn reset(&mut self) {
-        // SAFETY: as for the timestamps.
-        unsafe { self.gpu.raw().reset_query_pool(self.pool, 0, MAX_PASSES) };
-        self.used = 0;
+        self.queries.reset();
+        self.begun = None;
     }
 
-    pub fn begin(&self, commands: vk::CommandBuffer) {
-        assert!(self.used < MAX_PASSES, "more than {MAX_PASSES} passes in a frame");
+    pub fn begin(&mut self, commands: vk::CommandBuffer) -> Result<()> {
+        let (pool, query) = self.queries.take()?;
         // SAFETY: outside a render pass, and ended by `end` before the next.
-        unsafe { self.gpu.raw().cmd_begin_query(commands, self.pool, self.used, vk::QueryControlFlags::empty()) };
+        unsafe { self.queries.gpu.raw().cmd_begin_query(commands, pool, query, vk::QueryControlFlags::empty()) };
+        self.begun = Some((pool, query));
+        Ok(())
     }
 
     pub fn end(&mut self, commands: vk::CommandBuffer) {
-        // SAFETY: follows `begin` in the same command buffer.
-        unsafe { self.gpu.raw().cmd_end_query(commands, self.pool, self.used) };
-        self.used += 1;
+        if let Some((pool, query)) = self.begun.take() {
+            // SAFETY: it was begun in the same command buffer.
+            unsafe { self.queries.gpu.raw().cmd_end_query(commands, pool, query) };
+        }
     }
 
     pub fn results(&self) -> Result<Vec<PassWork>> {
-        if self.used == 0 {
-            return Ok(Vec::new());
-        }
-        let mut counts = vec![[0_u64; 4]; self.used as usize];
-        // SAFETY: all these slots were written by the finished submission; four counters each.
-        unsafe {
-            self.gpu.raw().get_query_pool_results(
-                self.pool,
-                0,
-                &mut counts,
-                vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
-            )
-        }
-        .map_err(vulkan("vkGetQueryPoolResults for statistics"))?;
+        let counts: Vec<[u64; 4]> = self.queries.results()?;
         Ok(counts
             .into_iter()
             .map(|[vertex_invocations, clipping_primitives, fragment_invocations, compute_invocations]| PassWork {
@@ -166,9 +202,32 @@ impl Statistics {
     }
 }
 
-impl Drop for Statistics {
-    fn drop(&mut self) {
-        // SAFETY: no submission is under way (`FrameContext`).
-        unsafe { self.gpu.raw().destroy_query_pool(self.pool, None) };
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::device::DeviceQuery;
+    use crate::gpu::frame::{FrameContext, Mode};
+    use crate::gpu::memory::{Buffer, Place};
+
+    #[test]
+    fn a_frame_with_more_passes_than_a_pool_has_queries_is_timed_and_counted() {
+        let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
+        let mut context = FrameContext::new(&gpu).expect("a context");
+        let buffer =
+            Buffer::new(&gpu, "filled", 4, vk::BufferUsageFlags::TRANSFER_DST, Place::Device).expect("a buffer");
+        let passes = QUERIES as usize + 1;
+        // The second frame of a mode takes the pools of the first.
+        for mode in [Mode::Timed, Mode::Timed, Mode::Counted, Mode::Counted] {
+            let mut frame = context.begin(mode).expect("a frame");
+            for word in 0..passes as u32 {
+                frame.fill("fill", &buffer, word).expect("a pass");
+            }
+            let report = frame.finish().expect("a report");
+            let counted = if gpu.shared().has_pipeline_statistics { passes } else { 0 };
+            let expected = if mode == Mode::Timed { [passes, 0] } else { [0, counted] };
+            assert_eq!([report.passes.len(), report.work.len()], expected, "{mode:?}");
+            let sum: f64 = report.passes.iter().map(|p| p.ms).sum();
+            assert!(report.passes.iter().all(|p| p.ms >= 0.0) && sum <= report.frame_ms + 1e-6, "{sum}");
+        }
     }
 }

@@ -11,8 +11,7 @@ pub fn isosceles_triangle_in_radius(h: f64, a: f64) -> f64 {
     a * ((a * a + 4.0 * h * h).sqrt() - a) / (4.0 * h)
 }
 
-/// A circle of the cone: where its centre lies along the ray and how large it is, both in the unit
-/// of the ray's length.
+/// A circle inscribed in the cone. Both lengths are in the unit of the ray's length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Circle {
     /// Distance of the centre from the cone's apex.
@@ -21,8 +20,8 @@ pub struct Circle {
     pub radius: f64,
 }
 
-/// The first `count` circles of a cone that ends at distance `h` (Alg. 5), from the hit inwards.
-/// With `lengthened` the height first grows by the triangle's base (the author's program).
+/// The first `count` circles of a cone that ends at distance `h` (Alg. 5), from the hit towards the apex.
+/// With `lengthened` the height first grows by the triangle's base, as in the author's program.
 pub fn circles(h: f64, theta: f64, count: usize, lengthened: bool) -> Vec<Circle> {
     let mut h = if lengthened { h + isosceles_triangle_base(h, theta) } else { h };
     (0..count)

@@ -1,9 +1,9 @@
-//! Frustum culling of boxes.
+//! Visibility of boxes and triangles against a clip volume.
 
 use glam::{Mat4, Vec3, Vec4};
 
-/// The six planes of a clip volume with depth 0…1, pointing inwards, in the space that the matrix
-/// maps from. Works for standard and reversed depth alike.
+/// The six planes of a clip volume with depth 0…1, pointing inwards, in the space that the matrix maps from.
+/// Works for standard and for reversed depth.
 pub struct Frustum([Vec4; 6]);
 
 impl Frustum {
@@ -13,7 +13,7 @@ impl Frustum {
         Self([w + x, w - x, w + y, w - y, z, w - z])
     }
 
-    /// False only if a box lies wholly outside one plane. An empty box is outside.
+    /// Returns false only if a box lies wholly outside one plane. An empty box is outside.
     pub fn may_see(&self, min: Vec3, max: Vec3) -> bool {
         min.cmple(max).all()
             && self.0.iter().all(|plane| {
@@ -24,8 +24,8 @@ impl Frustum {
     }
 }
 
-/// Share of the screen that a triangle would cover if nothing hid it: its part inside the clip volume,
-/// but for the far plane, of a matrix with standard depth. Either side counts.
+/// The share of the screen that a triangle would cover if nothing hid it. `to_clip` has standard depth; the
+/// triangle is clipped against all planes but the far one, and counts whichever side it shows.
 pub fn projected_area(to_clip: &Mat4, triangle: &[Vec3; 3]) -> f32 {
     let planes = [Vec4::Z, Vec4::new(1.0, 0.0, 0.0, 1.0), Vec4::new(-1.0, 0.0, 0.0, 1.0)];
     let planes = planes.into_iter().chain([Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(0.0, -1.0, 0.0, 1.0)]);
@@ -57,7 +57,7 @@ mod tests {
     use crate::scene::{Camera, Lens};
 
     #[test]
-    fn a_triangle_covers_what_is_left_of_it_on_screen() {
+    fn the_area_of_a_triangle_is_that_of_its_part_on_screen() {
         let c = Camera::new(Vec3::ZERO, Vec3::Z, Lens { fov_y_radians: 1.0, ..Lens::default() }, 1.0);
         let matrix = c.view_to_clip() * c.world_to_view;
         let h = 5.0 * 0.5_f32.tan();
@@ -67,7 +67,8 @@ mod tests {
         assert!((area(at(-9.0, -1.0), at(9.0, -1.0), at(0.0, 80.0)) - 1.0).abs() < 1e-4, "more than all of it");
         assert_eq!(area(at(2.0, 0.0), at(3.0, 0.0), at(3.0, 1.0)), 0.0, "beside it");
         assert_eq!(area(-at(-1.0, -1.0), -at(1.0, -1.0), -at(1.0, 1.0)), 0.0, "behind");
-        // A floor from behind the camera to afar covers the lower half, but for what the near plane cuts.
+        // A floor that begins behind the camera covers the lower half of the screen, except for the part that
+        // the near plane cuts off.
         let floor = area(Vec3::new(-1e4, -1.0, -1e3), Vec3::new(1e4, -1.0, -1e3), Vec3::new(0.0, -1.0, 1e6));
         assert!((0.49..0.5).contains(&floor), "{floor}");
     }

@@ -1,7 +1,8 @@
-//! Pure functions: colour encoding, projection, cones and the Phong lobe. And what references and methods must
-//! mean alike.
+//! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe
+//! and the version of the oracle.
 
 pub mod cone;
+pub mod constants;
 pub mod frustum;
 pub mod oracle_version;
 pub mod phong;
@@ -19,14 +20,10 @@ pub fn linear_to_srgb(v: f32) -> f32 {
     if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Clamped and sRGB-encoded to a byte: the display image of DEFINITIONS, "Surfaces". NaN is black.
+/// Clamps a linear value to 0…1 and encodes it as an sRGB byte, as in the display image of docs/definitions.md,
+/// "Surfaces". NaN becomes black.
 pub fn display_byte(linear: f32) -> u8 {
     (linear_to_srgb(linear.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
-}
-
-/// Rec. 709 luminance of a linear colour.
-pub fn luminance(rgb: [f32; 3]) -> f32 {
-    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
 #[cfg(test)]

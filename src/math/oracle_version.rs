@@ -1,23 +1,21 @@
-//! Which version of the oracle says what a ray hits in screen space.
+//! The version of the oracle that decides what a ray hits in screen space.
 
-use serde::{Deserialize, Serialize};
+use crate::parameter::{Domain, Field, Value};
 
-/// A version of the oracle ([`reference::oracle`](crate::reference::oracle)); `unified` hits what either says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, Serialize, Deserialize)]
-#[serde(into = "u32", try_from = "u32")]
+/// A version of the oracle ([`reference::oracle`](crate::reference::oracle)). The method `unified` can follow
+/// either.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum OracleVersion {
-    /// DEFINITIONS, "Oracle": the first block that the ray's depth meets.
+    /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
     #[default]
-    #[value(name = "1")]
     V1,
-    /// The same, and the ray must come from in front: it passes the first block if it leaves that surface, and what
-    /// it meets from behind, or past the edge of a surface, is a miss.
-    #[value(name = "2")]
+    /// As version 1, but the ray must come from in front. It passes the first block if it leaves that surface;
+    /// if it meets a block from behind, or past the edge of a surface, it misses.
     V2,
 }
 
 impl OracleVersion {
-    /// Whether it is the one that is meant where none is named.
+    /// Whether this is version 1, the default.
     pub fn is_first(&self) -> bool {
         *self == Self::V1
     }
@@ -32,14 +30,20 @@ impl From<OracleVersion> for u32 {
     }
 }
 
-impl TryFrom<u32> for OracleVersion {
-    type Error = String;
+impl Field for OracleVersion {
+    fn domain() -> Domain {
+        Domain::Count(1, 2)
+    }
 
-    fn try_from(number: u32) -> Result<Self, String> {
-        match number {
-            1 => Ok(Self::V1),
-            2 => Ok(Self::V2),
-            _ => Err(format!("there is no version {number} of the oracle")),
+    fn value(self) -> Value {
+        Value::Count(self.into())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Count(1) => Some(Self::V1),
+            Value::Count(2) => Some(Self::V2),
+            _ => None,
         }
     }
 }

@@ -1,24 +1,18 @@
-//! Between view space, clip space, texture coordinates and depth (thesis Alg. 2, Eq. 2.3).
-//! Clip is x right, y up, depth 0…1; texture coordinates have (0, 0) at the top left
-//! (DEFINITIONS, "Spaces").
+//! Conversions between view space, clip space, texture coordinates and depth (thesis Alg. 2, Eq. 2.3). Clip
+//! space has x to the right, y up and depth 0…1; texture coordinates have (0, 0) at the top left (docs/definitions.md,
+//! "Spaces").
 
 use glam::{DMat4, DVec3};
 
-/// `Project` of Alg. 2: a view-space point to (u, v, depth).
+/// `Project` of Alg. 2: maps a view-space point to (u, v, depth).
 pub fn project(view: DVec3, view_to_clip: &DMat4) -> DVec3 {
     let p = view_to_clip.project_point3(view);
     DVec3::new(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, p.z)
 }
 
-/// `Unproject` of Alg. 2: (u, v, depth) to a view-space point.
+/// `Unproject` of Alg. 2: maps (u, v, depth) to a view-space point.
 pub fn unproject(screen: DVec3, clip_to_view: &DMat4) -> DVec3 {
     clip_to_view.project_point3(DVec3::new(screen.x * 2.0 - 1.0, 1.0 - screen.y * 2.0, screen.z))
-}
-
-/// Standard depth (near 0, far 1) from reversed depth (near 1, far 0), as the published methods
-/// read it: rounded to f32, which is what a standard float buffer holds.
-pub fn standard_depth(reversed: f32) -> f32 {
-    1.0 - reversed
 }
 
 #[cfg(test)]
@@ -57,14 +51,6 @@ mod tests {
                 let back = project(view, &m);
                 prop_assert!((back - DVec3::new(u, v, depth)).length() < 1e-9);
             }
-        }
-
-        #[test]
-        fn standard_depth_is_the_standard_matrix_within_f32(z in 0.1..1000.0_f64) {
-            let c = camera(0.1, 1000.0);
-            let reversed = project(DVec3::new(0.0, 0.0, z), &c.view_to_clip_reversed().as_dmat4()).z;
-            let standard = project(DVec3::new(0.0, 0.0, z), &c.view_to_clip().as_dmat4()).z;
-            prop_assert!((f64::from(standard_depth(reversed as f32)) - standard).abs() < 3e-7);
         }
     }
 }

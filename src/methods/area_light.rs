@@ -1,7 +1,7 @@
 //! `area-light`: analytic highlights of spheres, capsules and rectangles with roughness (thesis §3.1.1). It
 //! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
-use super::{Input, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
@@ -11,17 +11,16 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "area-light",
     summary: "analytic area lights (direct highlights)",
     source: "Hermanns 2015, §3.1.1; Karis 2013",
-    sees: Sees::Scene,
-    settings: |base: Setup| vec![base],
-    create: |gpu, setup| Ok(Box::new(AreaLightMethod::new(gpu, setup)?)),
+    create: |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
+    ..MethodInfo::SCENE
 };
 
 /// The pass.
 struct AreaLightMethod(AreaLightPass);
 
 impl AreaLightMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self(AreaLightPass::new(gpu, setup.extent)?))
+    fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Ok(Self(AreaLightPass::new(gpu, extent)?))
     }
 }
 

@@ -2,43 +2,51 @@
 //! section 5.3). It reflects the impostors of a scene and nothing else, as mirrors do: the listings know
 //! no roughness. An impostor is not lit and moves with nothing.
 
-use super::{Input, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
-use crate::gpu::{Frame, FrameContext, Gpu};
-use crate::passes::billboard::{BillboardPass, Billboards, Occlusion, Order};
+use crate::gpu::{Frame, FrameContext};
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
+use crate::passes::billboard::{BillboardPass, Occlusion, Order};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     name: "billboard",
     summary: "ray-traced impostor quads",
     source: "Schmidt 2013, §5.3, listings 2 and 3",
-    sees: Sees::Scene,
-    settings,
-    create: |gpu, setup| Ok(Box::new(BillboardMethod::new(gpu, setup)?)),
+    parameters: BillboardParams::table,
+    // The sweeps try one thing at a time.
+    combinations: |base| {
+        vec![base.with(|p: &mut BillboardParams| {
+            (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);
+        })]
+    },
+    create: |gpu, making| {
+        Ok(Box::new(BillboardMethod {
+            pass: BillboardPass::new(gpu, making.setup.extent)?,
+            parameters: making.setup.of(),
+        }))
+    },
+    ..MethodInfo::SCENE
 };
+
+parameters! {
+    /// Parameters of `billboard`.
+    pub struct BillboardParams {
+        /// Which of several billboards on a ray shows: as the listing has it, or the nearest.
+        billboard_order: Order = Parameter::new(Order::Printed)
+            .sweep(Preset::Published, &[Order::Unbroken, Order::Nearest])
+            .source("Schmidt 2013, listing 2"),
+        /// What hides a billboard: nothing, as published, or what the depth buffer shows.
+        billboard_occlusion: Occlusion = Parameter::new(Occlusion::None)
+            .sweep(Preset::Published, &[Occlusion::Depth])
+            .source("Schmidt 2013, figure 41"),
+    }
+}
 
 /// The pass and how it traces.
 struct BillboardMethod {
     pass: BillboardPass,
-    billboards: Billboards,
-}
-
-/// As printed, each repair of the listing's order, and both orders with the occlusion that it lacks.
-fn settings(base: Setup) -> Vec<Setup> {
-    let of = |order, occlusion| Setup { billboards: Billboards { order, occlusion }, ..base };
-    vec![
-        of(Order::Printed, Occlusion::None),
-        of(Order::Unbroken, Occlusion::None),
-        of(Order::Nearest, Occlusion::None),
-        of(Order::Printed, Occlusion::Depth),
-        of(Order::Nearest, Occlusion::Depth),
-    ]
-}
-
-impl BillboardMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self { pass: BillboardPass::new(gpu, setup.extent)?, billboards: setup.billboards })
-    }
+    parameters: BillboardParams,
 }
 
 impl Method for BillboardMethod {
@@ -48,6 +56,7 @@ impl Method for BillboardMethod {
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let data = input.scene()?.data;
-        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, self.billboards)?))
+        let BillboardParams { billboard_order: order, billboard_occlusion: occlusion } = self.parameters;
+        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, order, occlusion)?))
     }
 }

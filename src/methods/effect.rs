@@ -1,6 +1,6 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
-use super::{Input, Method, MethodInfo, SceneInput, Setup, Traced};
+use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
@@ -35,37 +35,45 @@ impl Effect {
         context: &mut FrameContext,
         info: &MethodInfo,
         setup: &Setup,
+        wants: Wants,
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
-        let name = info.name;
+        let (name, extent, effect) = (info.name, setup.extent, setup.effect());
+        let divisor = effect.divisor();
         if scene.is_none() && !info.is_screen_space() {
-            return Err(Error::Usage(format!("--method {name} needs the scene; a G-buffer alone does not show it")));
+            return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
         }
-        if setup.divisor != 1 && !info.is_screen_space() {
-            return Err(Error::Usage(format!("--resolution-scale is for screen-space methods; {name} is none")));
+        if divisor != 1 && !info.is_screen_space() {
+            let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
+            return Err(Error::Usage(message));
         }
         let gpu: Gpu = context.gpu().clone();
-        let fallback = setup.fallback.method().map(|behind| -> Result<_> {
-            let name = behind.name;
+        let fallback = effect.fallback.method().map(|behind| -> Result<_> {
+            let behind_name = behind.name;
             if !info.is_screen_space() {
-                let method = info.name;
                 return Err(Error::Usage(format!(
-                    "--fallback {name}: only screen-space methods have a fallback, and {method} is none"
+                    "the fallback {behind_name}: only screen-space methods have a fallback, and {name} is none"
                 )));
             }
             if scene.is_none() {
                 return Err(Error::Usage(format!(
-                    "--fallback {name} needs the scene; a G-buffer alone does not show it"
+                    "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
                 )));
             }
-            Ok(((behind.create)(&gpu, setup)?, FallbackPass::new(&gpu, setup.extent)?))
+            let making = Making { setup: setup.clone(), hits: false, reflection: true, composite: false };
+            Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
-        let (extent, divisor) = (setup.extent, setup.divisor);
-        let composite = setup.composite && fallback.is_none() && divisor == 1;
-        let mut inner = Setup { composite, reflection: setup.reflection || !composite, ..*setup };
+        let composite = fallback.is_none() && divisor == 1;
         let mut scaled = None;
+        let mut inner = Making {
+            setup: setup.clone(),
+            // The hits of smaller pixels compare with nothing at full size.
+            hits: wants.hits && divisor == 1,
+            reflection: wants.reflection || !composite,
+            composite,
+        };
         if divisor != 1 {
-            inner.extent = resolution::divided(extent, divisor);
+            inner.setup.extent = resolution::divided(extent, divisor);
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
         let mut effect = Self {
@@ -97,8 +105,7 @@ impl Effect {
                 let small = self.method.record(frame, &Input { gbuffer, ..*input })?;
                 let reflection =
                     small.reflection.map(|r| upsample.record(frame, &input.gbuffer, input.camera, r)).transpose()?;
-                // The hits are of the smaller pixels; nothing at full size compares with them.
-                Traced { reflection, composite: None, hits: None, ..small }
+                Traced { reflection, composite: None, ..small }
             }
         };
         if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {

@@ -1,13 +1,13 @@
 //! `environment`: a pre-filtered cube map, looked up by the reflection's direction (thesis §3.1.3), and
 //! as the fallback of §4.2.11 the skybox behind a screen-space method.
 //!
-//! The map holds the environment of DEFINITIONS: the sky, as it is seen where nothing stands. That is
-//! the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
+//! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. That
+//! is the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
 //! things is right from one point only, except for light from infinitely far. `pccm` is the method
 //! with captured maps. Level by level the map is blurred by the lobe of a roughness.
 
 use super::capture::filtered_sky;
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::environment::EnvironmentPass;
@@ -18,9 +18,8 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "environment",
     summary: "pre-filtered cube map of the sky, looked up by direction",
     source: "Hermanns 2015, §3.1.3, §4.2.11",
-    sees: Sees::Scene,
-    settings: |base| vec![base],
-    create: |gpu, setup| Ok(Box::new(EnvironmentMethod::new(gpu, setup)?)),
+    create: |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, making.setup.extent)?)),
+    ..MethodInfo::SCENE
 };
 
 /// The lookup, and the map once there is one.
@@ -31,8 +30,8 @@ pub struct EnvironmentMethod {
 
 impl EnvironmentMethod {
     /// Without a map; preparing makes it.
-    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self { pass: EnvironmentPass::new(gpu, setup.extent)?, map: None })
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Ok(Self { pass: EnvironmentPass::new(gpu, extent)?, map: None })
     }
 }
 

@@ -1,15 +1,40 @@
 //! `hzct`: Hi-Z cone tracing as the thesis describes its base (§4.2; Uludag, GPU Pro 5): `ssct`
 //! without the linear fallback, and with a fade of rays towards the camera.
 
-use super::ssct::ThesisMethod;
-use super::{MethodInfo, Sees, thesis};
+use super::MethodInfo;
+use super::ssct::{ThesisDrawing, ThesisMethod};
+use super::thesis::{ConeParams, HiZParams};
+use crate::gpu::shader::ThesisBlock;
+use crate::parameter::{Parameter, Parameters, parameters};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     name: "hzct",
     summary: "Hi-Z tracing and cone tracing; rays towards the camera fade out",
     source: "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
-    sees: Sees::Screen,
-    settings: thesis::settings,
-    create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, false)?)),
+    traces_hi_z: true,
+    parameters: HzctParams::table,
+    create: |gpu, making| {
+        let HzctParams { hi_z, cone, camera_fade, drawn } = making.setup.of();
+        let fill = move |block| {
+            let block = cone.fill(hi_z.fill(block));
+            ThesisBlock { fade_towards_camera: camera_fade, ..block }
+        };
+        Ok(Box::new(ThesisMethod::new(gpu, making, drawn, false, Box::new(fill))?))
+    },
+    ..MethodInfo::SCREEN
 };
+
+parameters! {
+    /// Parameters of `hzct`.
+    pub struct HzctParams {
+        /// Of the Hi-Z traversal.
+        hi_z: HiZParams,
+        /// Of the cone trace.
+        cone: ConeParams,
+        /// How fast reflections fade out as their rays turn towards the camera; 0 for not at all.
+        camera_fade: f32 = Parameter::new(10.0).between(0.0, 1e6).source("not printed; the author's program"),
+        /// How the passes are made.
+        drawn: ThesisDrawing,
+    }
+}

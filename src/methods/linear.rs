@@ -1,43 +1,58 @@
 //! `linear`: every ray by a linear march (thesis §4.2.2), which `ssct` keeps for rays towards the camera,
 //! and a mirror lookup where it ends: the method has no gloss.
 
-use super::thesis::{self, Variant};
-use super::{Input, Intermediate, Method, MethodInfo, Preset, Sees, Setup, Traced, Tuning};
+use super::thesis::{self, MarchParams};
+use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu};
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
-use crate::passes::linear_trace::{LinearTracePass, March};
+use crate::passes::linear_trace::{LinearMarch, LinearTracePass};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     name: "linear",
     summary: "linear march with a growing or constant stride, mirror lookup: no gloss",
     source: "Hermanns 2015, §4.2.2",
-    sees: Sees::Screen,
-    settings: |base| {
-        let published = Setup { preset: Preset::Published, ..base };
-        let fixed = Setup { march: March::Fixed, ..published };
-        // A hundred steps that span the screen.
-        let across = Setup { tuning: Tuning { march_stride: Some(0.01), ..Tuning::default() }, ..fixed };
-        let author = Setup { preset: Preset::Author, ..base };
-        [super::full_and_half(base), vec![author, fixed, across]].concat()
+    parameters: LinearParams::table,
+    // A hundred steps that span the screen.
+    combinations: |base| {
+        vec![base.with(|p: &mut LinearParams| {
+            (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);
+        })]
     },
-    create: |gpu, setup| Ok(Box::new(LinearMethod::new(gpu, setup)?)),
+    create: |gpu, making| Ok(Box::new(LinearMethod::new(gpu, making)?)),
+    ..MethodInfo::SCREEN
 };
+
+parameters! {
+    /// Parameters of `linear`.
+    pub struct LinearParams {
+        /// Which of the thesis's two listings the method linear marches by.
+        march: LinearMarch = Parameter::new(LinearMarch::Growing)
+            .sweep(Preset::Published, &[LinearMarch::Fixed])
+            .source("§4.2.2"),
+        /// Of the march.
+        numbers: MarchParams,
+    }
+}
 
 struct LinearMethod {
     depth: HiZPass,
     trace: LinearTracePass,
-    variant: Variant,
+    numbers: MarchParams,
+    fade: bool,
 }
 
 impl LinearMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let (extent, parameters) = (making.setup.extent, making.setup.of::<LinearParams>());
         Ok(Self {
-            depth: HiZPass::depth_alone(gpu, setup.extent)?,
-            trace: LinearTracePass::new(gpu, setup.extent, setup.march, setup.split)?,
-            variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: setup.fade },
+            depth: HiZPass::depth_alone(gpu, extent)?,
+            trace: LinearTracePass::new(gpu, extent, parameters.march, making.hits)?,
+            numbers: parameters.numbers,
+            fade: making.setup.effect().fade,
         })
     }
 }
@@ -46,7 +61,7 @@ impl Method for LinearMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = self.depth.record(frame, gbuffer)?;
-        let parameters = thesis::parameters(&self.variant, input.camera, gbuffer.depth.extent(), 1);
+        let parameters = self.numbers.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade));
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;
         let intermediates =
             vec![Intermediate { name: "standard-depth", content: Content::StandardDepth, image: depth.0 }];

@@ -12,6 +12,7 @@ pub mod linear;
 pub mod pccm;
 pub mod planar;
 pub mod poster;
+pub mod setup;
 pub mod ssct;
 pub mod sslr;
 pub mod ssr;
@@ -21,110 +22,12 @@ pub mod unified;
 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
-use crate::math::OracleVersion;
-use crate::passes::billboard::Billboards;
-use crate::passes::color_chain::ChainFilter;
-use crate::passes::linear_trace::March;
-use crate::passes::planar::Mirrors;
+use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Content, GBuffer, Hits, PosterFilter, Reflection};
+use crate::passes::{Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output};
-pub use thesis::{Preset, Tuning};
-
-/// What a method is made for.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Setup {
-    /// Width and height in pixels.
-    pub extent: [u32; 2],
-    /// Whose constants a published method uses.
-    pub preset: Preset,
-    /// Numbers that replace the preset's.
-    pub tuning: Tuning,
-    /// Ray trace and cone trace as two passes where a method has both; where it has hits, it gives them.
-    pub split: bool,
-    /// How the colour chain is filtered.
-    pub chain_filter: ChainFilter,
-    /// Which listing `linear` marches by.
-    pub march: March,
-    /// How `poster` pre-filters the G-buffer.
-    pub poster_filter: PosterFilter,
-    /// How `billboard` traces its quads.
-    pub billboards: Billboards,
-    /// Which planes `planar` mirrors, and how.
-    pub mirrors: Mirrors,
-    /// Whether reflections fade at the screen's border.
-    pub fade: bool,
-    /// Full pixels a side of a pixel that is traced: 1, or 2 for half resolution (thesis §4.4).
-    /// [`Effect`] divides the size; a method knows only the size that it is made for.
-    pub divisor: u32,
-    /// Whether a method may make the composite along the way; [`Effect`] decides.
-    pub composite: bool,
-    /// Whether the reflection is wanted as an image of its own. A method that composites along the way
-    /// leaves it out otherwise; [`Effect`] keeps what it needs itself.
-    pub reflection: bool,
-    /// What is seen behind a screen-space method's reflection where that fades out.
-    pub fallback: Fallback,
-    /// What `unified` hits, and the oracle that every method is held against.
-    pub oracle: OracleVersion,
-}
-
-/// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Fallback {
-    /// Nothing: black.
-    #[default]
-    None,
-    /// The method `environment`.
-    Environment,
-    /// The method `pccm`.
-    Pccm,
-}
-
-impl Fallback {
-    /// The method that is behind.
-    pub fn method(self) -> Option<&'static MethodInfo> {
-        match self {
-            Self::None => None,
-            Self::Environment => Some(&environment::INFO),
-            Self::Pccm => Some(&pccm::INFO),
-        }
-    }
-
-    /// Whether there is none.
-    pub fn is_none(&self) -> bool {
-        *self == Self::None
-    }
-}
-
-impl Setup {
-    /// The defaults at a size.
-    pub fn new(extent: [u32; 2]) -> Self {
-        Self {
-            extent,
-            preset: Preset::default(),
-            tuning: Tuning::default(),
-            split: false,
-            chain_filter: ChainFilter::default(),
-            march: March::default(),
-            poster_filter: PosterFilter::default(),
-            billboards: Billboards::default(),
-            mirrors: Mirrors::default(),
-            fade: true,
-            divisor: 1,
-            composite: true,
-            reflection: true,
-            fallback: Fallback::None,
-            oracle: OracleVersion::default(),
-        }
-    }
-
-    /// Traced pixels a side over full pixels: 1, ½ or ¼.
-    pub fn resolution_scale(&self) -> f32 {
-        1.0 / self.divisor as f32
-    }
-}
+pub use setup::{EffectParams, Fallback, Setup, Wants};
 
 /// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
 #[derive(Clone, Copy)]
@@ -213,6 +116,19 @@ pub enum Sees {
     Scene,
 }
 
+/// What a method is made for: what [`Effect`] asks of it.
+pub(crate) struct Making {
+    /// The parameters, and the size that the method works at.
+    pub setup: Setup,
+    /// Whether it must say where each ray ended, if it can.
+    pub hits: bool,
+    /// Whether the reflection is wanted as an image of its own; a method that composites along the way leaves it out
+    /// otherwise.
+    pub reflection: bool,
+    /// Whether the method may make the composite along the way.
+    pub composite: bool,
+}
+
 /// A row of the table.
 pub struct MethodInfo {
     /// Name on the command line and in records.
@@ -223,24 +139,84 @@ pub struct MethodInfo {
     pub source: &'static str,
     /// What it needs to see.
     pub sees: Sees,
-    /// The settings that the study of run time against error runs, around a base.
-    pub settings: fn(Setup) -> Vec<Setup>,
+    /// Whether its reflections can fade at the screen's border.
+    pub fades: bool,
+    /// Whether it hits what the version of the oracle says that is asked for.
+    pub follows_oracle: bool,
+    /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
+    pub traces_hi_z: bool,
+    /// Its own parameters.
+    pub parameters: fn() -> Vec<Parameter>,
+    /// Setups that the study of run time against error tries beside a base and the sweeps of single parameters.
+    pub combinations: fn(&Setup) -> Vec<Setup>,
     /// Makes it.
-    pub create: fn(&Gpu, &Setup) -> Result<Box<dyn Method>>,
+    pub(crate) create: fn(&Gpu, &Making) -> Result<Box<dyn Method>>,
 }
 
 impl MethodInfo {
+    /// A screen-space method without parameters; the table's rows say what differs.
+    const SCREEN: Self = Self {
+        name: "",
+        summary: "",
+        source: "",
+        sees: Sees::Screen,
+        fades: true,
+        follows_oracle: false,
+        traces_hi_z: false,
+        parameters: Vec::new,
+        combinations: |_| Vec::new(),
+        create: |_, _| Err(Error::Usage("a method that cannot be made".into())),
+    };
+    /// The same of a method that needs the scene.
+    const SCENE: Self = Self { sees: Sees::Scene, fades: false, ..Self::SCREEN };
+
+    /// Makes the method alone, without what [`Effect`] puts around it: it may finish the image itself.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
+        let Wants { hits, reflection } = wants;
+        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true })
+    }
+
     /// Whether the method works on a G-buffer of any origin.
     pub fn is_screen_space(&self) -> bool {
         self.sees == Sees::Screen
     }
-}
 
-/// Settings for the study of run time against error of a method without parameters of its own: as
-/// published, and at half resolution.
-pub fn full_and_half(base: Setup) -> Vec<Setup> {
-    let published = Setup { preset: Preset::Published, ..base };
-    vec![published, Setup { divisor: 2, ..published }]
+    /// Every parameter that it reads: those of the effect around it, and its own.
+    pub fn read(&self) -> Vec<Parameter> {
+        let reads = |p: &Parameter| match p.name {
+            "fade" => self.fades,
+            "oracle" => self.follows_oracle,
+            _ => self.is_screen_space(),
+        };
+        EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()
+    }
+
+    /// The setups that the study of run time against error runs, around a base: the base as published, each of its
+    /// parameters' sweeps, and the author's values where they differ.
+    pub fn sweep(&self, base: &Setup) -> Vec<Setup> {
+        let rows = self.read();
+        let mut all: Vec<Setup> = Vec::new();
+        for preset in [Preset::Published, Preset::Author] {
+            if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
+                continue;
+            }
+            let of_preset = base.of_preset(preset);
+            all.push(of_preset.clone());
+            for row in &rows {
+                let tried = row.sweep.iter().filter(|(of, value)| *of == preset && of_preset.values.of(row) != *value);
+                all.extend(tried.map(|(_, value)| {
+                    let mut setup = of_preset.clone();
+                    setup.values.set(row, *value);
+                    setup
+                }));
+            }
+        }
+        all.extend((self.combinations)(&base.of_preset(Preset::Published)));
+        all
+    }
 }
 
 /// Every method.
@@ -261,14 +237,42 @@ pub const METHODS: &[MethodInfo] = &[
 ];
 
 /// The methods of some names; without names, every method that can be set up so.
+///
+/// # Errors
+/// [`Error::Usage`] for a name that no method has, and for a parameter that is given and that none of them reads.
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
-        return Ok(METHODS
-            .iter()
-            .filter(|m| (setup.fallback.is_none() && setup.divisor == 1) || m.is_screen_space())
-            .collect());
+        let effect = setup.effect();
+        let plain = effect.fallback == Fallback::None && effect.divisor() == 1;
+        return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
     }
-    names.iter().map(|name| find(name)).collect()
+    let methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;
+    check_read(&methods, setup)?;
+    Ok(methods)
+}
+
+/// Refuses a parameter that is given and that none of some methods reads.
+///
+/// # Errors
+/// [`Error::Usage`] with the parameter and the methods that have it.
+pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
+    // What surrounds every method has a say even where a method does not read it: the oracle judges all of them, and
+    // a fallback or a smaller resolution that a method cannot have is refused where it is made.
+    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    let reads = |m: &MethodInfo, name: &str| (m.parameters)().iter().any(|p| p.name == name);
+    for name in setup.values.given().filter(|name| !around.contains(name)) {
+        if !methods.iter().any(|m| reads(m, name)) {
+            let typed = name.replace('_', "-");
+            let chosen: Vec<_> = methods.iter().map(|m| m.name).collect();
+            let others: Vec<_> = METHODS.iter().filter(|m| reads(m, name)).map(|m| m.name).collect();
+            return Err(Error::Usage(format!(
+                "{typed} is no parameter of {}; it is one of {}",
+                chosen.join(", "),
+                others.join(", ")
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The method of a name, or an error that lists the names there are.
@@ -277,4 +281,96 @@ pub fn find(name: &str) -> Result<&'static MethodInfo> {
         let names: Vec<_> = METHODS.iter().map(|m| m.name).collect();
         Error::Usage(format!("no method {name:?}; there is: {}", names.join(", ")))
     })
+}
+
+/// Every parameter of every method by its name, with the methods that read it, in the order of the tables.
+pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
+    let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
+        EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();
+    for method in METHODS {
+        for parameter in method.read() {
+            match all.iter_mut().find(|(p, _)| p.name == parameter.name) {
+                Some((_, methods)) => methods.push(method),
+                None => all.push((parameter, vec![method])),
+            }
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::parameter::Value;
+
+    /// A value that a parameter takes and that is not the given one.
+    pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
+        use crate::parameter::Domain;
+        let candidates = match parameter.domain {
+            Domain::Count(least, most) => vec![Value::Count(least), Value::Count(most)],
+            Domain::Number { least, most, .. } => vec![Value::Number(most), Value::Number(0.5 * (least + most))],
+            _ => parameter.domain.few().unwrap_or_default(),
+        };
+        candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
+    }
+
+    #[test]
+    fn every_parameter_is_described_and_takes_its_own_values() {
+        for method in METHODS {
+            let rows = method.read();
+            for (n, p) in rows.iter().enumerate() {
+                let of = format!("{} of {}", p.name, method.name);
+                assert!(p.help.ends_with('.') && p.help.len() > 10, "{of}: {:?}", p.help);
+                assert!(!p.source.is_empty(), "{of} has no source");
+                for value in [p.published, p.author].into_iter().chain(p.sweep.iter().map(|(_, v)| *v)) {
+                    assert!(p.domain.has(value), "{of}: {value} is outside {}", p.domain);
+                    assert_eq!(p.parse(&value.to_string()).ok(), Some(value), "{of}");
+                }
+                assert!(!rows[..n].iter().any(|other| other.name == p.name), "{of} is declared twice");
+            }
+        }
+        for (parameter, methods) in parameters() {
+            let same = methods
+                .iter()
+                .all(|m| m.read().iter().any(|p| p.name == parameter.name && p.domain == parameter.domain));
+            assert!(same, "{} takes other values in another method", parameter.name);
+        }
+    }
+
+    /// The property that keeps records honest: whatever is changed, the recorded setup says so.
+    #[test]
+    fn a_changed_parameter_changes_the_recorded_setup_of_each_method_that_reads_it() {
+        for method in METHODS {
+            for preset in [Preset::Published, Preset::Author] {
+                let base = Setup::new([64, 48]).of_preset(preset);
+                for parameter in method.read() {
+                    let mut changed = base.clone();
+                    changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
+                    let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));
+                    let differ: Vec<_> = before.iter().filter(|(k, v)| after.get(*k) != Some(v)).collect();
+                    assert_eq!(differ.len(), 1, "{} of {}: {differ:?}", parameter.name, method.name);
+                    assert_eq!(differ[0].0, parameter.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_parameter_that_no_chosen_method_has_is_refused() {
+        let setup = Setup::new([1, 1]).with(|p: &mut poster::PosterParams| p.edge_retries = 2);
+        assert!(choose(&["poster".into(), "ssct".into()], &setup).is_ok());
+        let refused = choose(&["ssct".into()], &setup).err().expect("refused").to_string();
+        assert!(refused.contains("edge-retries") && refused.contains("poster"), "{refused}");
+    }
+
+    #[test]
+    fn sweeps_differ_from_their_base_and_from_each_other() {
+        for method in METHODS {
+            let all = method.sweep(&Setup::new([64, 48]));
+            let recorded: Vec<_> = all.iter().map(|s| s.recorded(Some(method))).collect();
+            for (n, one) in recorded.iter().enumerate() {
+                assert!(!recorded[..n].contains(one), "{}: {one:?} twice", method.name);
+            }
+        }
+    }
 }

@@ -2,7 +2,7 @@
 //! the scene's probes by this renderer; two are used in a frame, blended in each pixel (section 6).
 
 use super::capture::{capture, captured_of};
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::pccm::PccmPass;
@@ -15,9 +15,8 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "pccm",
     summary: "cube maps captured in the scene, corrected for parallax by proxy boxes",
     source: "Schmidt 2013, §5.2, listing 1",
-    sees: Sees::Scene,
-    settings: |base| vec![base],
-    create: |gpu, setup| Ok(Box::new(PccmMethod::new(gpu, setup)?)),
+    create: |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent)?)),
+    ..MethodInfo::SCENE
 };
 
 /// The lookup, and the maps once they are captured.
@@ -30,8 +29,8 @@ pub struct PccmMethod {
 
 impl PccmMethod {
     /// Without maps; preparing captures them.
-    pub fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        Ok(Self { pass: PccmPass::new(gpu, setup.extent)?, maps: Vec::new(), captured: Vec::new() })
+    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Ok(Self { pass: PccmPass::new(gpu, extent)?, maps: Vec::new(), captured: Vec::new() })
     }
 }
 

@@ -7,16 +7,17 @@
 //! mirrored camera sees nothing of is a miss. The stencil spares the drawing outside the mirror, not the
 //! vertices, and the lighting runs over the whole image either way.
 
-use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Sees, Setup, Traced};
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Setup, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::math::frustum::projected_area;
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::Content;
 use crate::passes::gbuffer::{DEPTH_STENCIL, GBufferPass};
 use crate::passes::lighting::LightingPass;
-use crate::passes::planar::{MAX_PLANES, Mirrors, PlanarPass, Variant};
-use crate::scene::Camera;
+use crate::passes::planar::{MAX_PLANES, MirrorDrawing, PlanarPass};
 use crate::scene::planes::{CoplanarGroup, merged};
+use crate::scene::{Camera, GBufferData};
 use glam::Vec4;
 
 /// The table's row.
@@ -24,10 +25,25 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "planar",
     summary: "mirrored camera for the largest planes",
     source: "Hermanns 2015, §3.1.2",
-    sees: Sees::Scene,
-    settings,
-    create: |gpu, setup| Ok(Box::new(PlanarMethod::new(gpu, setup)?)),
+    parameters: PlanarParams::table,
+    create: |gpu, making| Ok(Box::new(PlanarMethod::new(gpu, &making.setup)?)),
+    ..MethodInfo::SCENE
 };
+
+parameters! {
+    /// Parameters of `planar`.
+    pub struct PlanarParams {
+        /// How planar gets its mirrored scene: inside the stencil, or as a render target.
+        planar_variant: MirrorDrawing = Parameter::new(MirrorDrawing::Stencil)
+            .sweep(Preset::Published, &[MirrorDrawing::Target])
+            .source("Hermanns 2015, §3.1.2"),
+        /// Planes that planar mirrors the scene at: those that cover most of the screen.
+        planar_planes: u32 = Parameter::new(1)
+            .within(1, MAX_PLANES)
+            .sweep(Preset::Published, &[2, 4])
+            .source("Hermanns 2015, §3.1.2: one mirror"),
+    }
+}
 
 /// Planes that are looked at in every frame: the largest of the scene.
 const CANDIDATES: usize = 64;
@@ -41,27 +57,22 @@ struct PlanarMethod {
     scene: GBufferPass,
     lighting: LightingPass,
     planar: PlanarPass,
-    mirrors: Mirrors,
+    parameters: PlanarParams,
     candidates: Vec<CoplanarGroup>,
-}
-
-/// Both variants of one plane, and more planes.
-fn settings(base: Setup) -> Vec<Setup> {
-    let of = |variant, planes| Setup { mirrors: Mirrors { variant, planes }, ..base };
-    vec![of(Variant::Stencil, 1), of(Variant::Target, 1), of(Variant::Stencil, 2), of(Variant::Stencil, 4)]
 }
 
 impl PlanarMethod {
     fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let scene = match setup.mirrors.variant {
-            Variant::Stencil => GBufferPass::where_marked(gpu, setup.extent)?,
-            Variant::Target => GBufferPass::new(gpu, setup.extent)?,
+        let parameters: PlanarParams = setup.of();
+        let scene = match parameters.planar_variant {
+            MirrorDrawing::Stencil => GBufferPass::where_marked(gpu, setup.extent)?,
+            MirrorDrawing::Target => GBufferPass::new(gpu, setup.extent)?,
         };
         Ok(Self {
             scene: scene.labelled("mirrored g-buffer"),
             lighting: LightingPass::new(gpu)?.labelled("mirrored lighting"),
             planar: PlanarPass::new(gpu, setup.extent, DEPTH_STENCIL)?,
-            mirrors: setup.mirrors,
+            parameters,
             candidates: Vec::new(),
         })
     }
@@ -78,14 +89,14 @@ impl PlanarMethod {
             .filter(|(area, _)| *area >= AREA_MIN)
             .collect();
         seen.sort_by(|a, b| b.0.total_cmp(&a.0));
-        seen.truncate(self.mirrors.planes.min(MAX_PLANES) as usize);
+        seen.truncate(self.parameters.planar_planes as usize);
         seen.into_iter().map(|(_, plane)| plane).collect()
     }
 }
 
 impl Method for PlanarMethod {
     fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
-        let reflects = |g: &&CoplanarGroup| scene.materials[g.material].reflectivity > 1e-4;
+        let reflects = |g: &&CoplanarGroup| scene.materials[g.material].reflectivity > GBufferData::REFLECTS_ABOVE;
         self.candidates = merged(scene.data.coplanar_groups().iter().filter(reflects), CANDIDATES);
         Ok(())
     }
@@ -97,14 +108,14 @@ impl Method for PlanarMethod {
         let planes = self.planes(camera);
         for &plane in &planes {
             let behind = camera.mirrored(plane);
-            if self.mirrors.variant == Variant::Stencil {
+            if self.parameters.planar_variant == MirrorDrawing::Stencil {
                 self.planar.record_mark(frame, gbuffer, camera, plane, mirrored.depth)?;
             }
             self.scene.record(frame, scene.data, scene.materials, &behind)?;
             self.lighting.record(frame, &mirrored, self.scene.albedo(), scene.data, &behind)?;
-            match self.mirrors.variant {
-                Variant::Stencil => self.planar.record_copy(frame, &mirrored)?,
-                Variant::Target => self.planar.record_lookup(frame, gbuffer, camera, plane, &mirrored)?,
+            match self.parameters.planar_variant {
+                MirrorDrawing::Stencil => self.planar.record_copy(frame, &mirrored)?,
+                MirrorDrawing::Target => self.planar.record_lookup(frame, gbuffer, camera, plane, &mirrored)?,
             }
         }
         let made = |name, content, image| Intermediate { name, content, image };

@@ -1,10 +1,11 @@
 //! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster): a cone that
 //! marches through the pre-filtered G-buffer. Ray trace and cone trace are one here, not two.
 
-use super::{Input, Intermediate, Method, MethodInfo, Preset, Sees, Setup, Traced};
+use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
 use crate::gpu::{Frame, Gpu};
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::cone_march::ConeMarchPass;
 use crate::passes::filtered_gbuffer::FilteredGBufferPass;
 use crate::passes::{Content, PosterFilter};
@@ -14,14 +15,38 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "poster",
     summary: "cone march through a pre-filtered G-buffer of depth, normal and colour",
     source: "Hermanns and Franke 2014",
-    sees: Sees::Screen,
-    settings: |base| {
-        let author = Setup { preset: Preset::Author, ..base };
-        let volume = Setup { preset: Preset::Published, poster_filter: PosterFilter::Volume, ..base };
-        [super::full_and_half(base), vec![author, volume]].concat()
-    },
-    create: |gpu, setup| Ok(Box::new(PosterMethod::new(gpu, setup)?)),
+    parameters: PosterParams::table,
+    create: |gpu, making| Ok(Box::new(PosterMethod::new(gpu, making)?)),
+    ..MethodInfo::SCREEN
 };
+
+parameters! {
+    /// Parameters of `poster`. What the poster does not print is of the author's later program; there the first step
+    /// and the search's tolerance are of screen space, here parts of the screen and of the depth.
+    pub struct PosterParams {
+        /// How the poster's G-buffer is pre-filtered.
+        poster_filter: PosterFilter = Parameter::new(PosterFilter::Mip)
+            .sweep(Preset::Published, &[PosterFilter::Volume])
+            .source("Hermanns and Franke 2014, figure 2"),
+        /// First step of the march.
+        march_stride: f32 =
+            Parameter::new(0.001).above(0.0, 1.0).unit("screen sides").source("not printed; the author's program"),
+        /// Steps of the march at most.
+        march_steps: u32 = Parameter::new(100).within(1, 65536).source("Hermanns and Franke 2014"),
+        /// What each step of the march is longer by than the one before, as a factor.
+        march_increase: f32 = Parameter::new(1.5).between(1.0, 16.0).source("Hermanns and Franke 2014"),
+        /// Steps of the search for the surface after the march, at most.
+        search_steps: u32 = Parameter::new(30).within(0, 65536).source("Hermanns and Franke 2014"),
+        /// What each step of the search is shorter by than the one before, as a factor.
+        search_decrease: f32 = Parameter::new(0.5).above(0.0, 1.0).source("Hermanns and Franke 2014"),
+        /// How near to a surface the search ends.
+        search_tolerance: f32 =
+            Parameter::new(2e-4).above(0.0, 1.0).unit("depth").source("not printed; the author's program"),
+        /// How often a step that leaves the screen is taken back and halved.
+        edge_retries: u32 =
+            Parameter::new(0).author(3).within(0, 64).source("not printed: a miss; the author's program: three times"),
+    }
+}
 
 struct PosterMethod {
     filter: FilteredGBufferPass,
@@ -30,35 +55,25 @@ struct PosterMethod {
 }
 
 impl PosterMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
         Ok(Self {
-            filter: FilteredGBufferPass::new(gpu, setup.extent, setup.poster_filter)?,
-            march: ConeMarchPass::new(gpu, setup.extent, setup.poster_filter, setup.split)?,
-            parameters: parameters(setup),
+            filter: FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter)?,
+            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, making.hits)?,
+            parameters: PosterBlock {
+                step_increase: p.march_increase,
+                step_count: p.march_steps as i32,
+                search_count: p.search_steps as i32,
+                search_decrease: p.search_decrease,
+                first_step: p.march_stride,
+                epsilon: p.search_tolerance,
+                // Of the thesis's Eq. 4.7.
+                fade_start: 0.8,
+                fade_end: 1.0,
+                edge_retries: p.edge_retries as i32,
+                fade: i32::from(setup.effect().fade),
+            },
         })
-    }
-}
-
-fn parameters(setup: &Setup) -> PosterBlock {
-    PosterBlock {
-        // Printed.
-        step_increase: 1.5,
-        step_count: 100,
-        search_count: 30,
-        search_decrease: 0.5,
-        // Not printed: the numbers of the author's later program, and of the thesis's Eq. 4.7. There the
-        // first step and epsilon are of screen space; here parts of the screen and of the depth.
-        first_step: setup.tuning.march_stride.unwrap_or(0.001),
-        epsilon: 2e-4,
-        fade_start: 0.8,
-        fade_end: 1.0,
-        edge_retries: match setup.preset {
-            // The poster has nothing of a step that leaves the screen: a miss.
-            Preset::Published => 0,
-            // The later program steps back and halves the step.
-            Preset::Author => 3,
-        },
-        fade: i32::from(setup.fade),
     }
 }
 

@@ -1,11 +1,13 @@
 //! `ssct`: Hi-Z tracing, a linear march for rays towards the camera, and cone tracing (thesis ch. 4).
 //! `hzct` is the same without the march; both are [`ThesisMethod`].
 
-use super::thesis::{self, Variant};
-use super::{Input, Intermediate, Method, MethodInfo, Sees, Setup, Traced};
+use super::thesis::{self, ConeParams, HiZParams, MarchParams};
+use super::{Input, Intermediate, Making, Method, MethodInfo, Setup, Traced};
 use crate::error::Result;
+use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
-use crate::passes::color_chain::ColorChainPass;
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
+use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
@@ -17,10 +19,44 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "ssct",
     summary: "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
     source: "Hermanns 2015, ch. 4",
-    sees: Sees::Screen,
-    settings: thesis::settings,
-    create: |gpu, setup| Ok(Box::new(ThesisMethod::new(gpu, setup, true)?)),
+    traces_hi_z: true,
+    parameters: SsctParams::table,
+    create: |gpu, making| {
+        let SsctParams { hi_z, march, cone, drawn } = making.setup.of();
+        let fill = move |block| cone.fill(march.fill(hi_z.fill(block)));
+        Ok(Box::new(ThesisMethod::new(gpu, making, drawn, true, Box::new(fill))?))
+    },
+    ..MethodInfo::SCREEN
 };
+
+parameters! {
+    /// Parameters of `ssct`.
+    pub struct SsctParams {
+        /// Of the Hi-Z traversal.
+        hi_z: HiZParams,
+        /// Of the march of rays towards the camera.
+        march: MarchParams,
+        /// Of the cone trace.
+        cone: ConeParams,
+        /// How the passes are made.
+        drawn: ThesisDrawing,
+    }
+}
+
+parameters! {
+    /// How the passes of `ssct` and `hzct` are made.
+    pub struct ThesisDrawing {
+        /// How the colour chain is filtered.
+        chain_filter: ChainFilter = Parameter::new(ChainFilter::Hardware)
+            .sweep(Preset::Published, &[ChainFilter::Gaussian])
+            .source("§4.2.6"),
+        /// Trace rays and cones in two passes instead of one.
+        split: bool = Parameter::new(false).source("§4.2.3: combined"),
+    }
+}
+
+/// Fills in the parameters of a method.
+pub(super) type Fill = Box<dyn Fn(ThesisBlock) -> ThesisBlock>;
 
 /// The thesis's passes in their order.
 pub struct ThesisMethod {
@@ -28,25 +64,36 @@ pub struct ThesisMethod {
     visibility: VisibilityPass,
     color: ColorChainPass,
     trace: ThesisTracePass,
-    variant: Variant,
+    fade: bool,
+    fill: Fill,
 }
 
 impl ThesisMethod {
     /// With the linear fallback (`ssct`) or without (`hzct`).
-    pub fn new(gpu: &Gpu, setup: &Setup, fallback: bool) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, making: &Making, drawn: ThesisDrawing, fallback: bool, fill: Fill) -> Result<Self> {
+        let extent = making.setup.extent;
         Ok(Self {
-            hi_z: HiZPass::new(gpu, setup.extent)?,
-            visibility: VisibilityPass::new(gpu, setup.extent)?,
-            color: ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter)?,
-            trace: ThesisTracePass::new(gpu, setup.extent, fallback, setup.split)?,
-            variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback, fade: setup.fade },
+            hi_z: HiZPass::new(gpu, extent)?,
+            visibility: VisibilityPass::new(gpu, extent)?,
+            color: ColorChainPass::new(gpu, extent, LIT_COLOR, drawn.chain_filter)?,
+            trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,
+            fade: making.setup.effect().fade,
+            fill,
         })
     }
-}
 
-impl ThesisMethod {
-    /// The chains and the cone trace from hits of any origin: what the cone makes of exact hits.
-    /// The method must have been made split.
+    /// The chains and the cone of a setup, which [`Self::record_cone`] runs from hits of any origin.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
+        let SsctParams { hi_z, march, cone, drawn } = setup.of();
+        let making = Making { setup: setup.clone(), hits: true, reflection: true, composite: false };
+        let fill = move |block| cone.fill(march.fill(hi_z.fill(block)));
+        Self::new(gpu, &making, ThesisDrawing { split: true, ..drawn }, true, Box::new(fill))
+    }
+
+    /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].
     pub fn record_cone<'a>(
         &'a self,
         frame: &mut Frame,
@@ -54,28 +101,34 @@ impl ThesisMethod {
         camera: &Camera,
         hits: Hits,
     ) -> Result<Reflection<'a>> {
+        let (input, parameters) = self.chains(frame, gbuffer, camera)?;
+        self.trace.record_cone(frame, &input, &parameters, hits)
+    }
+
+    /// The chains that ray trace and cone trace read, and their parameters.
+    fn chains<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer<'a>,
+        camera: &Camera,
+    ) -> Result<(TraceInput<'a>, ThesisBlock)> {
         let hi_z = self.hi_z.record(frame, gbuffer)?;
         let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
         let color = self.color.record(frame, gbuffer)?;
-        let parameters = thesis::parameters(&self.variant, camera, gbuffer.depth.extent(), hi_z.0.levels());
-        let input = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
-        self.trace.record_cone(frame, &input, &parameters, hits)
+        let block = thesis::block(camera, gbuffer.depth.extent(), hi_z.0.levels(), self.fade);
+        Ok((TraceInput { gbuffer: *gbuffer, hi_z, visibility, color }, (self.fill)(block)))
     }
 }
 
 impl Method for ThesisMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
-        let gbuffer = &input.gbuffer;
-        let hi_z = self.hi_z.record(frame, gbuffer)?;
-        let visibility = self.visibility.record(frame, hi_z, &input.camera.lens)?;
-        let color = self.color.record(frame, gbuffer)?;
-        let extent = gbuffer.depth.extent();
-        let parameters = thesis::parameters(&self.variant, input.camera, extent, hi_z.0.levels());
-        let traced = TraceInput { gbuffer: *gbuffer, hi_z, visibility, color };
-        let (reflection, hits) = self.trace.record(frame, &traced, &parameters)?;
+        let (chains, parameters) = self.chains(frame, &input.gbuffer, input.camera)?;
+        let (reflection, hits) = self.trace.record(frame, &chains, &parameters)?;
         let made = |name, content, image| Intermediate { name, content, image };
-        let intermediates =
-            vec![made("hi-z", Content::StandardDepth, hi_z.0), made("visibility", Content::Share, visibility.0)];
+        let intermediates = vec![
+            made("hi-z", Content::StandardDepth, chains.hi_z.0),
+            made("visibility", Content::Share, chains.visibility.0),
+        ];
         Ok(Traced { hits, intermediates, ..Traced::new(reflection) })
     }
 }

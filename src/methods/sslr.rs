@@ -1,10 +1,11 @@
 //! `sslr`: screen space local reflections as the thesis sets them against its own method (§4.3, after
 //! Killzone Shadow Fall): uniform march, mask, blurred chain.
 
-use super::thesis::{self, Preset, Variant};
-use super::{Input, Intermediate, Method, MethodInfo, Sees, Setup, Traced};
+use super::thesis::{self, UniformMarchParams};
+use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Sampler};
+use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::mask_chain::{MaskChainPass, MaskFilter};
@@ -16,37 +17,60 @@ pub const INFO: MethodInfo = MethodInfo {
     name: "sslr",
     summary: "uniform march with a stride by roughness, masked blur chain, one lookup in it",
     source: "Hermanns 2015, §4.3; Valient, Killzone Shadow Fall",
-    sees: Sees::Screen,
-    settings: |base| {
-        let author = Setup { preset: Preset::Author, ..base };
-        [super::full_and_half(base), vec![author]].concat()
-    },
-    create: |gpu, setup| Ok(Box::new(SslrMethod::new(gpu, setup)?)),
+    // It keeps no hit whose distance from the border could be known.
+    fades: false,
+    parameters: SslrParams::table,
+    create: |gpu, making| Ok(Box::new(SslrMethod::new(gpu, making)?)),
+    ..MethodInfo::SCREEN
 };
+
+choices! {
+    /// How the march of `sslr` reads depth.
+    pub enum DepthSampling {
+        /// Between the texels: with the nearest, a ray whose first step stays in its pixel hits that very pixel.
+        Linear = "linear",
+        /// The nearest texel.
+        Nearest = "nearest",
+    }
+}
+
+parameters! {
+    /// Parameters of `sslr`.
+    pub struct SslrParams {
+        /// Of the march.
+        march: UniformMarchParams,
+        /// How the chains of ray trace colour and mask are filtered. The author's program leaves its blur shaders out and
+        /// lets the GPU make the chains.
+        mask_filter: MaskFilter =
+            Parameter::new(MaskFilter::Weighted).author(MaskFilter::Hardware).source("§4.3.2"),
+        /// How the march reads depth.
+        depth_sampling: DepthSampling = Parameter::new(DepthSampling::Linear)
+            .author(DepthSampling::Nearest)
+            .source("not printed"),
+        /// Factor on the level of the chain that a reflection reads. The author's is twice the chain's length, and five
+        /// times the ray's.
+        spreading_factor: f32 = Parameter::new(1.0).author(10.0).above(0.0, 1000.0).source("§4.3.3"),
+    }
+}
 
 struct SslrMethod {
     depth: HiZPass,
     trace: SslrTracePass,
     chain: MaskChainPass,
     reflection: SslrReflectionPass,
-    variant: Variant,
+    parameters: SslrParams,
 }
 
 impl SslrMethod {
-    fn new(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let filter = match setup.preset {
-            Preset::Published => MaskFilter::Weighted,
-            // The author's program leaves its blur shaders out and lets the GPU make the chains.
-            Preset::Author => MaskFilter::Hardware,
-        };
-        let trace = SslrTracePass::new(gpu, setup.extent, setup.split)?;
+    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let (extent, parameters) = (making.setup.extent, making.setup.of::<SslrParams>());
+        let trace = SslrTracePass::new(gpu, extent, making.hits)?;
         Ok(Self {
-            depth: HiZPass::depth_alone(gpu, setup.extent)?,
-            chain: MaskChainPass::new(gpu, setup.extent, trace.formats(), filter)?,
+            depth: HiZPass::depth_alone(gpu, extent)?,
+            chain: MaskChainPass::new(gpu, extent, trace.formats(), parameters.mask_filter)?,
             trace,
-            reflection: SslrReflectionPass::new(gpu, setup.extent)?,
-            // It has no fade: it keeps no hit whose distance from the border could be known.
-            variant: Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: false },
+            reflection: SslrReflectionPass::new(gpu, extent)?,
+            parameters,
         })
     }
 }
@@ -55,16 +79,15 @@ impl Method for SslrMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
         let depth = self.depth.record(frame, gbuffer)?;
-        let parameters = thesis::parameters(&self.variant, input.camera, gbuffer.depth.extent(), 1);
-        let (depth_sampler, spreading_factor) = match self.variant.preset {
-            // With nearest sampling a ray whose first step stays in its pixel hits that very pixel.
-            Preset::Published => (Sampler::TrilinearClamp, 1.0),
-            // Twice the chain's length, and five times the ray's.
-            Preset::Author => (Sampler::NearestClamp, 10.0),
+        let parameters = self.parameters;
+        let block = parameters.march.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, false));
+        let sampler = match parameters.depth_sampling {
+            DepthSampling::Linear => Sampler::TrilinearClamp,
+            DepthSampling::Nearest => Sampler::NearestClamp,
         };
-        let (traced, hits) = self.trace.record(frame, gbuffer, depth, depth_sampler, &parameters)?;
+        let (traced, hits) = self.trace.record(frame, gbuffer, depth, sampler, &block)?;
         let chain = self.chain.record(frame, traced)?;
-        let reflection = self.reflection.record(frame, gbuffer, chain, spreading_factor)?;
+        let reflection = self.reflection.record(frame, gbuffer, chain, parameters.spreading_factor)?;
         let made = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![
             made("standard-depth", Content::StandardDepth, depth.0),

@@ -1,28 +1,38 @@
 //! `ssr`: a march along the reflection in screen space, a sample a pixel (Schmidt 2013, section 5.4,
 //! listing 4). `ssr-fast` is the same with the march of listing 5; both are [`SchmidtMethod`].
 
-use super::{Input, Method, MethodInfo, Sees, Setup, Traced, Tuning};
+use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::SchmidtBlock;
 use crate::gpu::{Frame, Gpu};
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::LIT_COLOR;
-use crate::passes::color_chain::ColorChainPass;
-use crate::passes::schmidt_trace::{March, SchmidtTracePass};
+use crate::passes::color_chain::{ChainFilter, ColorChainPass};
+use crate::passes::schmidt_trace::{SchmidtMarch, SchmidtTracePass};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     name: "ssr",
     summary: "march along the reflection in screen space, a sample a pixel; mirrors only",
     source: "Schmidt 2013, §5.4, listing 4",
-    sees: Sees::Screen,
-    settings: |base| [super::full_and_half(base), steps(base, &[2, 4, 8])].concat(),
-    create: |gpu, setup| Ok(Box::new(SchmidtMethod::new(gpu, setup, March::PerPixel)?)),
+    parameters: SsrParams::table,
+    create: |gpu, making| {
+        let SsrParams { pixel_step } = making.setup.of();
+        Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::PerPixel, pixel_step, None)?))
+    },
+    ..MethodInfo::SCREEN
 };
 
-/// A base with each of some strides of the march, in pixels.
-pub fn steps(base: Setup, pixels: &[u32]) -> Vec<Setup> {
-    let with = |n: &u32| Setup { tuning: Tuning { pixel_step: Some(*n), ..Tuning::default() }, ..base };
-    pixels.iter().map(with).collect()
+parameters! {
+    /// Parameters of `ssr`.
+    pub struct SsrParams {
+        /// Pixels that the march goes at once.
+        pixel_step: u32 = Parameter::new(1)
+            .within(1, 1024)
+            .unit("pixels")
+            .sweep(Preset::Published, &[2, 4, 8])
+            .source("Schmidt 2013, listing 4"),
+    }
 }
 
 /// Schmidt's screen-space reflections. They know no roughness: every reflection is a mirror's.
@@ -34,17 +44,23 @@ pub struct SchmidtMethod {
 }
 
 impl SchmidtMethod {
-    /// With the march of listing 4 or 5. Of the two, listing 5 alone has the blur.
-    pub fn new(gpu: &Gpu, setup: &Setup, march: March) -> Result<Self> {
-        let blur = setup.tuning.distance_blur && march == March::Optimized;
-        let chain = || ColorChainPass::new(gpu, setup.extent, LIT_COLOR, setup.chain_filter);
+    /// With the march of listing 4 or 5. Of the two, listing 5 alone has the blur, which reads a chain of the lit colour
+    /// that is filtered in some way.
+    pub(super) fn new(
+        gpu: &Gpu,
+        making: &Making,
+        march: SchmidtMarch,
+        pixel_step: u32,
+        blur: Option<ChainFilter>,
+    ) -> Result<Self> {
+        let (extent, fade) = (making.setup.extent, making.setup.effect().fade);
         Ok(Self {
-            chain: blur.then(chain).transpose()?,
-            trace: SchmidtTracePass::new(gpu, setup.extent, march, setup.split)?,
+            chain: blur.map(|filter| ColorChainPass::new(gpu, extent, LIT_COLOR, filter)).transpose()?,
+            trace: SchmidtTracePass::new(gpu, extent, march, making.hits)?,
             parameters: SchmidtBlock {
-                user_pixelStepSize: setup.tuning.pixel_step.unwrap_or(1) as f32,
-                fadeToEdges: i32::from(setup.fade),
-                toggleBlur: i32::from(blur),
+                user_pixelStepSize: pixel_step as f32,
+                fadeToEdges: i32::from(fade),
+                toggleBlur: i32::from(blur.is_some()),
             },
         })
     }

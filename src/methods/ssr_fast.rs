@@ -1,19 +1,41 @@
 //! `ssr-fast`: the optimised march of Schmidt 2013 (section 5.4, listing 5): ten pixels forward while
 //! before the surface, a tenth of one back while behind.
 
-use super::ssr::{SchmidtMethod, steps};
-use super::{MethodInfo, Sees, Setup, Tuning};
-use crate::passes::schmidt_trace::March;
+use super::MethodInfo;
+use super::ssr::SchmidtMethod;
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
+use crate::passes::color_chain::ChainFilter;
+use crate::passes::schmidt_trace::SchmidtMarch;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     name: "ssr-fast",
     summary: "the same in steps of ten pixels forward and a tenth back; mirrors only",
     source: "Schmidt 2013, §5.4, listing 5",
-    sees: Sees::Screen,
-    settings: |base| {
-        let blurred = Setup { tuning: Tuning { distance_blur: true, ..Tuning::default() }, ..base };
-        [super::full_and_half(base), steps(base, &[2]), vec![blurred]].concat()
+    parameters: SsrFastParams::table,
+    create: |gpu, making| {
+        let SsrFastParams { pixel_step, distance_blur, chain_filter } = making.setup.of();
+        let blur = distance_blur.then_some(chain_filter);
+        Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::Optimized, pixel_step, blur)?))
     },
-    create: |gpu, setup| Ok(Box::new(SchmidtMethod::new(gpu, setup, March::Optimized)?)),
+    ..MethodInfo::SCREEN
 };
+
+parameters! {
+    /// Parameters of `ssr-fast`.
+    pub struct SsrFastParams {
+        /// Pixels that the march goes at once.
+        pixel_step: u32 = Parameter::new(1)
+            .within(1, 1024)
+            .unit("pixels")
+            .sweep(Preset::Published, &[2])
+            .source("Schmidt 2013, listing 5"),
+        /// Blur by the distance from the viewer.
+        distance_blur: bool = Parameter::new(false)
+            .sweep(Preset::Published, &[true])
+            .source("Schmidt 2013, listing 5: toggleBlur"),
+        /// How the colour chain is filtered.
+        chain_filter: ChainFilter =
+            Parameter::new(ChainFilter::Hardware).source("Schmidt 2013, listing 5: a mip level of the diffuse colour"),
+    }
+}

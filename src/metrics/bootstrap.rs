@@ -1,27 +1,27 @@
-//! Whether times changed: the ratio of two medians with a percentile bootstrap interval (Efron and
-//! Tibshirani 1993, "An Introduction to the Bootstrap", chapter 13), and the verdict read off it.
-//! Seeded: the same samples give the same interval everywhere.
+//! Decides whether times changed: the ratio of two medians with a percentile bootstrap interval (Efron and
+//! Tibshirani 1993, "An Introduction to the Bootstrap", chapter 13), and the verdict that follows from the
+//! interval. The resampling is seeded, so the same samples give the same interval everywhere.
 
 use super::percentile;
 use crate::reference::random::Stream;
 use serde::Serialize;
 
-/// Resamples of an interval. Fifty lie beyond each of its ends, which are so known to a seventh of
-/// the tail.
+/// The number of resamples of an interval. Fifty of them lie beyond each end, so an end is known to about a
+/// seventh of its tail.
 pub const RESAMPLES: u32 = 2000;
 
-/// Share of the resamples that an interval holds, the same left out at both ends.
+/// The share of the resamples that lies inside the interval; the rest is split evenly between both ends.
 pub const CONFIDENCE: f64 = 0.95;
 
-/// Fewer samples on a side decide nothing: even the range from the least to the greatest of four
-/// holds the median only seven times in eight (1 − 2 · 2⁻⁴).
+/// With fewer samples on either side there is no verdict: even the range from the least to the greatest of four
+/// samples holds the median only seven times in eight (1 − 2 · 2⁻⁴).
 pub const MIN_SAMPLES: usize = 5;
 
-/// B's median over A's, and where resampling puts it: `low` ≤ `high`, all ≥ 0. Infinite where A's
-/// median is 0 and B's is not; 1 where both are.
+/// B's median over A's, and the interval that resampling gives it: 0 ≤ `low` ≤ `high`. Infinite where A's
+/// median is 0 and B's is not; 1 where both are 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
-    /// Of the samples themselves.
+    /// The ratio of the samples' own medians.
     pub ratio: f64,
     /// Lower end of the interval.
     pub low: f64,
@@ -29,7 +29,7 @@ pub struct Ratio {
     pub high: f64,
 }
 
-/// What an interval says about B beside A.
+/// What an interval says about B compared with A.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "UPPERCASE")]
 pub enum Verdict {
@@ -39,15 +39,15 @@ pub enum Verdict {
     Slower,
     /// The whole interval lies within 1 ± threshold.
     Same,
-    /// None of these.
+    /// None of the above.
     Undecided,
 }
 
 impl Verdict {
-    /// All, in the order of a summary.
+    /// All verdicts, in the order in which a summary lists them.
     pub const ALL: [Self; 4] = [Self::Faster, Self::Slower, Self::Same, Self::Undecided];
 
-    /// Of an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %).
+    /// The verdict for an interval, with a threshold of 0 ≤ t < 1 (0.05 is 5 %).
     pub fn of(ratio: &Ratio, threshold: f64) -> Self {
         let (least, most) = (1.0 - threshold, 1.0 + threshold);
         match (ratio.low, ratio.high) {
@@ -58,7 +58,7 @@ impl Verdict {
         }
     }
 
-    /// As it is printed.
+    /// The name that reports print.
     pub fn name(self) -> &'static str {
         match self {
             Self::Faster => "FASTER",
@@ -69,8 +69,8 @@ impl Verdict {
     }
 }
 
-/// The ratio of B's median to A's, with the interval of [`RESAMPLES`] resamples, both sides drawn
-/// independently and with replacement. Samples are finite and ≥ 0. `None` if a side has none.
+/// The ratio of B's median to A's, with its interval over [`RESAMPLES`] resamples. Both sides are drawn
+/// independently and with replacement. Samples must be finite and ≥ 0. `None` if a side has no samples.
 pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     let ratio = quotient(median(&mut a.to_vec())?, median(&mut b.to_vec())?);
     let mut drawn = [Vec::with_capacity(a.len()), Vec::with_capacity(b.len())];
@@ -94,14 +94,14 @@ pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     Some(Ratio { ratio, low: percentile(&ratios, tail)?, high: percentile(&ratios, 1.0 - tail)? })
 }
 
-/// Of an even number, the mean of the middle two. Sorts them.
+/// The median, which for an even number of samples is the mean of the middle two. Sorts the samples.
 fn median(samples: &mut [f64]) -> Option<f64> {
     samples.sort_by(f64::total_cmp);
     let n = samples.len();
     Some((samples.get(n.checked_sub(1)? / 2)? + samples.get(n / 2)?) / 2.0)
 }
 
-/// b / a, and 1 where both are 0: a clock may be too coarse for either.
+/// b / a, or 1 where both are equal: a coarse clock may measure 0 for both.
 fn quotient(a: f64, b: f64) -> f64 {
     if a == b { 1.0 } else { b / a }
 }
@@ -110,7 +110,7 @@ fn quotient(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Samples around a centre, evenly within ± half a width.
+    /// Samples spread evenly over `width` around `center`.
     fn noise(center: f64, width: f64, n: u64, seed: u64) -> Vec<f64> {
         (0..n).map(|i| center + width * (Stream::new(seed, 99).uniform(i) - 0.5)).collect()
     }
@@ -130,14 +130,14 @@ mod tests {
     }
 
     #[test]
-    fn noise_decides_by_how_wide_it_is() {
+    fn the_verdict_depends_on_the_width_of_the_noise() {
         let base = noise(10.0, 0.4, 20, 1);
         assert_eq!(verdict(&base, &noise(10.0, 0.4, 20, 2)), Verdict::Same);
         assert_eq!(verdict(&base, &noise(12.0, 0.4, 20, 2)), Verdict::Slower);
         assert_eq!(verdict(&base, &noise(8.0, 0.4, 20, 2)), Verdict::Faster);
         let wide = |seed| noise(10.0, 12.0, 10, seed);
         assert_eq!(verdict(&wide(1), &wide(2)), Verdict::Undecided);
-        // A difference of the threshold's own size can't be told from none.
+        // A difference that is as large as the threshold cannot be told from none.
         assert_eq!(verdict(&base, &noise(10.5, 0.4, 20, 2)), Verdict::Undecided);
     }
 
@@ -147,28 +147,30 @@ mod tests {
         // 3 · 2/27 + 1/27 = 7/27, the same for 3. Both lie in the tails' 2.5 %.
         let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
-        // Of seven, one end is drawn four times or more with probability
-        // Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025, and one of two in 0.108: the second is the end.
+        // Of seven, the least is drawn four times or more with probability
+        // Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025, and one of the least two with 0.108: so the second is the
+        // end.
         let seven: Vec<f64> = (1..=7).map(f64::from).collect();
         let r = ratio_of_medians(&[1.0; 5], &seven, 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 4.0, low: 2.0, high: 6.0 });
     }
 
     #[test]
-    fn the_interval_holds_the_truth_about_as_often_as_it_says() {
+    fn the_interval_covers_the_true_ratio_at_its_confidence() {
         let covers = |trial: u64| {
             let (a, b) = (noise(10.0, 2.0, 15, 2 * trial), noise(10.0, 2.0, 15, 2 * trial + 1));
             let r = ratio_of_medians(&a, &b, trial).expect("samples");
             r.low <= 1.0 && 1.0 <= r.high
         };
         let covered = (0..200).filter(|t| covers(*t)).count();
-        // 95 % of 200 have a standard deviation of 3; the percentile interval of a median is a bit wide.
+        // The count covered has a standard deviation of 3, and the percentile interval of a median is a little
+        // wide.
         assert!((180..=200).contains(&covered), "{covered}");
         assert!(covered < 200, "an interval that never misses is too wide");
     }
 
     #[test]
-    fn zeros_and_nothing_have_an_answer() {
+    fn zero_medians_and_empty_sides_are_defined() {
         assert_eq!(ratio_of_medians(&[0.0; 5], &[0.0; 5], 1), Some(Ratio { ratio: 1.0, low: 1.0, high: 1.0 }));
         let r = ratio_of_medians(&[0.0; 5], &[1.0; 5], 1).expect("samples");
         assert_eq!((r.low, Verdict::of(&r, 0.05)), (f64::INFINITY, Verdict::Slower));
@@ -176,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seed_repeats_and_another_differs() {
+    fn equal_seeds_repeat_the_interval_and_others_change_it() {
         let (a, b) = (noise(5.0, 3.0, 12, 3), noise(5.0, 3.0, 12, 4));
         assert_eq!(ratio_of_medians(&a, &b, 7), ratio_of_medians(&a, &b, 7));
         assert_ne!(ratio_of_medians(&a, &b, 7), ratio_of_medians(&a, &b, 8));

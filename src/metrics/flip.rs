@@ -1,7 +1,7 @@
 //! ꟻLIP between display images (Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating
 //! Images"), by NVIDIA's own implementation.
 
-/// A ꟻLIP error for each pixel, 0 (equal) to 1.
+/// The ꟻLIP error of each pixel, from 0 (equal) to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FlipMap {
     /// Width in pixels.
@@ -13,20 +13,20 @@ pub struct FlipMap {
 }
 
 impl FlipMap {
-    /// Compares two display images: 3 · width · height sRGB bytes each, rows from the top. Seen from
-    /// where a pixel takes 1/67 of a degree, ꟻLIP's default (a 0.7 m wide 4K display 0.7 m away).
+    /// Compares two display images: 3 · width · height sRGB bytes each, rows from the top. The viewing distance
+    /// is ꟻLIP's default, at which a pixel spans 1/67 of a degree (a 4K display 0.7 m wide, 0.7 m away).
     ///
     /// # Panics
     /// If an image has another size.
     pub fn new(reference: &[u8], test: &[u8], width: u32, height: u32) -> Self {
         let bytes = 3 * width as usize * height as usize;
-        assert!(reference.len() == bytes && test.len() == bytes, "images of one size are compared");
+        assert!(reference.len() == bytes && test.len() == bytes, "both images must have the stated size");
         let image = |bytes| nv_flip::FlipImageRgb8::with_data(width, height, bytes);
         let map = nv_flip::flip(image(reference), image(test), nv_flip::DEFAULT_PIXELS_PER_DEGREE);
         Self { width, height, errors: map.to_vec() }
     }
 
-    /// Mean error, the one number that its authors recommend. Zero for no pixels.
+    /// The mean error, the single number that ꟻLIP's authors recommend; 0 if there are no pixels.
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.errors.iter().map(|e| f64::from(*e)).sum();
         sum / self.errors.len().max(1) as f64
@@ -37,11 +37,6 @@ impl FlipMap {
         let map = nv_flip::FlipImageFloat::with_data(self.width, self.height, &self.errors);
         map.apply_color_lut(&nv_flip::magma_lut()).to_vec()
     }
-}
-
-/// Mean ꟻLIP error of two display images, as [`FlipMap::new`] takes them.
-pub fn flip_mean(reference: &[u8], test: &[u8], width: u32, height: u32) -> f64 {
-    FlipMap::new(reference, test, width, height).mean()
 }
 
 #[cfg(test)]
@@ -55,16 +50,16 @@ mod tests {
     #[test]
     fn equal_images_have_no_error() {
         let image: Vec<u8> = (0..32 * 24 * 3).map(|i| (i * 37 % 251) as u8).collect();
-        assert_eq!(flip_mean(&image, &image, 32, 24), 0.0);
+        assert_eq!(FlipMap::new(&image, &image, 32, 24).mean(), 0.0);
     }
 
     #[test]
     fn flat_colours_have_the_error_of_the_papers_formula() {
-        // Flat images have no features, and no filter changes them, so the error is the colour
-        // term alone: HyAB in Hunt-adjusted L*a*b*, to the power 0.7, mapped to 0…0.95 up to 0.4 of
-        // its greatest value and to 0.95…1 beyond. Black and white are 100 apart; the greatest
-        // distance is green to blue's, by hand from their L*a*b* (87.735, −86.183, 83.180) and
-        // (32.297, 79.188, −107.860), with a* and b* times L*/100.
+        // Flat images have no features, and no filter changes them, so the error is the colour term alone: the
+        // HyAB distance in Hunt-adjusted L*a*b* to the power 0.7, mapped to 0…0.95 up to 0.4 of its greatest
+        // value and to 0.95…1 beyond. Black and white are 100 apart. The greatest distance is that of green to
+        // blue, computed here from their L*a*b* values, (87.735, −86.183, 83.180) and (32.297, 79.188,
+        // −107.860), with a* and b* scaled by L*/100.
         let hyab = |a: [f64; 3], b: [f64; 3]| {
             let hunt = |c: [f64; 3], i: usize| c[0] / 100.0 * c[i];
             (a[0] - b[0]).abs() + (hunt(a, 1) - hunt(b, 1)).hypot(hunt(a, 2) - hunt(b, 2))
@@ -74,16 +69,16 @@ mod tests {
             let (e, knee) = (distance.powf(0.7), 0.4 * greatest);
             if e < knee { 0.95 * e / knee } else { 0.95 + 0.05 * (e - knee) / (greatest - knee) }
         };
-        let found = flip_mean(&flat([0; 3]), &flat([255; 3]), 32, 24);
+        let found = FlipMap::new(&flat([0; 3]), &flat([255; 3]), 32, 24).mean();
         assert!((found - expected(100.0)).abs() < 1e-4, "{found} {}", expected(100.0));
         assert!((0.967..0.968).contains(&found));
         // sRGB 119 has L* = 50.034: below the knee.
-        let found = flip_mean(&flat([119; 3]), &flat([0; 3]), 32, 24);
+        let found = FlipMap::new(&flat([119; 3]), &flat([0; 3]), 32, 24).mean();
         assert!((found - expected(50.034)).abs() < 1e-3, "{found} {}", expected(50.034));
     }
 
     #[test]
-    fn the_map_shows_where_and_the_picture_has_its_size() {
+    fn the_map_locates_the_error_and_the_picture_has_its_size() {
         let mut test = flat([128; 3]);
         for y in 0..24 {
             test[3 * (y * 32 + 31)..3 * (y * 32 + 32)].fill(255);

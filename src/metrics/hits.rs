@@ -1,69 +1,69 @@
-//! Hit agreement: how far a method's rays end where the oracle's do (DEFINITIONS, "Oracle").
+//! Hit agreement: how often a method's rays end where the oracle's do (docs/definitions.md, "Oracle").
 
 use super::percentile;
 use serde::{Deserialize, Serialize};
 
-/// How a method's hits compare with the oracle's over the reflecting pixels. Fractions are of those
-/// pixels and add up to 1; all are null if none reflects.
+/// How a method's hits compare with the oracle's over the reflecting pixels. The four fractions are of those
+/// pixels and add up to 1; all are null if no pixel reflects.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct HitAgreement {
-    /// Reflecting pixels.
+    /// The number of reflecting pixels.
     #[serde(skip)]
     pub pixels: usize,
     /// Both miss, or both hit and |Δx| ≤ 1 and |Δy| ≤ 1 pixel.
     pub hit_agreement: Option<f64>,
-    /// The method hits alone.
+    /// Only the method hits.
     #[serde(rename = "false")]
     pub false_hits: Option<f64>,
-    /// The oracle hits alone.
+    /// Only the oracle hits.
     pub missed: Option<f64>,
-    /// Both hit, further apart.
+    /// Both hit, but further apart.
     pub displaced: Option<f64>,
-    /// Median distance in pixels where both hit; null if nowhere.
+    /// Median distance in pixels over the pixels where both hit; null if there are none.
     pub hit_error_px_p50: Option<f64>,
-    /// The distance in pixels that 99 % of the pixels where both hit don't exceed.
+    /// The 99th percentile of that distance.
     pub hit_error_px_p99: Option<f64>,
 }
 
-/// How one pixel compares.
+/// How the two hits of one pixel compare.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Verdict {
-    /// Both miss, or both hit within a pixel.
+pub enum HitVerdict {
+    /// Both miss, or both hit within one pixel.
     Agrees,
-    /// The method hits alone.
+    /// Only the method hits.
     False,
-    /// The oracle hits alone.
+    /// Only the oracle hits.
     Missed,
-    /// Both hit, further apart.
+    /// Both hit, but further apart.
     Displaced,
 }
 
-impl Verdict {
-    /// Of a method's hit and the oracle's, in pixels; `None` for a miss.
+impl HitVerdict {
+    /// Compares a method's hit with the oracle's, in pixels; `None` is a miss.
     pub fn of(method: Option<[f64; 2]>, oracle: Option<[f64; 2]>) -> Self {
         match (method, oracle) {
             (None, None) => Self::Agrees,
             (Some(_), None) => Self::False,
             (None, Some(_)) => Self::Missed,
             (Some(m), Some(o)) if (m[0] - o[0]).abs() <= 1.0 && (m[1] - o[1]).abs() <= 1.0 => Self::Agrees,
-            // A hit at NaN is displaced.
+            // This includes a hit at NaN.
             (Some(_), Some(_)) => Self::Displaced,
         }
     }
 }
 
 impl HitAgreement {
-    /// Compares hits in continuous pixel coordinates, rows from the top, `None` for a miss, over the
-    /// pixels that reflect.
+    /// Compares hits over the reflecting pixels. Hits are in continuous pixel coordinates, rows from the top;
+    /// `None` is a miss.
     ///
     /// # Panics
     /// If the slices differ in length.
     pub fn new(reflecting: &[bool], method: &[Option<[f64; 2]>], oracle: &[Option<[f64; 2]>]) -> Self {
-        assert!(reflecting.len() == method.len() && method.len() == oracle.len(), "images of one size are compared");
+        assert!(reflecting.len() == method.len() && method.len() == oracle.len(), "the images must have equal sizes");
         let pairs = || reflecting.iter().zip(method.iter().zip(oracle)).filter(|(r, _)| **r).map(|(_, pair)| pair);
         let pixels = pairs().count();
         let share = |verdict| {
-            let n = pairs().filter(|(m, o)| Verdict::of(**m, **o) == verdict).count();
+            let n = pairs().filter(|(m, o)| HitVerdict::of(**m, **o) == verdict).count();
             (pixels > 0).then(|| n as f64 / pixels as f64)
         };
         let mut errors: Vec<f64> =
@@ -71,10 +71,10 @@ impl HitAgreement {
         errors.sort_by(f64::total_cmp);
         Self {
             pixels,
-            hit_agreement: share(Verdict::Agrees),
-            false_hits: share(Verdict::False),
-            missed: share(Verdict::Missed),
-            displaced: share(Verdict::Displaced),
+            hit_agreement: share(HitVerdict::Agrees),
+            false_hits: share(HitVerdict::False),
+            missed: share(HitVerdict::Missed),
+            displaced: share(HitVerdict::Displaced),
             hit_error_px_p50: percentile(&errors, 0.5),
             hit_error_px_p99: percentile(&errors, 0.99),
         }
@@ -101,7 +101,7 @@ mod tests {
         let a = HitAgreement::new(&reflecting, &method, &oracle);
         let of_seven = |n: f64| Some(n / 7.0);
         assert_eq!(a.pixels, 7);
-        // Both miss; exactly a pixel apart on both axes; equal.
+        // Both miss; exactly one pixel apart on both axes; equal.
         assert_eq!(a.hit_agreement, of_seven(3.0));
         assert_eq!((a.false_hits, a.missed, a.displaced), (of_seven(1.0), of_seven(1.0), of_seven(2.0)));
         // Distances √2, 5, 1.001, 0.
@@ -118,9 +118,9 @@ mod tests {
     }
 
     #[test]
-    fn not_a_number_agrees_with_nothing() {
-        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), Verdict::Displaced);
-        assert_eq!(Verdict::of(hit(f64::NAN, 1.0), MISS), Verdict::False);
+    fn a_hit_at_nan_never_agrees() {
+        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), hit(1.0, 1.0)), HitVerdict::Displaced);
+        assert_eq!(HitVerdict::of(hit(f64::NAN, 1.0), MISS), HitVerdict::False);
     }
 
     #[test]

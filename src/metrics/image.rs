@@ -1,11 +1,11 @@
-//! Differences of linear images over the pixels of a mask (DEFINITIONS, "Image error").
+//! Differences of linear images over the pixels of a mask (docs/definitions.md, "Image error").
 
 use super::rmse;
 
-/// A linear image, [red, green, blue] a pixel, rows from the top.
+/// A linear image: [red, green, blue] for each pixel, rows from the top.
 pub type Linear<'a> = &'a [[f32; 3]];
 
-/// Root of the mean squared difference over the three channels of the mask's pixels. Zero for none;
+/// Root of the mean squared difference over the three channels of the mask's pixels. 0 if the mask is empty;
 /// NaN where a compared value is NaN.
 ///
 /// # Panics
@@ -27,8 +27,8 @@ pub fn masked_relative_mse(reference: Linear, test: Linear, mask: &[bool]) -> Op
     (energy != 0.0).then(|| rmse(reference.as_flattened(), test.as_flattened()).powi(2) * values / energy)
 }
 
-/// The error of each pixel: root of the mean squared difference over its three channels; 0 outside
-/// the mask. The root of the mean square of the mask's values is [`masked_rmse`].
+/// The error of each pixel: the root of the mean squared difference over its three channels, and 0 outside the
+/// mask. The root mean square of this map over the mask is [`masked_rmse`].
 ///
 /// # Panics
 /// If the images and the mask differ in length.
@@ -45,7 +45,7 @@ fn select(image: Linear, mask: &[bool]) -> Vec<[f32; 3]> {
 }
 
 fn check(image: Linear, pixels: usize) {
-    assert_eq!(image.len(), pixels, "images and masks of one size are compared");
+    assert_eq!(image.len(), pixels, "images and masks must have equal sizes");
 }
 
 #[cfg(test)]
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_and_black_are_told_from_perfect_where_it_matters() {
+    fn an_empty_mask_and_a_black_reference_have_no_relative_error() {
         assert_eq!(masked_rmse(&REFERENCE, &TEST, &[false; 3]), 0.0);
         assert_eq!(masked_relative_mse(&REFERENCE, &TEST, &[false; 3]), None);
         assert_eq!(masked_relative_mse(&[[0.0; 3]], &[[1.0; 3]], &[true]), None);

@@ -1,4 +1,5 @@
-//! How far two images are apart, or two sets of hits or times, and what is best of both time and error.
+//! Measures of how far two images, two sets of hits or two sets of times are apart, and the Pareto front of
+//! time and error.
 
 pub mod bootstrap;
 pub mod flip;
@@ -9,13 +10,13 @@ pub mod world;
 
 pub use hits::HitAgreement;
 
-/// Root of the mean squared difference over all values (DEFINITIONS, "Image error": the three
-/// channels of the pixels compared). Zero for none.
+/// Root of the mean squared difference over all values (docs/definitions.md, "Image error": the three channels of the
+/// compared pixels); 0 if there are none.
 ///
 /// # Panics
 /// If the slices differ in length.
 pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
-    assert_eq!(a.len(), b.len(), "images of one size are compared");
+    assert_eq!(a.len(), b.len(), "the slices must have equal lengths");
     if a.is_empty() {
         return 0.0;
     }
@@ -23,7 +24,8 @@ pub fn rmse(a: &[f32], b: &[f32]) -> f64 {
     (sum / a.len() as f64).sqrt()
 }
 
-/// The least of some sorted numbers that a share (0 < share ≤ 1) of them don't exceed; `None` of none.
+/// The nearest-rank percentile: the least of the sorted numbers that at least a `share` (0 < share ≤ 1) of them
+/// do not exceed; `None` if there are none.
 pub fn percentile(sorted: &[f64], share: f64) -> Option<f64> {
     let rank = (share * sorted.len() as f64).ceil() as usize;
     sorted.get(rank.saturating_sub(1)).copied()

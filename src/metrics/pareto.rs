@@ -1,7 +1,8 @@
-//! The Pareto front: what nothing else beats in both run time and error.
+//! The Pareto front of run time and error.
 
-/// Indices of the points (time, error) that no other point beats: no slower and no worse, and better
-/// in one. In order of time. Points that are not finite are never on the front.
+/// Indices, in order of time, of the points (time, error) that no other point beats. A point beats another if
+/// it is no slower, no worse, and better in at least one of the two. Points that are not finite are never on
+/// the front.
 pub fn front(points: &[(f64, f64)]) -> Vec<usize> {
     let finite = |p: &(f64, f64)| p.0.is_finite() && p.1.is_finite();
     let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);

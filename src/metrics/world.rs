@@ -1,40 +1,40 @@
-//! World agreement (DEFINITIONS): how often a method hits where the triangles are, if the screen shows
-//! that place, and misses if it doesn't.
+//! World agreement (docs/definitions.md, "World agreement"): how often a method hits what the ray hits in the scene's
+//! triangles if the screen shows that place, and misses if the screen does not show it.
 
-/// How far a method's hit may lie from the world's, in pixels, in x and in y.
+/// The largest distance, in x and in y, between a method's hit and the world's, in pixels.
 pub const WITHIN_PIXELS: f64 = 2.0;
 
 /// Counts over the reflecting pixels.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct WorldAgreement {
-    /// Reflecting pixels.
+    /// The number of reflecting pixels.
     pub pixels: u64,
     /// Both hit within [`WITHIN_PIXELS`], or both miss.
     pub agree: u64,
-    /// The method hits, and the screen shows nothing of the ray's end.
+    /// The method hits, but the screen does not show where the ray ends.
     #[serde(rename = "false")]
     pub false_hits: u64,
-    /// The method misses what the screen shows.
+    /// The method misses although the screen shows where the ray ends.
     pub missed: u64,
-    /// Both hit, further apart.
+    /// Both hit, but further apart.
     pub displaced: u64,
 }
 
 impl WorldAgreement {
-    /// The share that agrees; `None` if nothing reflects.
+    /// The share of pixels that agree; `None` if nothing reflects.
     pub fn fraction(&self) -> Option<f64> {
         (self.pixels > 0).then(|| self.agree as f64 / self.pixels as f64)
     }
 }
 
-/// Whether two places are one, in pixel coordinates.
+/// Whether two pixel coordinates are within [`WITHIN_PIXELS`] of each other in x and in y.
 pub fn is_same_place(a: [f64; 2], b: [f64; 2]) -> bool {
     (0..2).all(|i| (a[i] - b[i]).abs() <= WITHIN_PIXELS)
 }
 
-/// Compares a method's hits with the world's. All slices have one length; per pixel: whether it
-/// reflects, the pixel coordinates of the ray's end in the world if that is visible, and of the
-/// method's hit, if any. A hit that isn't finite is a false hit or a displaced one.
+/// Compares a method's hits with the world's. All three slices have equal length. For each pixel they hold
+/// whether it reflects, the pixel coordinates where the ray ends in the world if the screen shows that place,
+/// and those of the method's hit, if any. A hit that is not finite counts as false or displaced.
 pub fn agreement(reflects: &[bool], visible: &[Option<[f64; 2]>], method: &[Option<[f64; 2]>]) -> WorldAgreement {
     let mut counts = WorldAgreement::default();
     for ((_, world), method) in reflects.iter().zip(visible).zip(method).filter(|((reflects, _), _)| **reflects) {

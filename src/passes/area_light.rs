@@ -1,20 +1,20 @@
 //! Highlights of lights with an extent (thesis §3.1.1): which share of each pixel's reflection lobe the
-//! light fills, in closed form. `area_light/share.glsl` says how, `tests/area_light.rs` how well.
+//! light fills, in closed form. `area_light/share.glsl` says how, `tests/suite/area_light.rs` how well.
 
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{AREA_LIGHT_AREA_LIGHT_FRAG, AreaLightBlock, AreaLightData};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::shader::{AreaLightBlock, AreaLightData};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::math::constants::{self, SHAPE_CAPSULE, SHAPE_RECTANGLE, SHAPE_SPHERE};
 use crate::scene::{AreaLight, AreaShape, Camera};
 
-/// The most area lights that a scene can have for this pass; the size of the list in
-/// `area_light/area_light.frag`.
-pub const MAX_AREA_LIGHTS: usize = 16;
+/// The most area lights that a scene can have for this pass.
+pub const MAX_AREA_LIGHTS: usize = constants::MAX_AREA_LIGHTS as usize;
 
 /// Pipeline and image of one size.
 pub struct AreaLightPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::AreaLight<'static>>,
     reflection: Image,
 }
 
@@ -22,7 +22,7 @@ impl AreaLightPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &AREA_LIGHT_AREA_LIGHT_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "area lights", LIT_COLOR, extent)?,
         })
     }
@@ -48,15 +48,14 @@ impl AreaLightPass {
         frame.fullscreen(
             "area lights",
             &self.pipeline,
-            &[Target::overwrite(self.reflection.all())],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
-                ("area", Resource::Uniform(bytemuck::bytes_of(&lights))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ],
-            &[],
+            [Target::overwrite(self.reflection.all())],
+            &programs::AreaLight {
+                camera: &camera_data,
+                area: &lights,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+            },
         )?;
         Ok(Reflection(&self.reflection))
     }
@@ -68,17 +67,16 @@ fn light_block(lights: &[AreaLight], camera: &Camera) -> AreaLightBlock {
     let place = |p| camera.world_to_view.transform_point3(p);
     let along = |v| camera.world_to_view.transform_vector3(v).extend(0.0).to_array();
     for (data, light) in block.lights.iter_mut().zip(lights) {
-        // The kinds are those of `area_light/area_light.frag`.
         let (kind, a, b, c) = match light.shape {
-            AreaShape::Sphere { centre, radius } => (0.0, place(centre).extend(radius), [0.0; 4], [0.0; 4]),
+            AreaShape::Sphere { centre, radius } => (SHAPE_SPHERE, place(centre).extend(radius), [0.0; 4], [0.0; 4]),
             AreaShape::Capsule { a, b, radius } => {
-                (1.0, place(a).extend(radius), place(b).extend(0.0).to_array(), [0.0; 4])
+                (SHAPE_CAPSULE, place(a).extend(radius), place(b).extend(0.0).to_array(), [0.0; 4])
             }
             AreaShape::Rectangle { centre, half_u, half_v } => {
-                (2.0, place(centre).extend(0.0), along(half_u), along(half_v))
+                (SHAPE_RECTANGLE, place(centre).extend(0.0), along(half_u), along(half_v))
             }
         };
-        *data = AreaLightData { a: a.to_array(), b, c, radiance: light.radiance.extend(kind).to_array() };
+        *data = AreaLightData { a: a.to_array(), b, c, radiance: light.radiance.extend(kind as f32).to_array() };
     }
     block
 }

@@ -4,54 +4,42 @@
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{BillboardBlock, ImpostorData, SCHMIDT_BILLBOARD_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Sampler, Target};
+use crate::gpu::programs::Billboard;
+use crate::gpu::shader::{BillboardBlock, ImpostorData};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::math::constants::{self, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN};
+use crate::parameter::choices;
 use crate::scene::{Camera, Impostor};
 use glam::Mat4;
 
-/// The most impostors that a scene can have for this pass; `MAX_IMPOSTORS` in
-/// `schmidt/billboard_reflections.glsl`.
-pub const MAX_IMPOSTORS: usize = 16;
+/// The most impostors that a scene can have for this pass.
+pub const MAX_IMPOSTORS: usize = constants::MAX_IMPOSTORS as usize;
 
-/// Which of several billboards on a ray shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Order {
-    /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
-    #[default]
-    Printed,
-    /// The last of the list that lies ahead.
-    Unbroken,
-    /// The nearest, blended over those behind it by its alpha, and from behind none.
-    Nearest,
+choices! {
+    /// Which of several billboards on a ray shows.
+    pub enum Order {
+        /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
+        Printed(ORDER_PRINTED) = "printed",
+        /// The last of the list that lies ahead.
+        Unbroken(ORDER_UNBROKEN) = "unbroken",
+        /// The nearest, blended over those behind it by its alpha, and from behind none.
+        Nearest(ORDER_NEAREST) = "nearest",
+    }
 }
 
-/// What hides a billboard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Occlusion {
-    /// Nothing, as published (figure 41).
-    #[default]
-    None,
-    /// What the depth buffer shows on the way to it.
-    Depth,
-}
-
-/// How billboards are traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Billboards {
-    /// Which shows.
-    #[serde(rename = "billboard_order")]
-    pub order: Order,
-    /// What hides them.
-    #[serde(rename = "billboard_occlusion")]
-    pub occlusion: Occlusion,
+choices! {
+    /// What hides a billboard.
+    pub enum Occlusion {
+        /// Nothing, as published (figure 41).
+        None = "none",
+        /// What the depth buffer shows on the way to it.
+        Depth = "depth",
+    }
 }
 
 /// Pipeline and image of one size.
 pub struct BillboardPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<Billboard<'static>>,
     reflection: Image,
 }
 
@@ -59,7 +47,7 @@ impl BillboardPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_BILLBOARD_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
         })
     }
@@ -79,34 +67,34 @@ impl BillboardPass {
         gbuffer: &GBuffer,
         scene: &SceneData,
         camera: &Camera,
-        billboards: Billboards,
+        order: Order,
+        occlusion: Occlusion,
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
-            order: billboards.order as i32,
-            occlusion: i32::from(billboards.occlusion == Occlusion::Depth),
+            order: order as i32,
+            occlusion: i32::from(occlusion == Occlusion::Depth),
             ..BillboardBlock::default()
         };
-        let mut textures: [ImageSlice; MAX_IMPOSTORS] = [scene.white.all(); MAX_IMPOSTORS];
+        let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];
         for ((data, texture), impostor) in block.Impostor.iter_mut().zip(&mut textures).zip(impostors) {
             *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
-            *texture = scene.textures[impostor.texture].all();
+            *texture = Sampled::trilinear(scene.textures[impostor.texture].all());
         }
         frame.fullscreen(
             "billboards",
             &self.pipeline,
-            &[Target::overwrite(self.reflection.all())],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
-                ("BillboardBlock", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("ImpostorTex", Resource::SampledArray(&textures, Sampler::TrilinearClamp)),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ],
-            &[],
+            [Target::overwrite(self.reflection.all())],
+            &Billboard {
+                camera: &camera_data,
+                BillboardBlock: &block,
+                ImpostorTex: textures,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+            },
         )?;
         Ok(Reflection(&self.reflection))
     }

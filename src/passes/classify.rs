@@ -1,17 +1,19 @@
-//! Classification (NUMERICS, "What a robust method does", item 7): which tiles of an image hold mirrors,
+//! Classification (docs/numerics.md, "What a robust method does", item 7): which tiles of an image hold mirrors,
 //! narrow lobes and wide ones, so that each is traced where it is and by what it needs.
 
 use super::GBuffer;
-use super::tiles::{self, LISTS, Tiles};
+use super::tiles::{self, Tiles};
 use crate::error::Result;
 use crate::gpu::memory::Place;
-use crate::gpu::shader::{UNIFIED_CLASSIFY_COMP, UnifiedBlock};
-use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc, Resource};
+use crate::gpu::programs::Classify;
+use crate::gpu::shader::UnifiedBlock;
+use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc};
+use crate::math::constants::LISTS;
 use ash::vk;
 
 /// Pipeline and lists of one size.
 pub struct ClassifyPass {
-    pipeline: ComputePipeline,
+    pipeline: ComputePipeline<Classify<'static>>,
     lists: Buffer,
     listed: Image,
     arguments: Buffer,
@@ -23,9 +25,10 @@ impl ClassifyPass {
         use vk::BufferUsageFlags as U;
         let tiles = tiles::count(extent);
         let [x, y] = tiles.map(u64::from);
+        let of_lists = LISTS as u64;
         Ok(Self {
-            pipeline: ComputePipeline::new(gpu, &UNIFIED_CLASSIFY_COMP)?,
-            lists: Buffer::new(gpu, "tiles", LISTS * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
+            pipeline: ComputePipeline::new(gpu)?,
+            lists: Buffer::new(gpu, "tiles", of_lists * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
             listed: Image::new(
                 gpu,
                 &ImageDesc {
@@ -40,7 +43,7 @@ impl ClassifyPass {
             arguments: Buffer::new(
                 gpu,
                 "tile counts",
-                LISTS * 16,
+                of_lists * 16,
                 U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST,
                 Place::Device,
             )?,
@@ -51,19 +54,23 @@ impl ClassifyPass {
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, parameters: &UnifiedBlock) -> Result<Tiles<'a>> {
         let [x, y] = tiles::count(gbuffer.material.extent());
         frame.fill("classify/clear", &self.arguments, 0)?;
-        frame.compute(
-            "classify/tiles",
-            &self.pipeline,
-            &[
-                ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
-                ("material_buffer", Resource::Loaded(gbuffer.material.all())),
-                ("Counts", Resource::Buffer(&self.arguments)),
-                ("Tiles", Resource::Buffer(&self.lists)),
-                ("listed_image", Resource::Storage(self.listed.all())),
-            ],
-            &[],
-            [x, y, 1],
-        )?;
-        Ok(Tiles { lists: &self.lists, listed: &self.listed, arguments: &self.arguments })
+        let classify = Classify {
+            unified: parameters,
+            material_buffer: gbuffer.material.all(),
+            Counts: &self.arguments,
+            Tiles: &self.lists,
+            listed_image: self.listed.all(),
+        };
+        frame.compute("classify/tiles", &self.pipeline, &classify, [x, y, 1])?;
+        Ok(self.tiles(false))
+    }
+
+    /// Nothing is classified, since all that reflects does so in one way.
+    pub fn whole(&self) -> Tiles<'_> {
+        self.tiles(true)
+    }
+
+    fn tiles(&self, whole: bool) -> Tiles<'_> {
+        Tiles { whole, lists: &self.lists, listed: &self.listed, arguments: &self.arguments }
     }
 }

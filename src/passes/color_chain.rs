@@ -4,21 +4,20 @@
 
 use super::{ColorChain, GBuffer, LIT_COLOR};
 use crate::error::Result;
-use crate::gpu::shader::{BlurBlock, THESIS_GAUSSIAN_BLUR_FRAG, UNIFIED_COLOR_COARSE_COMP};
-use crate::gpu::{
-    ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image,
-};
+use crate::gpu::programs::{ColorCoarse, GaussianBlur};
+use crate::gpu::shader::BlurBlock;
+use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
+use crate::parameter::choices;
 use ash::vk;
 
-/// How the chain is filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ChainFilter {
-    /// Each level is a linear blit of the one below: the GPU's own mip generation.
-    #[default]
-    Hardware,
-    /// Each level is a 7-tap separable Gaussian of the one below.
-    Gaussian,
+choices! {
+    /// How the chain is filtered.
+    pub enum ChainFilter {
+        /// Each level is a linear blit of the one below: the GPU's own mip generation.
+        Hardware = "hardware",
+        /// Each level is a 7-tap separable Gaussian of the one below.
+        Gaussian = "gaussian",
+    }
 }
 
 /// How the levels are made.
@@ -26,9 +25,9 @@ enum Make {
     /// A blit each.
     Blits,
     /// A blit each, the last [`COARSE`] of them in one dispatch.
-    Coarse(ComputePipeline),
+    Coarse(ComputePipeline<ColorCoarse<'static>>),
     /// Two passes each, with the image between the two directions.
-    Gaussian(GraphicsPipeline, Box<Image>),
+    Gaussian(GraphicsPipeline<GaussianBlur<'static>>, Box<Image>),
 }
 
 /// Levels that `color_coarse.comp` makes.
@@ -44,7 +43,7 @@ impl ColorChainPass {
         Ok(Self(match filter {
             ChainFilter::Hardware => Make::Blits,
             ChainFilter::Gaussian => Make::Gaussian(
-                GraphicsPipeline::fullscreen(gpu, &THESIS_GAUSSIAN_BLUR_FRAG, &[format])?,
+                GraphicsPipeline::fullscreen(gpu, [format])?,
                 Box::new(Image::new(
                     gpu,
                     &ImageDesc {
@@ -62,7 +61,7 @@ impl ColorChainPass {
 
     /// As with [`ChainFilter::Hardware`], in fewer passes.
     pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
-        Ok(Self(Make::Coarse(ComputePipeline::new(gpu, &UNIFIED_COLOR_COARSE_COMP)?)))
+        Ok(Self(Make::Coarse(ComputePipeline::new(gpu)?)))
     }
 
     /// Passes "color/1" to the coarsest level, or "color/coarse" for several, written into the colour image itself.
@@ -93,20 +92,31 @@ fn blits(frame: &mut Frame, chain: &Image, end: u32) -> Result<()> {
 }
 
 /// The levels of a chain from one on, of which there are [`COARSE`].
-fn coarse(frame: &mut Frame, chain: &Image, first: u32, pipeline: &ComputePipeline) -> Result<()> {
-    let names = ["level_0", "level_1", "level_2", "level_3", "level_4", "level_5", "level_6", "level_7"];
-    let resources = (first - 1..).zip(names).map(|(level, name)| {
-        let slice = chain.level(level);
-        (name, if level < first { Resource::Loaded(slice) } else { Resource::Storage(slice) })
-    });
-    frame.compute("color/coarse", pipeline, &resources.collect::<Vec<_>>(), &[], [1; 3])
+fn coarse(
+    frame: &mut Frame,
+    chain: &Image,
+    first: u32,
+    pipeline: &ComputePipeline<ColorCoarse<'static>>,
+) -> Result<()> {
+    let level = |n| chain.level(first - 1 + n);
+    let program = ColorCoarse {
+        level_0: level(0),
+        level_1: level(1),
+        level_2: level(2),
+        level_3: level(3),
+        level_4: level(4),
+        level_5: level(5),
+        level_6: level(6),
+        level_7: level(7),
+    };
+    frame.compute("color/coarse", pipeline, &program, [1; 3])
 }
 
 /// A level from the one below it, by way of a third.
 fn gaussian(
     frame: &mut Frame,
     level: u32,
-    pipeline: &GraphicsPipeline,
+    pipeline: &GraphicsPipeline<GaussianBlur<'static>>,
     [below, between, here]: [ImageSlice; 3],
 ) -> Result<()> {
     let [w, h] = here.extent().map(|v| 1.0 / v as f32);
@@ -114,9 +124,8 @@ fn gaussian(
         frame.fullscreen(
             &format!("color/{level}{name}"),
             pipeline,
-            &[Target::overwrite(to)],
-            &[("tex", Resource::trilinear(from))],
-            bytemuck::bytes_of(&BlurBlock { invSize: [w, h], direction }),
+            [Target::overwrite(to)],
+            &GaussianBlur { tex: Sampled::trilinear(from), blur: &BlurBlock { invSize: [w, h], direction } },
         )?;
     }
     Ok(())

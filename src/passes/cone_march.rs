@@ -2,32 +2,36 @@
 
 use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, TracedImages, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{
-    POSTER_CONE_MARCH_MIP_FRAG, POSTER_CONE_MARCH_MIP_HITS_FRAG, POSTER_CONE_MARCH_VOLUME_FRAG,
-    POSTER_CONE_MARCH_VOLUME_HITS_FRAG, PosterBlock,
-};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
+use crate::gpu::programs::{ConeMarchMip, ConeMarchMipConstants, ConeMarchVolume, ConeMarchVolumeConstants};
+use crate::gpu::shader::PosterBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
 use crate::scene::Camera;
 
 /// Pipeline and images of one size.
 pub struct ConeMarchPass {
-    pipeline: GraphicsPipeline,
+    march: March,
     images: TracedImages,
 }
 
+/// Through which kind of images.
+enum March {
+    Mip(GraphicsPipeline<ConeMarchMip<'static>>),
+    Volume(GraphicsPipeline<ConeMarchVolume<'static>>),
+}
+
 impl ConeMarchPass {
-    /// With the hits or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, with_hits: bool) -> Result<Self> {
-        let shader = match (filter, with_hits) {
-            (PosterFilter::Mip, false) => &POSTER_CONE_MARCH_MIP_FRAG,
-            (PosterFilter::Mip, true) => &POSTER_CONE_MARCH_MIP_HITS_FRAG,
-            (PosterFilter::Volume, false) => &POSTER_CONE_MARCH_VOLUME_FRAG,
-            (PosterFilter::Volume, true) => &POSTER_CONE_MARCH_VOLUME_HITS_FRAG,
+    /// With an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool) -> Result<Self> {
+        let formats = TracedImages::formats(hits);
+        let march = match filter {
+            PosterFilter::Mip => {
+                March::Mip(GraphicsPipeline::fullscreen_with(gpu, formats, &ConeMarchMipConstants { hits })?)
+            }
+            PosterFilter::Volume => {
+                March::Volume(GraphicsPipeline::fullscreen_with(gpu, formats, &ConeMarchVolumeConstants { hits })?)
+            }
         };
-        Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(with_hits))?,
-            images: TracedImages::new(gpu, extent, with_hits)?,
-        })
+        Ok(Self { march, images: TracedImages::new(gpu, extent, hits)? })
     }
 
     /// Pass "cone march".
@@ -39,21 +43,43 @@ impl ConeMarchPass {
         camera: &Camera,
         parameters: &PosterBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        let block = camera_block(camera, self.images.extent());
-        frame.fullscreen(
-            "cone march",
-            &self.pipeline,
-            &self.images.targets(),
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-                ("filtered_depth", Resource::trilinear(filtered.depth.all())),
-                ("filtered_normal", Resource::trilinear(filtered.normal.all())),
-                ("filtered_color", Resource::trilinear(filtered.color.all())),
-            ],
-            bytemuck::bytes_of(parameters),
-        )?;
+        let camera = &camera_block(camera, self.images.extent());
+        let normal_buffer = Sampled::nearest(gbuffer.normal.all());
+        let material_buffer = Sampled::nearest(gbuffer.material.all());
+        let filtered_depth = Sampled::trilinear(filtered.depth.all());
+        let filtered_normal = Sampled::trilinear(filtered.normal.all());
+        let filtered_color = Sampled::trilinear(filtered.color.all());
+        let (name, targets, poster) = ("cone march", self.images.targets(), parameters);
+        match &self.march {
+            March::Mip(pipeline) => frame.fullscreen(
+                name,
+                pipeline,
+                targets,
+                &ConeMarchMip {
+                    camera,
+                    normal_buffer,
+                    material_buffer,
+                    filtered_depth,
+                    filtered_normal,
+                    filtered_color,
+                    poster,
+                },
+            )?,
+            March::Volume(pipeline) => frame.fullscreen(
+                name,
+                pipeline,
+                targets,
+                &ConeMarchVolume {
+                    camera,
+                    normal_buffer,
+                    material_buffer,
+                    filtered_depth,
+                    filtered_normal,
+                    filtered_color,
+                    poster,
+                },
+            )?,
+        }
         Ok(self.images.traced())
     }
 }

@@ -3,9 +3,9 @@
 
 use super::LIT_COLOR;
 use crate::error::Result;
-use crate::gpu::shader::{COMMON_CUBE_FILTER_COMP, CubeFilterBlock};
+use crate::gpu::shader::CubeFilterBlock;
 use crate::gpu::sync::Access;
-use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Resource, image};
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, image, programs};
 use crate::math::phong;
 use ash::vk;
 
@@ -27,13 +27,13 @@ pub fn level_roughness(level: u32) -> f64 {
 
 /// The pipeline.
 pub struct CubeFilterPass {
-    pipeline: ComputePipeline,
+    pipeline: ComputePipeline<programs::CubeFilter<'static>>,
 }
 
 impl CubeFilterPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { pipeline: ComputePipeline::new(gpu, &COMMON_CUBE_FILTER_COMP)? })
+        Ok(Self { pipeline: ComputePipeline::new(gpu)? })
     }
 
     /// A cube map whose level 0 is to be filled, then handed to [`Self::record`].
@@ -56,15 +56,14 @@ impl CubeFilterPass {
         }
         frame.copy("cube filter/0", source.level(0), target.level(0))?;
         for level in 1..target.levels() {
-            let block = CubeFilterBlock { exponent: phong::exponent(level_roughness(level)) as f32, samples: SAMPLES };
+            let lobe = CubeFilterBlock { exponent: phong::exponent(level_roughness(level)) as f32, samples: SAMPLES };
             let slice = target.level(level);
-            let resources = [("source", Resource::trilinear(source.all())), ("filtered", Resource::Storage(slice))];
+            let source = Sampled::trilinear(source.all());
             let [width, height] = slice.extent();
             frame.compute(
                 &format!("cube filter/{level}"),
                 &self.pipeline,
-                &resources,
-                bytemuck::bytes_of(&block),
+                &programs::CubeFilter { source, filtered: slice, lobe: &lobe },
                 [width, height, target.layers()],
             )?;
         }

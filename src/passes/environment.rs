@@ -2,13 +2,12 @@
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::THESIS_ENVIRONMENT_FRAG;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::scene::Camera;
 
 /// Pipeline and image of one size.
 pub struct EnvironmentPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Environment<'static>>,
     reflection: Image,
 }
 
@@ -16,7 +15,7 @@ impl EnvironmentPass {
     /// For a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_ENVIRONMENT_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "environment", LIT_COLOR, extent)?,
         })
     }
@@ -30,20 +29,14 @@ impl EnvironmentPass {
         map: CubeMap,
     ) -> Result<Reflection<'_>> {
         let camera = camera_block(camera, gbuffer.depth.extent());
-        let resources = [
-            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-            ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-            ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ("environment", Resource::trilinear(map.0.all())),
-        ];
-        frame.fullscreen(
-            "environment",
-            &self.pipeline,
-            &[Target::overwrite(self.reflection.all())],
-            &resources,
-            &[],
-        )?;
+        let program = programs::Environment {
+            camera: &camera,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+            material_buffer: Sampled::nearest(gbuffer.material.all()),
+            environment: Sampled::trilinear(map.0.all()),
+        };
+        frame.fullscreen("environment", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

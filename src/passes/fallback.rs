@@ -3,12 +3,11 @@
 
 use super::{LIT_COLOR, Reflection};
 use crate::error::Result;
-use crate::gpu::shader::COMMON_FALLBACK_FRAG;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 
 /// Pipeline and image of one size.
 pub struct FallbackPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Fallback<'static>>,
     reflection: Image,
 }
 
@@ -16,18 +15,18 @@ impl FallbackPass {
     /// For a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_FALLBACK_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "with fallback", LIT_COLOR, extent)?,
         })
     }
 
     /// Pass "fallback". Fade is 1 wherever the fallback has a colour.
     pub fn record(&self, frame: &mut Frame, reflection: Reflection, behind: Reflection) -> Result<Reflection<'_>> {
-        let resources = [
-            ("reflection_buffer", Resource::nearest(reflection.0.all())),
-            ("fallback_buffer", Resource::nearest(behind.0.all())),
-        ];
-        frame.fullscreen("fallback", &self.pipeline, &[Target::overwrite(self.reflection.all())], &resources, &[])?;
+        let program = programs::Fallback {
+            reflection_buffer: Sampled::nearest(reflection.0.all()),
+            fallback_buffer: Sampled::nearest(behind.0.all()),
+        };
+        frame.fullscreen("fallback", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

@@ -3,8 +3,10 @@
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{POSTER_BLUR_ACROSS_FRAG, POSTER_BLUR_DOWN_FRAG, POSTER_LINEAR_DEPTH_FRAG, PosterBlurBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Target, image};
+use crate::gpu::programs::{LinearDepth, PosterBlurAcross, PosterBlurDown};
+use crate::gpu::shader::PosterBlurBlock;
+use crate::gpu::{Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
+use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -19,7 +21,7 @@ const NAMES: [&str; 3] = ["filtered depth", "filtered normal", "filtered color"]
 
 /// Pipelines and images of one size.
 pub struct FilteredGBufferPass {
-    linear_depth: GraphicsPipeline,
+    linear_depth: GraphicsPipeline<LinearDepth<'static>>,
     images: Images,
 }
 
@@ -30,8 +32,8 @@ enum Images {
 }
 
 struct Volumes {
-    across: GraphicsPipeline,
-    down: GraphicsPipeline,
+    across: GraphicsPipeline<PosterBlurAcross<'static>>,
+    down: GraphicsPipeline<PosterBlurDown<'static>>,
     /// Between the two directions.
     between: [Image; 3],
     volumes: [Image; 3],
@@ -56,16 +58,20 @@ impl FilteredGBufferPass {
             PosterFilter::Volume => {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
                 let plain = |n| Image::new(gpu, &desc(n));
+                let volumes = [volume(0)?, volume(1)?, volume(2)?];
+                // A sample in the middle of a slice weighs its neighbours with 0, and the next slice is not written yet
+                // in the first frame: what memory held before may be no number, and 0 times that is none either.
+                FrameContext::new(gpu)?
+                    .once(|frame| volumes.iter().try_for_each(|v| frame.clear("volume clear", v.all(), [0.0; 4])))?;
                 Images::Volume(Box::new(Volumes {
-                    across: GraphicsPipeline::fullscreen(gpu, &POSTER_BLUR_ACROSS_FRAG, &FORMATS)?,
-                    down: GraphicsPipeline::fullscreen(gpu, &POSTER_BLUR_DOWN_FRAG, &FORMATS)?,
+                    across: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
+                    down: GraphicsPipeline::fullscreen(gpu, FORMATS)?,
                     between: [plain(0)?, plain(1)?, plain(2)?],
-                    volumes: [volume(0)?, volume(1)?, volume(2)?],
+                    volumes,
                 }))
             }
         };
-        let linear_depth = GraphicsPipeline::fullscreen(gpu, &POSTER_LINEAR_DEPTH_FRAG, &FORMATS[..1])?;
-        Ok(Self { linear_depth, images })
+        Ok(Self { linear_depth: GraphicsPipeline::fullscreen(gpu, [FORMATS[0]])?, images })
     }
 
     /// Passes "linear depth" and "filter/0", then "filter/1" to the coarsest level or slice.
@@ -102,11 +108,8 @@ impl FilteredGBufferPass {
 
     fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
-        let resources = [
-            ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
-            ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-        ];
-        frame.fullscreen("linear depth", &self.linear_depth, &[Target::overwrite(to)], &resources, &[])
+        let program = LinearDepth { camera: &block, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
+        frame.fullscreen("linear depth", &self.linear_depth, [Target::overwrite(to)], &program)
     }
 }
 
@@ -121,19 +124,27 @@ impl Volumes {
             slice: (slice as f32 - 0.5) / self.volumes[0].depth() as f32,
             ..PosterBlurBlock::default()
         };
-        let names = ["depth_source", "normal_source", "color_source"];
-        let volumes = [0, 1, 2].map(|n| (names[n], Resource::trilinear(self.volumes[n].all())));
-        let plain = [0, 1, 2].map(|n| (names[n], Resource::trilinear(self.between[n].all())));
-        let between = [0, 1, 2].map(|n| Target::overwrite(self.between[n].all()));
-        let slices = [0, 1, 2].map(|n| Target::overwrite(self.volumes[n].slice(slice)));
-        let (h, v) = (push([1.0, 0.0]), push([0.0, 1.0]));
-        frame.fullscreen(&format!("filter/{slice}h"), &self.across, &between, &volumes, bytemuck::bytes_of(&h))?;
-        frame.fullscreen(&format!("filter/{slice}v"), &self.down, &slices, &plain, bytemuck::bytes_of(&v))
+        let across = PosterBlurAcross {
+            depth_source: Sampled::trilinear(self.volumes[0].all()),
+            normal_source: Sampled::trilinear(self.volumes[1].all()),
+            color_source: Sampled::trilinear(self.volumes[2].all()),
+            blur: &push([1.0, 0.0]),
+        };
+        let down = PosterBlurDown {
+            depth_source: Sampled::trilinear(self.between[0].all()),
+            normal_source: Sampled::trilinear(self.between[1].all()),
+            color_source: Sampled::trilinear(self.between[2].all()),
+            blur: &push([0.0, 1.0]),
+        };
+        let between = self.between.each_ref().map(|image| Target::overwrite(image.all()));
+        let slices = self.volumes.each_ref().map(|image| Target::overwrite(image.slice(slice)));
+        frame.fullscreen(&format!("filter/{slice}h"), &self.across, between, &across)?;
+        frame.fullscreen(&format!("filter/{slice}v"), &self.down, slices, &down)
     }
 }
 
 /// Variance of the seven taps of thesis §4.3.2, in squares of their distance.
-const TAP_VARIANCE: f32 = 2.0 * (0.233 * 1.0 + 0.028 * 4.0 + 0.002 * 9.0);
+const TAP_VARIANCE: f32 = 2.0 * (GAUSSIAN_1 as f32 * 1.0 + GAUSSIAN_2 as f32 * 4.0 + GAUSSIAN_3 as f32 * 9.0);
 
 /// Pixels between the taps that make a slice from the one below it, so that each slice is as wide as the
 /// texels of its mip level: a box of 2^n pixels has the variance 4^n / 12, and variances add up.

@@ -5,10 +5,12 @@ use super::scene_data::{MeshData, SceneData};
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
 use crate::gpu::pipeline::VertexInput;
-use crate::gpu::shader::{DrawBlock, SCENE_GBUFFER_FRAG, SCENE_GBUFFER_VERT};
+use crate::gpu::programs::{GBufferFragment, GBufferVertex};
+use crate::gpu::shader::DrawBlock;
 use crate::gpu::{
-    Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Sampler, Target, image,
+    Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
+use crate::math::constants::{ALPHA_MASK, NORMAL_MAP};
 use crate::math::frustum::Frustum;
 use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
@@ -25,7 +27,7 @@ pub struct GBufferImages {
 
 /// Pipeline and images of one size.
 pub struct GBufferPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>,
     images: GBufferImages,
     albedo: Image,
     label: &'static str,
@@ -79,13 +81,20 @@ impl GBufferImages {
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
-    /// As [`GBufferImages::upload`], with normals and colour in 32-bit floats, which round nothing: to try
-    /// other formats than these by their values. The device must filter such images linearly.
-    pub fn upload_wide(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
-        let padded = |v: &[Vec3], w: f32| v.iter().map(|p| p.extend(w).to_array()).collect();
-        let vectors: [Vec<[f32; 4]>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
-        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [vk::Format::R32G32B32A32_SFLOAT; 2])?;
-        images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
+    /// As [`GBufferImages::upload`], with the colour in 32-bit floats, which round nothing, and the normals too or as
+    /// [`NORMAL`]: to try other formats than these by their values. The device must filter such images linearly.
+    pub fn upload_wide(context: &mut FrameContext, data: &GBufferData, wide_normals: bool) -> Result<Self> {
+        const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
+        let wide = |v: &[Vec3], w: f32| -> Vec<u8> {
+            v.iter().flat_map(|p| p.extend(w).to_array().map(f32::to_ne_bytes)).flatten().collect()
+        };
+        let half = |v: &[Vec3]| -> Vec<u8> {
+            v.iter().flat_map(|p| p.extend(0.0).to_array().map(|c| half_bits(c).to_ne_bytes())).flatten().collect()
+        };
+        let (format, normal) =
+            if wide_normals { (WIDE, wide(&data.normal, 0.0)) } else { (NORMAL, half(&data.normal)) };
+        let images = Self::of(context.gpu(), [data.width, data.height], DEPTH, [format, WIDE])?;
+        images.filled(context, data, [&normal, &wide(&data.color, 1.0)])
     }
 
     /// The images with depth and material of a G-buffer, and normals and colour as bytes of their formats.
@@ -159,7 +168,7 @@ impl GBufferPass {
         let targets = [ALBEDO, NORMAL, MATERIAL];
         let mesh = if depth == DEPTH_STENCIL { GraphicsPipeline::mesh_where_marked } else { GraphicsPipeline::mesh };
         Ok(Self {
-            pipeline: mesh(gpu, &SCENE_GBUFFER_VERT, &SCENE_GBUFFER_FRAG, input, &targets, depth)?,
+            pipeline: mesh(gpu, input, targets, depth)?,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
             label: "g-buffer",
@@ -209,7 +218,7 @@ impl GBufferPass {
         frame.raster(
             self.label,
             &self.pipeline,
-            &targets,
+            targets,
             Target::cleared(self.images.depth.all(), [0.0; 4]),
             |raster| {
                 let mut bound = None;
@@ -218,19 +227,18 @@ impl GBufferPass {
                         let material = &materials[mesh.material];
                         let map = |index: Option<usize>| {
                             let image = index.map_or(&scene.white, |i| &scene.textures[i]);
-                            Resource::Sampled(image.all(), Sampler::Material)
+                            Sampled(image.all(), Sampler::Material)
                         };
                         let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
-                        raster.bind(
-                            &[
-                                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-                                ("albedo_map", map(material.albedo_map)),
-                                ("normal_map", map(material.normal_map)),
-                                ("alpha_mask", map(material.alpha_mask)),
-                                ("reflectivity_map", map(material.reflectivity_map)),
-                            ],
-                            bytemuck::bytes_of(&block),
-                        )?;
+                        let fragment = GBufferFragment {
+                            camera: &camera,
+                            albedo_map: map(material.albedo_map),
+                            normal_map: map(material.normal_map),
+                            alpha_mask: map(material.alpha_mask),
+                            reflectivity_map: map(material.reflectivity_map),
+                            draw: &block,
+                        };
+                        raster.bind(&fragment, &GBufferVertex { camera: &camera, draw: &block })?;
                         bound = Some(mesh.material);
                     }
                     raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
@@ -267,6 +275,6 @@ fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
         reflectivity: if lit { material.reflectivity } else { 0.0 },
         roughness: material.roughness,
         normal_deviation: material.normal_deviation,
-        maps: u32::from(material.normal_map.is_some()) | u32::from(material.alpha_mask.is_some()) << 1,
+        maps: material.normal_map.map_or(0, |_| NORMAL_MAP) | material.alpha_mask.map_or(0, |_| ALPHA_MASK),
     }
 }

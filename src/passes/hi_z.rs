@@ -3,16 +3,16 @@
 
 use super::{GBuffer, HiZ};
 use crate::error::Result;
-use crate::gpu::shader::{HiZBlock, THESIS_DEPTH_FRAG, THESIS_HI_Z_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::gpu::shader::HiZBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// Pipelines and the chain of one size.
 pub struct HiZPass {
-    depth: GraphicsPipeline,
-    reduce: GraphicsPipeline,
+    depth: GraphicsPipeline<programs::Depth<'static>>,
+    reduce: GraphicsPipeline<programs::HiZ<'static>>,
     chain: Image,
 }
 
@@ -34,8 +34,8 @@ impl HiZPass {
     fn with_levels(gpu: &Gpu, extent: [u32; 2], levels: u32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            depth: GraphicsPipeline::fullscreen(gpu, &THESIS_DEPTH_FRAG, &[FORMAT])?,
-            reduce: GraphicsPipeline::fullscreen(gpu, &THESIS_HI_Z_FRAG, &[FORMAT])?,
+            depth: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
+            reduce: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
             chain: Image::new(
                 gpu,
                 &ImageDesc {
@@ -55,19 +55,17 @@ impl HiZPass {
         frame.fullscreen(
             "depth",
             &self.depth,
-            &[Target::overwrite(self.chain.level(0))],
-            &[("depth_buffer", Resource::nearest(gbuffer.depth.all()))],
-            &[],
+            [Target::overwrite(self.chain.level(0))],
+            &programs::Depth { depth_buffer: Sampled::nearest(gbuffer.depth.all()) },
         )?;
         for level in 1..self.chain.levels() {
             let below = self.chain.level(level - 1);
-            let push = HiZBlock { Offset: below.extent().map(offset) };
+            let hiz = HiZBlock { Offset: below.extent().map(offset) };
             frame.fullscreen(
                 &format!("hi-z/{level}"),
                 &self.reduce,
-                &[Target::overwrite(self.chain.level(level))],
-                &[("Tex", Resource::nearest(below))],
-                bytemuck::bytes_of(&push),
+                [Target::overwrite(self.chain.level(level))],
+                &programs::HiZ { Tex: Sampled::nearest(below), hiz: &hiz },
             )?;
         }
         Ok(HiZ(&self.chain))

@@ -3,23 +3,20 @@
 use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{LightBlock, LightData, SCENE_LIGHTING_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::shader::{LightBlock, LightData};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::scene::{Camera, Light};
-
-/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
-pub const MAX_LIGHTS: usize = 16;
 
 /// The pipeline.
 pub struct LightingPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Lighting<'static>>,
     label: &'static str,
 }
 
 impl LightingPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let pipeline = GraphicsPipeline::fullscreen(gpu, &SCENE_LIGHTING_FRAG, &[LIT_COLOR])?;
+        let pipeline = GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?;
         Ok(Self { pipeline, label: "lighting" })
     }
 
@@ -42,23 +39,22 @@ impl LightingPass {
         frame.fullscreen(
             self.label,
             &self.pipeline,
-            &[Target::overwrite(gbuffer.color.level(0))],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&camera_data))),
-                ("scene", Resource::Uniform(bytemuck::bytes_of(&lights))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("albedo_buffer", Resource::nearest(albedo.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("environment", Resource::trilinear(scene.sky.all())),
-            ],
-            &[],
+            [Target::overwrite(gbuffer.color.level(0))],
+            &programs::Lighting {
+                camera: &camera_data,
+                scene: &lights,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                albedo_buffer: Sampled::nearest(albedo.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                environment: Sampled::trilinear(scene.sky.all()),
+            },
         )
     }
 }
 
-/// Lights in view space. Lights beyond [`MAX_LIGHTS`] are left out; loading refuses such scenes.
+/// Lights in view space, no more than [`SceneData`] uploads.
 fn light_block(lights: &[Light], camera: &Camera) -> LightBlock {
-    let mut block = LightBlock { count: lights.len().min(MAX_LIGHTS) as u32, ..LightBlock::default() };
+    let mut block = LightBlock { count: lights.len() as u32, ..LightBlock::default() };
     for (data, light) in block.lights.iter_mut().zip(lights) {
         let (place, energy) = match *light {
             Light::Point { position, energy } => (camera.world_to_view.transform_point3(position).extend(1.0), energy),

@@ -2,41 +2,34 @@
 
 use super::{GBuffer, HiZ, Hits, Reflection, TracedImages};
 use crate::error::Result;
-use crate::gpu::shader::{
-    THESIS_LINEAR_FIXED_FRAG, THESIS_LINEAR_FIXED_HITS_FRAG, THESIS_LINEAR_GROWING_FRAG,
-    THESIS_LINEAR_GROWING_HITS_FRAG, ThesisBlock,
-};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
+use crate::gpu::programs::{Linear, LinearConstants};
+use crate::gpu::shader::ThesisBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::parameter::choices;
 
-/// Which of the two listings marches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum March {
-    /// The second: a stride that grows, and a binary search.
-    #[default]
-    Growing,
-    /// The first: a constant stride, and nothing after it.
-    Fixed,
+choices! {
+    /// Which of the two listings marches.
+    pub enum LinearMarch {
+        /// The second: a stride that grows, and a binary search.
+        Growing = "growing",
+        /// The first: a constant stride, and nothing after it.
+        Fixed = "fixed",
+    }
 }
 
 /// Pipeline and images of one size.
 pub struct LinearTracePass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<Linear<'static>>,
     images: TracedImages,
 }
 
 impl LinearTracePass {
-    /// With the hits or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, with_hits: bool) -> Result<Self> {
-        let shader = match (march, with_hits) {
-            (March::Growing, false) => &THESIS_LINEAR_GROWING_FRAG,
-            (March::Growing, true) => &THESIS_LINEAR_GROWING_HITS_FRAG,
-            (March::Fixed, false) => &THESIS_LINEAR_FIXED_FRAG,
-            (March::Fixed, true) => &THESIS_LINEAR_FIXED_HITS_FRAG,
-        };
+    /// With an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, hits: bool) -> Result<Self> {
+        let constants = LinearConstants { fixed: march == LinearMarch::Fixed, hits };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(with_hits))?,
-            images: TracedImages::new(gpu, extent, with_hits)?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
+            images: TracedImages::new(gpu, extent, hits)?,
         })
     }
 
@@ -51,15 +44,14 @@ impl LinearTracePass {
         frame.fullscreen(
             "ray trace",
             &self.pipeline,
-            &self.images.targets(),
-            &[
-                ("thesis", Resource::Uniform(bytemuck::bytes_of(parameters))),
-                ("hiZBuffer", Resource::trilinear(depth.0.level(0))),
-                ("normalBuffer", Resource::nearest(gbuffer.normal.all())),
-                ("materialBuffer", Resource::nearest(gbuffer.material.all())),
-                ("colorBuffer", Resource::trilinear(gbuffer.color.level(0))),
-            ],
-            &[],
+            self.images.targets(),
+            &Linear {
+                thesis: parameters,
+                hiZBuffer: Sampled::trilinear(depth.0.level(0)),
+                normalBuffer: Sampled::nearest(gbuffer.normal.all()),
+                materialBuffer: Sampled::nearest(gbuffer.material.all()),
+                colorBuffer: Sampled::trilinear(gbuffer.color.level(0)),
+            },
         )?;
         Ok(self.images.traced())
     }

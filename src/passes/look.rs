@@ -3,8 +3,9 @@
 
 use super::Content;
 use crate::error::Result;
-use crate::gpu::shader::{KeepBlock, LookBlock, VIEW_KEEP_FRAG, VIEW_LOOK_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Resource, Target};
+use crate::gpu::shader::{KeepBlock, LookBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageSlice, Sampled, Target, programs};
+use crate::math::constants::*;
 use crate::scene::Lens;
 use ash::vk;
 
@@ -13,7 +14,7 @@ const KEPT: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// A copy of an image's level, at a size of its own.
 pub struct KeepPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Keep<'static>>,
     image: Image,
 }
 
@@ -21,7 +22,7 @@ impl KeepPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &VIEW_KEEP_FRAG, &[KEPT])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [KEPT])?,
             image: Image::target(gpu, "kept", KEPT, extent)?,
         })
     }
@@ -29,13 +30,12 @@ impl KeepPass {
     /// Pass "keep": each pixel takes the texel of the level that it lies in.
     pub fn record(&self, frame: &mut Frame, level: ImageSlice) -> Result<()> {
         let (from, to) = (level.extent(), self.image.extent());
-        let push = KeepBlock { scale: [0, 1].map(|i| from[i] as f32 / to[i] as f32) };
+        let keep = KeepBlock { scale: [0, 1].map(|i| from[i] as f32 / to[i] as f32) };
         frame.fullscreen(
             "keep",
             &self.pipeline,
-            &[Target::overwrite(self.image.all())],
-            &[("source", Resource::nearest(level))],
-            bytemuck::bytes_of(&push),
+            [Target::overwrite(self.image.all())],
+            &programs::Keep { source: Sampled::nearest(level), keep: &keep },
         )
     }
 
@@ -50,11 +50,11 @@ impl KeepPass {
 pub enum Compare {
     /// The first alone.
     #[default]
-    One,
+    One = COMPARE_ONE as isize,
     /// The first left of a line, the second right of it.
-    Split,
+    Split = COMPARE_SPLIT as isize,
     /// The magnitude of their difference.
-    Difference,
+    Difference = COMPARE_DIFFERENCE as isize,
 }
 
 /// How numbers are shown.
@@ -94,18 +94,18 @@ pub struct Look {
 
 /// The pipeline that draws to a screen's format.
 pub struct LookPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Look<'static>>,
 }
 
 impl LookPass {
     /// For screens of an sRGB format, which does the encoding.
     pub fn new(gpu: &Gpu, screen: vk::Format) -> Result<Self> {
-        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, &VIEW_LOOK_FRAG, &[screen])? })
+        Ok(Self { pipeline: GraphicsPipeline::fullscreen(gpu, [screen])? })
     }
 
     /// Pass "look". Both pictures have the area's size; where one is shown, it is given twice.
     pub fn record(&self, frame: &mut Frame, screen: &Image, look: &Look, pictures: [&Image; 2]) -> Result<()> {
-        let push = LookBlock {
+        let parameters = LookBlock {
             area: look.area.map(|v| v as i32),
             compare: look.compare as i32,
             split: (look.split * look.area[2] as f32).round() as i32,
@@ -122,21 +122,24 @@ impl LookPass {
         frame.fullscreen(
             "look",
             &self.pipeline,
-            &[Target::overwrite(screen.all())],
-            &[("first", Resource::nearest(pictures[0].all())), ("second", Resource::nearest(pictures[1].all()))],
-            bytemuck::bytes_of(&push),
+            [Target::overwrite(screen.all())],
+            &programs::Look {
+                first: Sampled::nearest(pictures[0].all()),
+                second: Sampled::nearest(pictures[1].all()),
+                look: &parameters,
+            },
         )
     }
 }
 
-/// `CONTENT_*` of `look.frag`.
+/// How `look.frag` shows a content.
 fn shade(content: Content) -> i32 {
     match content {
-        Content::Color => 0,
-        Content::Normal => 1,
-        Content::ReversedDepth => 2,
-        Content::StandardDepth => 3,
-        Content::Share | Content::Material | Content::Hits | Content::LinearDepth => 4,
-        Content::Steps => 5,
+        Content::Color => CONTENT_COLOR,
+        Content::Normal => CONTENT_NORMAL,
+        Content::ReversedDepth => CONTENT_REVERSED_DEPTH,
+        Content::StandardDepth => CONTENT_STANDARD_DEPTH,
+        Content::Share | Content::Material | Content::Hits | Content::LinearDepth => CONTENT_PLAIN,
+        Content::Steps => CONTENT_HEAT,
     }
 }

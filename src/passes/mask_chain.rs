@@ -3,17 +3,19 @@
 
 use super::RayTraceColor;
 use crate::error::Result;
-use crate::gpu::shader::{BlurBlock, THESIS_SSLR_BLUR_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::gpu::shader::BlurBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
+use crate::parameter::choices;
 use ash::vk;
 
-/// How both chains are filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MaskFilter {
-    /// 7-tap separable Gaussian; where the mask is 0 the central pixel is read instead.
-    Weighted,
-    /// The GPU's own mip generation; the mask has no say.
-    Hardware,
+choices! {
+    /// How both chains are filtered.
+    pub enum MaskFilter {
+        /// 7-tap separable Gaussian; where the mask is 0 the central pixel is read instead.
+        Weighted = "weighted",
+        /// The GPU's own mip generation; the mask has no say.
+        Hardware = "hardware",
+    }
 }
 
 /// Pipeline and the images between the two directions of the Gaussian.
@@ -22,7 +24,7 @@ pub struct MaskChainPass {
 }
 
 struct Gaussian {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::SslrBlur<'static>>,
     color: Image,
     mask: Image,
 }
@@ -37,7 +39,7 @@ impl MaskChainPass {
         let (levels, usage) = (image::full_chain(extent), U::COLOR_ATTACHMENT | U::SAMPLED);
         let image = |name, format| Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage });
         let gaussian = Gaussian {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_SSLR_BLUR_FRAG, &formats)?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, formats)?,
             color: image("horizontal blur of the color", formats[0])?,
             mask: image("horizontal blur of the mask", formats[1])?,
         };
@@ -61,9 +63,12 @@ impl MaskChainPass {
                 frame.fullscreen(
                     &format!("blur/{level}{name}"),
                     &gaussian.pipeline,
-                    &to.map(Target::overwrite),
-                    &[("tex", Resource::trilinear(from[0])), ("mask", Resource::trilinear(from[1]))],
-                    bytemuck::bytes_of(&BlurBlock { invSize: [w, h], direction }),
+                    to.map(Target::overwrite),
+                    &programs::SslrBlur {
+                        tex: Sampled::trilinear(from[0]),
+                        mask: Sampled::trilinear(from[1]),
+                        blur: &BlurBlock { invSize: [w, h], direction },
+                    },
                 )?;
             }
         }

@@ -36,7 +36,9 @@ pub mod visibility;
 
 use crate::error::Result;
 use crate::gpu::shader::CameraBlock;
-use crate::gpu::{Frame, Gpu, Image, Resource, Target};
+use crate::gpu::{Frame, Gpu, Image, Target};
+use crate::math::constants;
+use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
 
@@ -57,7 +59,7 @@ pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
 pub struct GBuffer<'a> {
     /// Reversed depth (near 1, far 0; 0 is sky), D32.
     pub depth: &'a Image,
-    /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`].
+    /// View-space unit normal in xyz; zero where nothing stands. [`NORMAL`], which `unified` takes alone.
     pub normal: &'a Image,
     /// Reflectivity and roughness. [`MATERIAL`].
     pub material: &'a Image,
@@ -65,15 +67,6 @@ pub struct GBuffer<'a> {
     pub color: &'a Image,
     /// What reflects in it, as far as is known beforehand.
     pub reflectors: Reflectors,
-}
-
-impl<'a> GBuffer<'a> {
-    /// Its normals as the shaders of `unified` take them (`shaders-glsl/unified/normal.glsl`): those for studies take
-    /// any format, the others [`NORMAL`] alone.
-    fn unified_normals(&self, any_format: bool) -> Resource<'a> {
-        let image = self.normal.all();
-        if any_format { Resource::nearest(image) } else { Resource::Loaded(image) }
-    }
 }
 
 /// What the materials that are drawn say of a frame's reflections, before any pixel is looked at.
@@ -89,8 +82,8 @@ pub struct Reflectors {
     pub everywhere: bool,
 }
 
-/// Roughness above which `unified` takes a lobe for wide (`shaders-glsl/unified/tiles.glsl`).
-pub const WIDE_ABOVE: f32 = 0.2;
+/// Roughness above which `unified` takes a lobe for wide.
+pub const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 
 impl Reflectors {
     /// Nothing is known: there may be both.
@@ -190,8 +183,8 @@ impl TracedImages {
     }
 
     /// Formats of the shader's outputs.
-    pub fn formats(with_hits: bool) -> &'static [vk::Format] {
-        if with_hits { &[LIT_COLOR, HITS] } else { &[LIT_COLOR] }
+    pub fn formats(with_hits: bool) -> [vk::Format; 2] {
+        [LIT_COLOR, if with_hits { HITS } else { vk::Format::UNDEFINED }]
     }
 
     /// Width and height in pixels.
@@ -200,8 +193,9 @@ impl TracedImages {
     }
 
     /// All of it, to be drawn over, in the order of the shader's outputs.
-    pub fn targets(&self) -> Vec<Target<'_>> {
-        std::iter::once(&self.reflection).chain(&self.hits).map(|i| Target::overwrite(i.all())).collect()
+    pub fn targets(&self) -> [Target<'_>; 2] {
+        let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
+        [Target::overwrite(self.reflection.all()), hits]
     }
 
     /// What was drawn.
@@ -231,15 +225,14 @@ pub struct FilteredGBuffer<'a> {
     pub color: &'a Image,
 }
 
-/// How the G-buffer is pre-filtered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PosterFilter {
-    /// Hardware mip-mapping (the poster's figure 2a).
-    #[default]
-    Mip,
-    /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
-    Volume,
+choices! {
+    /// How the G-buffer is pre-filtered.
+    pub enum PosterFilter {
+        /// Hardware mip-mapping (the poster's figure 2a).
+        Mip = "mip",
+        /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
+        Volume = "volume",
+    }
 }
 
 /// What an image's numbers are, for whoever draws it.
@@ -265,34 +258,33 @@ pub enum Content {
     Steps,
 }
 
-/// How a ray ended: the fourth channel of [`Hits`] (`PATH_*` in `shaders-glsl/common/path.glsl`,
-/// `HIT_*` and `MISS_*` in `shaders-glsl/unified/traverse.glsl`).
+/// How a ray ended: the fourth channel of [`Hits`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PathCode {
     /// The pixel does not reflect.
-    None = 0,
+    None = constants::PATH_NONE as isize,
     /// Hit by Hi-Z traversal.
-    HiZ = 1,
+    HiZ = constants::PATH_HI_Z as isize,
     /// Hit by a linear march: the fallback's, or the method's own.
-    Linear = 2,
+    Linear = constants::PATH_LINEAR as isize,
     /// Hi-Z traversal left the screen.
-    Miss = 3,
+    Miss = constants::PATH_MISS as isize,
     /// A linear march found nothing.
-    LinearMiss = 4,
+    LinearMiss = constants::PATH_LINEAR_MISS as isize,
     /// Out of iterations; the thesis takes it for a hit.
-    Exhausted = 5,
+    Exhausted = constants::PATH_EXHAUSTED as isize,
     /// Towards the camera, and the method has no fallback.
-    Untraced = 6,
+    Untraced = constants::PATH_UNTRACED as isize,
     /// `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
-    Unfinished = 7,
+    Unfinished = constants::PATH_UNFINISHED as isize,
     /// `unified`: left by a side of the screen.
-    MissScreen = 8,
+    MissScreen = constants::PATH_MISS_SCREEN as isize,
     /// `unified`: went behind the near plane.
-    MissNear = 9,
+    MissNear = constants::PATH_MISS_NEAR as isize,
     /// `unified`: went beyond the far plane.
-    MissSky = 10,
+    MissSky = constants::PATH_MISS_SKY as isize,
     /// `unified`: left the frustum behind geometry.
-    MissBehind = 11,
+    MissBehind = constants::PATH_MISS_BEHIND as isize,
 }
 
 impl PathCode {

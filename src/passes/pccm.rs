@@ -3,13 +3,13 @@
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{LocalCubeMap, PccmBlock, SCHMIDT_PCCM_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::shader::{LocalCubeMap, PccmBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use crate::scene::{Camera, Probe};
 
 /// Pipeline and image of one size.
 pub struct PccmPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Pccm<'static>>,
     reflection: Image,
 }
 
@@ -17,7 +17,7 @@ impl PccmPass {
     /// For a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &SCHMIDT_PCCM_FRAG, &[LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "pccm", LIT_COLOR, extent)?,
         })
     }
@@ -32,16 +32,16 @@ impl PccmPass {
     ) -> Result<Reflection<'_>> {
         let camera = camera_block(camera, gbuffer.depth.extent());
         let block = PccmBlock { maps: maps.map(|(probe, _)| local_cube_map(probe)) };
-        let resources = [
-            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-            ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-            ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-            ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ("pccm", Resource::Uniform(bytemuck::bytes_of(&block))),
-            ("first_map", Resource::trilinear(maps[0].1.0.all())),
-            ("second_map", Resource::trilinear(maps[1].1.0.all())),
-        ];
-        frame.fullscreen("pccm", &self.pipeline, &[Target::overwrite(self.reflection.all())], &resources, &[])?;
+        let program = programs::Pccm {
+            camera: &camera,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+            material_buffer: Sampled::nearest(gbuffer.material.all()),
+            pccm: &block,
+            first_map: Sampled::trilinear(maps[0].1.0.all()),
+            second_map: Sampled::trilinear(maps[1].1.0.all()),
+        };
+        frame.fullscreen("pccm", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

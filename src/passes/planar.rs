@@ -3,50 +3,32 @@
 
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{PLANAR_COPY_FRAG, PLANAR_LOOKUP_FRAG, PLANAR_MARK_FRAG, PlaneBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::programs::{PlanarCopy, PlanarLookup, PlanarMark};
+use crate::gpu::shader::PlaneBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec4;
 
-/// How a mirror gets its mirrored scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Variant {
-    /// Drawn only where the stencil marks the mirror: the thesis's first method.
-    #[default]
-    Stencil,
-    /// Drawn whole into a render target, which is a texture on the mirror: its second.
-    Target,
+choices! {
+    /// How a mirror gets its mirrored scene.
+    pub enum MirrorDrawing {
+        /// Drawn only where the stencil marks the mirror: the thesis's first method.
+        Stencil = "stencil",
+        /// Drawn whole into a render target, which is a texture on the mirror: its second.
+        Target = "target",
+    }
 }
 
 /// The most planes that one frame mirrors the scene at: each costs a scene of its own.
 pub const MAX_PLANES: u32 = 8;
 
-/// Which planes are mirrors, and how.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(default)]
-pub struct Mirrors {
-    /// How.
-    #[serde(rename = "planar_variant")]
-    pub variant: Variant,
-    /// How many planes, those that cover most of the screen, 1…[`MAX_PLANES`].
-    #[serde(rename = "planar_planes")]
-    pub planes: u32,
-}
-
-impl Default for Mirrors {
-    /// The dominant plane alone: the thesis speaks of one mirror.
-    fn default() -> Self {
-        Self { variant: Variant::default(), planes: 1 }
-    }
-}
-
 /// Pipelines and the image of one size.
 pub struct PlanarPass {
-    mark: GraphicsPipeline,
-    lookup: GraphicsPipeline,
-    copy: GraphicsPipeline,
+    mark: GraphicsPipeline<PlanarMark<'static>>,
+    lookup: GraphicsPipeline<PlanarLookup<'static>>,
+    copy: GraphicsPipeline<PlanarCopy<'static>>,
     reflection: Image,
 }
 
@@ -54,9 +36,9 @@ impl PlanarPass {
     /// An image of a size in pixels. `stencil` is the format of the depth target that is marked.
     pub fn new(gpu: &Gpu, extent: [u32; 2], stencil: vk::Format) -> Result<Self> {
         Ok(Self {
-            mark: GraphicsPipeline::marking(gpu, &PLANAR_MARK_FRAG, stencil)?,
-            lookup: GraphicsPipeline::fullscreen(gpu, &PLANAR_LOOKUP_FRAG, &[LIT_COLOR])?,
-            copy: GraphicsPipeline::fullscreen(gpu, &PLANAR_COPY_FRAG, &[LIT_COLOR])?,
+            mark: GraphicsPipeline::marking(gpu, stencil)?,
+            lookup: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
+            copy: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "planar reflection", LIT_COLOR, extent)?,
         })
     }
@@ -85,12 +67,12 @@ impl PlanarPass {
             "mirror mark",
             &self.mark,
             marked.all(),
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-            ],
-            bytemuck::bytes_of(&plane_block(camera, plane)),
+            &PlanarMark {
+                camera: &block,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+                mirror: &plane_block(camera, plane),
+            },
         )
     }
 
@@ -99,12 +81,11 @@ impl PlanarPass {
         frame.fullscreen(
             "mirror copy",
             &self.copy,
-            &[Target::kept(self.reflection.all())],
-            &[
-                ("mirrored_depth", Resource::nearest(mirrored.depth.all())),
-                ("mirrored_color", Resource::nearest(mirrored.color.level(0))),
-            ],
-            &[],
+            [Target::kept(self.reflection.all())],
+            &PlanarCopy {
+                mirrored_depth: Sampled::nearest(mirrored.depth.all()),
+                mirrored_color: Sampled::nearest(mirrored.color.level(0)),
+            },
         )
     }
 
@@ -121,15 +102,15 @@ impl PlanarPass {
         frame.fullscreen(
             "mirror lookup",
             &self.lookup,
-            &[Target::kept(self.reflection.all())],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-                ("mirrored_depth", Resource::nearest(mirrored.depth.all())),
-                ("mirrored_color", Resource::nearest(mirrored.color.level(0))),
-            ],
-            bytemuck::bytes_of(&plane_block(camera, plane)),
+            [Target::kept(self.reflection.all())],
+            &PlanarLookup {
+                camera: &block,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+                mirrored_depth: Sampled::nearest(mirrored.depth.all()),
+                mirrored_color: Sampled::nearest(mirrored.color.level(0)),
+                mirror: &plane_block(camera, plane),
+            },
         )
     }
 }

@@ -1,21 +1,23 @@
-//! The pyramid of front and back depths that rays walk over (NUMERICS, "What a robust method does",
+//! The pyramid of front and back depths that rays walk over (docs/numerics.md, "What a robust method does",
 //! item 2), all levels in one dispatch. CPU twin: `reference::unified`.
 
 use super::{GBuffer, Pyramid};
 use crate::error::Result;
-use crate::gpu::shader::{UNIFIED_PYRAMID_COMP, UnifiedBlock};
-use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Resource};
+use crate::gpu::program::Program;
+use crate::gpu::shader::UnifiedBlock;
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, programs};
+use crate::math::constants::PYRAMID_TILE_SIDE;
 use ash::vk;
 
 /// Pixels along a side of what a workgroup of the shader makes.
-const TILE: u32 = 64;
+const TILE: u32 = PYRAMID_TILE_SIDE as u32;
 
-/// The coarsest level that is ever made: cells of 64 pixels. Measured: coarser ones gain nothing.
+/// The coarsest level that is ever made: cells of 64 pixels. Coarser ones gain nothing (docs/unified.md).
 pub const COARSEST: u32 = TILE.ilog2();
 
 /// Pipeline and image of one size.
 pub struct PyramidPass {
-    pipeline: ComputePipeline,
+    pipeline: ComputePipeline<programs::Pyramid<'static>>,
     image: Image,
 }
 
@@ -53,8 +55,7 @@ impl PyramidPass {
         use vk::ImageUsageFlags as U;
         let strip = strip(extent);
         Ok(Self {
-            // STRIP of parameters.glsl.
-            pipeline: ComputePipeline::with(gpu, &UNIFIED_PYRAMID_COMP, &[strip as i32])?,
+            pipeline: ComputePipeline::with(gpu, &programs::PyramidConstants { strip: strip as i32 })?,
             image: Image::new(
                 gpu,
                 &ImageDesc {
@@ -78,17 +79,14 @@ impl PyramidPass {
     ) -> Result<Pyramid<'a>> {
         let [width, height] = padded(gbuffer.depth.extent());
         let tiles = [width.div_ceil(TILE), height.div_ceil(TILE)];
-        frame.compute(
-            "pyramid",
-            &self.pipeline,
-            &[
-                ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("pyramid", Resource::Storage(self.image.all())),
-            ],
-            &[],
-            [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * self.pipeline.local_size[i])),
-        )?;
+        let program = programs::Pyramid {
+            unified: parameters,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            pyramid: self.image.all(),
+        };
+        let threads = <programs::Pyramid as Program>::SHADER.local_size;
+        let threads = [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * threads[i]));
+        frame.compute("pyramid", &self.pipeline, &program, threads)?;
         Ok(Pyramid(&self.image))
     }
 }

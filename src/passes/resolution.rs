@@ -3,8 +3,8 @@
 
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{COMMON_DOWNSAMPLE_FRAG, COMMON_UPSAMPLE_FRAG, DownsampleBlock, UpsampleBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::gpu::shader::{DownsampleBlock, UpsampleBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use crate::scene::Camera;
 use ash::vk;
 
@@ -19,7 +19,7 @@ pub fn divided(extent: [u32; 2], divisor: u32) -> [u32; 2] {
 
 /// The smaller G-buffer of a full one.
 pub struct DownsamplePass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Downsample<'static>>,
     divisor: u32,
     depth: Image,
     normal: Image,
@@ -36,9 +36,8 @@ impl DownsamplePass {
             let usage = more | U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
-        let targets = [DEPTH, NORMAL, MATERIAL, LIT_COLOR];
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_DOWNSAMPLE_FRAG, &targets)?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [DEPTH, NORMAL, MATERIAL, LIT_COLOR])?,
             divisor,
             depth: of("small depth", DEPTH, 1, U::empty())?,
             normal: of("small normal", NORMAL, 1, U::STORAGE)?,
@@ -53,14 +52,14 @@ impl DownsamplePass {
         frame.fullscreen(
             "downsample",
             &self.pipeline,
-            &targets.map(Target::overwrite),
-            &[
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-                ("color_buffer", Resource::nearest(gbuffer.color.level(0))),
-            ],
-            bytemuck::bytes_of(&DownsampleBlock { divisor: self.divisor as i32 }),
+            targets.map(Target::overwrite),
+            &programs::Downsample {
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+                color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+                block: &DownsampleBlock { divisor: self.divisor as i32 },
+            },
         )?;
         Ok(GBuffer {
             depth: &self.depth,
@@ -74,7 +73,7 @@ impl DownsamplePass {
 
 /// A reflection brought to full size.
 pub struct UpsamplePass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Upsample<'static>>,
     divisor: u32,
     reflection: Image,
 }
@@ -83,7 +82,7 @@ impl UpsamplePass {
     /// For reflections of a full size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &COMMON_UPSAMPLE_FRAG, &[REFLECTION])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [REFLECTION])?,
             divisor,
             reflection: Image::target(gpu, "upsampled reflection", REFLECTION, extent)?,
         })
@@ -97,19 +96,19 @@ impl UpsamplePass {
         camera: &Camera,
         small: Reflection,
     ) -> Result<Reflection<'a>> {
-        let block = camera_block(camera, self.reflection.extent());
+        let camera = camera_block(camera, self.reflection.extent());
         frame.fullscreen(
             "upsample",
             &self.pipeline,
-            &[Target::overwrite(self.reflection.all())],
-            &[
-                ("camera", Resource::Uniform(bytemuck::bytes_of(&block))),
-                ("depth_buffer", Resource::nearest(gbuffer.depth.all())),
-                ("normal_buffer", Resource::nearest(gbuffer.normal.all())),
-                ("material_buffer", Resource::nearest(gbuffer.material.all())),
-                ("small_reflection", Resource::nearest(small.0.all())),
-            ],
-            bytemuck::bytes_of(&UpsampleBlock { divisor: self.divisor as i32 }),
+            [Target::overwrite(self.reflection.all())],
+            &programs::Upsample {
+                camera: &camera,
+                depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                material_buffer: Sampled::nearest(gbuffer.material.all()),
+                small_reflection: Sampled::nearest(small.0.all()),
+                block: &UpsampleBlock { divisor: self.divisor as i32 },
+            },
         )?;
         Ok(Reflection(&self.reflection))
     }

@@ -3,10 +3,14 @@
 use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
+use crate::math::constants;
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
-use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Probe, Scene, Texture, Vertex, sky};
+use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
+
+/// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
+pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
 
 /// Side of a face of the sky's cube map, in texels.
 const SKY_SIZE: u32 = 256;
@@ -37,7 +41,15 @@ pub(super) struct MeshData {
 
 impl SceneData {
     /// Uploads a scene.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a scene with more lights than are drawn, or a mesh with more vertices or indices than the
+    /// device can draw; [`Error::Memory`] without memory.
     pub fn upload(context: &mut FrameContext, scene: &Scene) -> Result<Self> {
+        if scene.lights.len() > MAX_LIGHTS {
+            let (name, count) = (&scene.name, scene.lights.len());
+            return Err(Error::Usage(format!("scene {name} has {count} lights; at most {MAX_LIGHTS} can be drawn")));
+        }
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for mesh in scene.meshes.iter().filter(|m| !m.indices.is_empty()) {
             meshes.push(MeshData {
@@ -53,7 +65,7 @@ impl SceneData {
                     bytemuck::cast_slice(&mesh.indices),
                     vk::BufferUsageFlags::INDEX_BUFFER,
                 )?,
-                index_count: mesh.indices.len() as u32,
+                index_count: index_count(mesh, context.gpu().max_vertices())?,
                 material: mesh.material,
                 bounds: mesh.bounds,
             });
@@ -87,6 +99,19 @@ impl SceneData {
     }
 }
 
+/// How many indices a mesh has, where a device that can tell so many vertices apart can draw it.
+fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
+    let (name, vertices, indices) = (&mesh.name, mesh.vertices.len(), mesh.indices.len());
+    match u32::try_from(indices) {
+        Ok(count) if vertices as u64 <= max_vertices => Ok(count),
+        _ => Err(Error::Usage(format!(
+            "mesh {name} has {vertices} vertices and {indices} indices; the device draws at most {max_vertices} and {} \
+             of one mesh",
+            u32::MAX
+        ))),
+    }
+}
+
 /// The scene's probes, or one in its middle.
 fn probes(scene: &Scene) -> Vec<Probe> {
     if !scene.probes.is_empty() {
@@ -111,7 +136,7 @@ impl SceneData {
 /// [`Error::Usage`] if it has.
 pub(super) fn at_most(what: &str, count: usize, most: usize, method: &str) -> Result<()> {
     if count > most {
-        return Err(Error::Usage(format!("the scene has {count} {what}; --method {method} takes at most {most}")));
+        return Err(Error::Usage(format!("the scene has {count} {what}; the method {method} takes at most {most}")));
     }
     Ok(())
 }
@@ -177,4 +202,25 @@ fn environment(context: &mut FrameContext) -> Result<Image> {
         Ok(())
     })?;
     Ok(made)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_with_more_vertices_than_indices_can_tell_apart_is_refused() {
+        let mesh = Mesh {
+            name: "dust".into(),
+            vertices: vec![bytemuck::Zeroable::zeroed(); 5],
+            indices: vec![0, 1, 4],
+            ..Mesh::default()
+        };
+        assert_eq!(index_count(&mesh, 5).unwrap(), 3);
+        let said = index_count(&mesh, 4).unwrap_err().to_string();
+        assert_eq!(
+            said,
+            "mesh dust has 5 vertices and 3 indices; the device draws at most 4 and 4294967295 of one mesh"
+        );
+    }
 }

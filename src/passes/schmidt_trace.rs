@@ -3,15 +3,14 @@
 use super::{GBuffer, Hits, Reflection, TracedImages, camera_block};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
-use crate::gpu::shader::{
-    SCHMIDT_SSR_FAST_FRAG, SCHMIDT_SSR_FAST_HITS_FRAG, SCHMIDT_SSR_FRAG, SCHMIDT_SSR_HITS_FRAG, SchmidtBlock,
-};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Resource};
+use crate::gpu::programs::{ScreenSpaceReflections, ScreenSpaceReflectionsConstants};
+use crate::gpu::shader::SchmidtBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
 use crate::scene::Camera;
 
 /// Which march.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum March {
+pub enum SchmidtMarch {
     /// Listing 4: a sample a pixel.
     PerPixel,
     /// Listing 5: ten steps forward, a tenth back.
@@ -20,21 +19,16 @@ pub enum March {
 
 /// Pipeline and images of one size.
 pub struct SchmidtTracePass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<ScreenSpaceReflections<'static>>,
     images: TracedImages,
 }
 
 impl SchmidtTracePass {
     /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: March, hits: bool) -> Result<Self> {
-        let shader = match (march, hits) {
-            (March::PerPixel, false) => &SCHMIDT_SSR_FRAG,
-            (March::PerPixel, true) => &SCHMIDT_SSR_HITS_FRAG,
-            (March::Optimized, false) => &SCHMIDT_SSR_FAST_FRAG,
-            (March::Optimized, true) => &SCHMIDT_SSR_FAST_HITS_FRAG,
-        };
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool) -> Result<Self> {
+        let constants = ScreenSpaceReflectionsConstants { optimized: march == SchmidtMarch::Optimized, hits };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, shader, TracedImages::formats(hits))?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
             images: TracedImages::new(gpu, extent, hits)?,
         })
     }
@@ -49,20 +43,15 @@ impl SchmidtTracePass {
         parameters: &SchmidtBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
-        let resources = [
-            ("camera", Resource::Uniform(bytemuck::bytes_of(&camera))),
-            ("DepthTex", Resource::nearest(gbuffer.depth.all())),
-            ("normalBuffer", Resource::nearest(gbuffer.normal.all())),
-            ("materialBuffer", Resource::nearest(gbuffer.material.all())),
-            ("DiffuseTex", Resource::trilinear(diffuse)),
-        ];
-        frame.fullscreen(
-            "ray march",
-            &self.pipeline,
-            &self.images.targets(),
-            &resources,
-            bytemuck::bytes_of(parameters),
-        )?;
+        let program = ScreenSpaceReflections {
+            camera: &camera,
+            DepthTex: Sampled::nearest(gbuffer.depth.all()),
+            normalBuffer: Sampled::nearest(gbuffer.normal.all()),
+            materialBuffer: Sampled::nearest(gbuffer.material.all()),
+            DiffuseTex: Sampled::trilinear(diffuse),
+            schmidt: parameters,
+        };
+        frame.fullscreen("ray march", &self.pipeline, self.images.targets(), &program)?;
         Ok(self.images.traced())
     }
 }

@@ -2,15 +2,15 @@
 
 use super::{GBuffer, RayTraceColor, Reflection};
 use crate::error::Result;
-use crate::gpu::shader::{SslrReflectionBlock, THESIS_SSLR_REFLECTION_FRAG};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::shader::SslrReflectionBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
 use ash::vk;
 
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// Pipeline and image of one size.
 pub struct SslrReflectionPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::SslrReflection<'static>>,
     image: Image,
 }
 
@@ -18,7 +18,7 @@ impl SslrReflectionPass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_SSLR_REFLECTION_FRAG, &[FORMAT])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
             image: Image::target(gpu, "reflection", FORMAT, extent)?,
         })
     }
@@ -31,7 +31,7 @@ impl SslrReflectionPass {
         traced: RayTraceColor,
         spreading_factor: f32,
     ) -> Result<Reflection<'a>> {
-        let push = SslrReflectionBlock {
+        let sslr = SslrReflectionBlock {
             resolution: self.image.extent().map(|v| v as f32),
             mipCount: traced.color.levels() as f32,
             spreadingFactor: spreading_factor,
@@ -39,13 +39,13 @@ impl SslrReflectionPass {
         frame.fullscreen(
             "reflection",
             &self.pipeline,
-            &[Target::overwrite(self.image.all())],
-            &[
-                ("rayTraceColorBuffer", Resource::trilinear(traced.color.all())),
-                ("maskBuffer", Resource::nearest(traced.mask.level(0))),
-                ("materialBuffer", Resource::nearest(gbuffer.material.all())),
-            ],
-            bytemuck::bytes_of(&push),
+            [Target::overwrite(self.image.all())],
+            &programs::SslrReflection {
+                rayTraceColorBuffer: Sampled::trilinear(traced.color.all()),
+                maskBuffer: Sampled::nearest(traced.mask.level(0)),
+                materialBuffer: Sampled::nearest(gbuffer.material.all()),
+                sslr: &sslr,
+            },
         )?;
         Ok(Reflection(&self.image))
     }

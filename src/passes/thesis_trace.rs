@@ -2,12 +2,10 @@
 //! as the thesis combined them, or split in two.
 
 use super::{ColorChain, GBuffer, HITS, HiZ, Hits, Reflection, Visibility};
-use crate::error::Result;
-use crate::gpu::shader::{
-    THESIS_CONE_TRACE_FRAG, THESIS_HZCT_FRAG, THESIS_HZCT_RAY_TRACE_FRAG, THESIS_SSCT_FRAG, THESIS_SSCT_RAY_TRACE_FRAG,
-    ThesisBlock,
-};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::error::{Error, Result};
+use crate::gpu::programs::{ConeTrace, RayTrace, RayTraceConstants, Ssct, SsctConstants};
+use crate::gpu::shader::ThesisBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
 use ash::vk;
 
 const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -16,11 +14,12 @@ const REFLECTION: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub struct ThesisTracePass {
     stages: Stages,
     reflection: Image,
+    hits: Option<Image>,
 }
 
 enum Stages {
-    Combined(GraphicsPipeline),
-    Split { trace: GraphicsPipeline, cone: GraphicsPipeline, hits: Box<Image> },
+    Combined(GraphicsPipeline<Ssct<'static>>),
+    Split { trace: GraphicsPipeline<RayTrace<'static>>, cone: GraphicsPipeline<ConeTrace<'static>> },
 }
 
 /// What the pass reads.
@@ -37,61 +36,69 @@ pub struct TraceInput<'a> {
 }
 
 impl ThesisTracePass {
-    /// With or without the linear fallback; combined or split.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], fallback: bool, split: bool) -> Result<Self> {
+    /// With or without the linear fallback; combined or split; with an image of the hits or without, which the split
+    /// pass has in any case.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], fallback: bool, split: bool, hits: bool) -> Result<Self> {
         let image = |name, format| Image::target(gpu, name, format, extent);
         let stages = if split {
-            let trace = if fallback { &THESIS_SSCT_RAY_TRACE_FRAG } else { &THESIS_HZCT_RAY_TRACE_FRAG };
             Stages::Split {
-                trace: GraphicsPipeline::fullscreen(gpu, trace, &[HITS])?,
-                cone: GraphicsPipeline::fullscreen(gpu, &THESIS_CONE_TRACE_FRAG, &[REFLECTION])?,
-                hits: Box::new(image("hits", HITS)?),
+                trace: GraphicsPipeline::fullscreen_with(gpu, [HITS], &RayTraceConstants { fallback })?,
+                cone: GraphicsPipeline::fullscreen(gpu, [REFLECTION])?,
             }
         } else {
-            let shader = if fallback { &THESIS_SSCT_FRAG } else { &THESIS_HZCT_FRAG };
-            Stages::Combined(GraphicsPipeline::fullscreen(gpu, shader, &[REFLECTION])?)
+            let formats = [REFLECTION, if hits { HITS } else { vk::Format::UNDEFINED }];
+            Stages::Combined(GraphicsPipeline::fullscreen_with(gpu, formats, &SsctConstants { fallback, hits })?)
         };
-        Ok(Self { stages, reflection: image("reflection", REFLECTION)? })
+        Ok(Self {
+            stages,
+            reflection: image("reflection", REFLECTION)?,
+            hits: (split || hits).then(|| image("hits", HITS)).transpose()?,
+        })
     }
 
-    /// Pass "trace+cone", or passes "ray trace" and "cone trace", which also give the hits.
+    /// Pass "trace+cone", or passes "ray trace" and "cone trace".
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         input: &TraceInput,
         parameters: &ThesisBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        let block = Resource::Uniform(bytemuck::bytes_of(parameters));
-        let traced = [
-            ("thesis", block),
-            ("hiZBuffer", Resource::nearest(input.hi_z.0.all())),
-            ("normalBuffer", Resource::nearest(input.gbuffer.normal.all())),
-            ("materialBuffer", Resource::nearest(input.gbuffer.material.all())),
-        ];
-        let coned = [
-            ("colorBuffer", Resource::trilinear(input.color.0.all())),
-            ("visibilityBuffer", Resource::trilinear(input.visibility.0.all())),
-        ];
-        let hits = match &self.stages {
-            Stages::Combined(pipeline) => {
-                let target = [Target::overwrite(self.reflection.all())];
-                let resources = [&traced[..], &coned[..]].concat();
-                frame.fullscreen("trace+cone", pipeline, &target, &resources, &[])?;
-                None
+        let hits = self.hits.as_ref().map(Hits);
+        let hits_target = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
+        match &self.stages {
+            Stages::Combined(pipeline) => frame.fullscreen(
+                "trace+cone",
+                pipeline,
+                [Target::overwrite(self.reflection.all()), hits_target],
+                &Ssct {
+                    thesis: parameters,
+                    hiZBuffer: Sampled::nearest(input.hi_z.0.all()),
+                    normalBuffer: Sampled::nearest(input.gbuffer.normal.all()),
+                    materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
+                    colorBuffer: Sampled::trilinear(input.color.0.all()),
+                    visibilityBuffer: Sampled::trilinear(input.visibility.0.all()),
+                },
+            )?,
+            Stages::Split { trace, .. } => {
+                let program = RayTrace {
+                    thesis: parameters,
+                    hiZBuffer: Sampled::nearest(input.hi_z.0.all()),
+                    normalBuffer: Sampled::nearest(input.gbuffer.normal.all()),
+                    materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
+                };
+                frame.fullscreen("ray trace", trace, [hits_target], &program)?;
+                if let Some(hits) = hits {
+                    self.record_cone(frame, input, parameters, hits)?;
+                }
             }
-            Stages::Split { trace, hits, .. } => {
-                frame.fullscreen("ray trace", trace, &[Target::overwrite(hits.all())], &traced, &[])?;
-                self.record_cone(frame, input, parameters, Hits(hits))?;
-                Some(Hits(hits))
-            }
-        };
+        }
         Ok((Reflection(&self.reflection), hits))
     }
 
     /// Pass "cone trace" alone, from hits of any origin.
     ///
-    /// # Panics
-    /// If the pass was made combined.
+    /// # Errors
+    /// [`Error::Usage`] if the pass was made combined.
     pub fn record_cone<'a>(
         &'a self,
         frame: &mut Frame,
@@ -99,17 +106,19 @@ impl ThesisTracePass {
         parameters: &ThesisBlock,
         hits: Hits,
     ) -> Result<Reflection<'a>> {
-        let Stages::Split { cone, .. } = &self.stages else { panic!("the cone alone needs the split pass") };
-        let resources = [
-            ("thesis", Resource::Uniform(bytemuck::bytes_of(parameters))),
-            ("hiZBuffer", Resource::nearest(input.hi_z.0.all())),
-            ("normalBuffer", Resource::nearest(input.gbuffer.normal.all())),
-            ("materialBuffer", Resource::nearest(input.gbuffer.material.all())),
-            ("colorBuffer", Resource::trilinear(input.color.0.all())),
-            ("visibilityBuffer", Resource::trilinear(input.visibility.0.all())),
-            ("hitBuffer", Resource::nearest(hits.0.all())),
-        ];
-        frame.fullscreen("cone trace", cone, &[Target::overwrite(self.reflection.all())], &resources, &[])?;
+        let Stages::Split { cone, .. } = &self.stages else {
+            return Err(Error::Usage("the cone trace alone needs ray trace and cone trace as two passes".into()));
+        };
+        let program = ConeTrace {
+            thesis: parameters,
+            hiZBuffer: Sampled::nearest(input.hi_z.0.all()),
+            normalBuffer: Sampled::nearest(input.gbuffer.normal.all()),
+            materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
+            colorBuffer: Sampled::trilinear(input.color.0.all()),
+            visibilityBuffer: Sampled::trilinear(input.visibility.0.all()),
+            hitBuffer: Sampled::nearest(hits.0.all()),
+        };
+        frame.fullscreen("cone trace", cone, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

@@ -1,26 +1,43 @@
-//! Drawing over tiles: the lists of them by kind of reflector that the classification writes, and passes
-//! that are drawn over a list where only parts of an image need them.
+//! Drawing over tiles: the lists of them by kind of reflector that the classification writes, and programs that are
+//! drawn over the tiles of a list, or over the whole image where that is known to be what the list would cover.
 
 use crate::error::{Error, Result};
-use crate::gpu::shader::{Shader, TileListBlock, UNIFIED_TILE_VERT};
-use crate::gpu::{Buffer, Frame, Gpu, GraphicsPipeline, Image, Resource, Target};
+use crate::gpu::program::Fragment;
+use crate::gpu::programs::Tile;
+use crate::gpu::shader::{TileListBlock, UnifiedBlock};
+use crate::gpu::{Buffer, Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::math::OracleVersion;
+use crate::math::constants::TILE_SIDE;
 use ash::vk;
 
-/// Pixels along a side of a tile: `TILE` of `tiles.glsl`.
-pub const TILE: u32 = 16;
-
-/// Lists that the classification writes: `LISTS` of `tiles.glsl`.
-pub const LISTS: u64 = 3;
+/// Pixels along a side of a tile.
+pub const TILE: u32 = TILE_SIDE as u32;
 
 /// Tiles along each side of an image of a size in pixels.
 pub fn count(extent: [u32; 2]) -> [u32; 2] {
     extent.map(|side| side.div_ceil(TILE))
 }
 
-/// Tiles by the kinds of reflector in them, as lists with the arguments of an indirect draw over each
-/// (`shaders-glsl/unified/tiles.glsl`).
+/// What the passes of `unified` are made for.
+#[derive(Debug, Clone, Copy)]
+pub struct UnifiedSetup {
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// Log2 of the columns to a strip of the pyramid's image (`passes::pyramid::strip`).
+    pub strip: u32,
+    /// Which version of the oracle says what is hit.
+    pub oracle: OracleVersion,
+    /// Whether another reflection shows where this one misses.
+    pub over: bool,
+    /// Whether the reflection is wanted as an image beside the composite.
+    pub reflection: bool,
+}
+
+/// Tiles by the kinds of reflector in them, as lists with the arguments of an indirect draw over each.
 #[derive(Clone, Copy)]
 pub struct Tiles<'a> {
+    /// Nothing was classified: all that reflects is of one kind, and it is drawn over the whole image.
+    pub whole: bool,
     /// The lists: for each of them room for every tile's word.
     pub lists: &'a Buffer,
     /// For each tile a bit for each list that it stands on.
@@ -29,48 +46,36 @@ pub struct Tiles<'a> {
     pub arguments: &'a Buffer,
 }
 
-/// A list of [`Tiles`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TileList {
-    /// Tiles with mirrors.
-    Mirrors = 0,
-    /// Tiles with narrow lobes.
-    Narrow = 1,
-    /// Tiles with wide lobes.
-    Wide = 2,
+impl Tiles<'_> {
+    /// A target that keeps what it holds where no tile is drawn; drawn over whole, it held nothing.
+    pub fn target<'i>(&self, image: &'i Image) -> Target<'i> {
+        if self.whole { Target::overwrite(image.all()) } else { Target::kept(image.all()) }
+    }
+
+    /// A target that holds a value where no tile is drawn.
+    pub fn target_in<'i>(&self, image: &'i Image, elsewhere: [f32; 4]) -> Target<'i> {
+        if self.whole { Target::overwrite(image.all()) } else { Target::cleared(image.all(), elsewhere) }
+    }
 }
 
-/// A fragment shader that is drawn over the tiles of a list, and one that is drawn over the whole image
-/// where that is known to be what the list would cover.
-pub struct TiledPipeline {
-    list: TileList,
-    tiles: GraphicsPipeline,
-    /// None for a pass that has tiles always.
-    whole: Option<GraphicsPipeline>,
+/// A fragment program that is drawn over the tiles of a list or over the whole image.
+pub struct TiledPipeline<F> {
+    list: i32,
+    tiles: GraphicsPipeline<F, Tile<'static>>,
+    whole: GraphicsPipeline<F>,
 }
 
-/// What [`TiledPipeline::draw`] draws into.
-#[derive(Clone, Copy)]
-pub struct TiledTarget<'a> {
-    /// The image.
-    pub image: &'a Image,
-    /// What it holds where no tile is drawn; `None`: what it held.
-    pub elsewhere: Option<[f32; 4]>,
-}
-
-impl TiledPipeline {
-    /// From the shaders of both ways to draw; they have the same bindings, and the same specialization constants
-    /// (of [`GraphicsPipeline::fullscreen_with`]).
+impl<F: Fragment> TiledPipeline<F> {
+    /// For a list, `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`, by the program's constants for the tiles and for the
+    /// whole image.
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
     pub fn new(
         gpu: &Gpu,
-        list: TileList,
-        tiles: &'static Shader,
-        whole: Option<&'static Shader>,
-        formats: &[vk::Format],
-        constants: &[i32],
+        list: i32,
+        formats: impl Fn() -> F::Outputs<vk::Format>,
+        constants: impl Fn(bool) -> F::Constants,
     ) -> Result<Self> {
         if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
@@ -80,40 +85,27 @@ impl TiledPipeline {
         }
         Ok(Self {
             list,
-            tiles: GraphicsPipeline::points(gpu, &UNIFIED_TILE_VERT, tiles, formats, constants)?,
-            whole: whole
-                .map(|shader| GraphicsPipeline::fullscreen_with(gpu, shader, formats, constants))
-                .transpose()?,
+            tiles: GraphicsPipeline::points(gpu, formats(), &constants(false))?,
+            whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &constants(true))?,
         })
     }
 
-    /// One pass, over the list's tiles; without them over the whole image, where every texel is written.
-    /// `halved` says that the targets have a texel for 2 x 2 pixels.
-    ///
-    /// # Errors
-    /// [`Error::Usage`] for a pass that has tiles always, without them.
+    /// One pass over the list's tiles, or over the whole image, where every texel is written. `halved` says that the
+    /// targets have a texel for 2 × 2 pixels.
     pub fn draw(
         &self,
         frame: &mut Frame,
         name: &str,
-        targets: &[TiledTarget],
-        resources: &[(&str, Resource)],
-        tiles: Option<Tiles>,
-        halved: bool,
+        targets: F::Outputs<Target>,
+        program: &F,
+        (parameters, tiles, halved): (&UnifiedBlock, Tiles, bool),
     ) -> Result<()> {
-        if let (None, Some(whole)) = (tiles, &self.whole) {
-            let targets: Vec<_> = targets.iter().map(|t| Target::overwrite(t.image.all())).collect();
-            return frame.fullscreen(name, whole, &targets, resources, &[]);
+        if tiles.whole {
+            return frame.fullscreen(name, &self.whole, targets, program);
         }
-        let tiles = tiles.ok_or_else(|| Error::Usage(format!("{name} is drawn over tiles only, and has none")))?;
-        let push = TileListBlock { list: self.list as i32, halve: i32::from(halved) };
-        let targets: Vec<_> = targets
-            .iter()
-            .map(|t| t.elsewhere.map_or(Target::kept(t.image.all()), |value| Target::cleared(t.image.all(), value)))
-            .collect();
-        let resources: Vec<_> =
-            resources.iter().copied().chain([("Tiles", Resource::ReadBuffer(tiles.lists))]).collect();
+        let tile_list = TileListBlock { list: self.list, halve: i32::from(halved) };
+        let vertices = Tile { unified: parameters, Tiles: tiles.lists, tile_list: &tile_list };
         let arguments = (tiles.arguments, size_of::<vk::DrawIndirectCommand>() as u64 * self.list as u64);
-        frame.draw_indirect(name, &self.tiles, &targets, &resources, bytemuck::bytes_of(&push), arguments)
+        frame.draw_indirect(name, &self.tiles, targets, (program, &vertices), arguments)
     }
 }

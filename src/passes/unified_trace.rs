@@ -1,15 +1,21 @@
-//! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the
-//! composite in the same pass, over the tiles of a list or over the whole image.
+//! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the composite in the
+//! same pass, over the tiles of a list or over the whole image.
 
-use super::tiles::{TileList, TiledPipeline, TiledTarget, Tiles};
+use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, Pyramid};
 use crate::error::Result;
-use crate::gpu::shader::{UNIFIED_MIRROR_FRAG, UNIFIED_MIRROR_HITS_FRAG, UNIFIED_MIRROR_WHOLE_FRAG, UnifiedBlock};
-use crate::gpu::{Frame, Gpu, Image, Resource};
+use crate::gpu::programs::{Mirror, MirrorConstants};
+use crate::gpu::shader::UnifiedBlock;
+use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
+use crate::math::constants::MIRROR_LIST;
+use ash::vk;
 
-/// Pipeline and images of one size.
+/// Where a pixel is that no ray begins in.
+const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
+
+/// Pipelines and images of one size.
 pub struct UnifiedTracePass {
-    mirrors: TiledPipeline,
+    mirrors: TiledPipeline<Mirror<'static>>,
     hits: Option<Image>,
 }
 
@@ -20,29 +26,25 @@ pub struct UnifiedTraceInput<'a> {
     pub gbuffer: GBuffer<'a>,
     /// Blocks to trace.
     pub pyramid: Pyramid<'a>,
-    /// Where to trace, over a canvas that has begun; `None`, which asks for no hits: all that reflects is a
-    /// mirror, and the canvas holds nothing.
-    pub tiles: Option<Tiles<'a>>,
+    /// Where to trace: over a canvas that has begun, or over the whole of one that holds nothing.
+    pub tiles: Tiles<'a>,
     /// Where to draw.
     pub canvas: Canvas<'a>,
 }
 
 impl UnifiedTracePass {
-    /// For images of a size in pixels. `reflection` says whether the canvases will have one; `hits`, which
-    /// need it, asks for them beside the image; `constants` are those of `parameters.glsl`.
+    /// With an image of the hits beside what is drawn, or without.
     ///
     /// # Errors
     /// As [`TiledPipeline::new`].
-    pub fn new(gpu: &Gpu, extent: [u32; 2], reflection: bool, hits: bool, constants: &[i32]) -> Result<Self> {
-        let (shader, whole, formats) = if hits {
-            (&UNIFIED_MIRROR_HITS_FRAG, None, &[LIT_COLOR, LIT_COLOR, HITS][..])
-        } else {
-            let drawn = &[LIT_COLOR; 2][..1 + usize::from(reflection)];
-            (&UNIFIED_MIRROR_FRAG, Some(&UNIFIED_MIRROR_WHOLE_FRAG), drawn)
-        };
+    pub fn new(gpu: &Gpu, setup: &UnifiedSetup, hits: bool) -> Result<Self> {
+        let wanted = |format, is_wanted| if is_wanted { format } else { vk::Format::UNDEFINED };
+        let formats = || [LIT_COLOR, wanted(LIT_COLOR, setup.reflection), wanted(HITS, hits)];
+        let constants =
+            |whole| MirrorConstants { strip: setup.strip as i32, oracle: u32::from(setup.oracle) as i32, hits, whole };
         Ok(Self {
-            mirrors: TiledPipeline::new(gpu, TileList::Mirrors, shader, whole, formats, constants)?,
-            hits: hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
+            mirrors: TiledPipeline::new(gpu, MIRROR_LIST, formats, constants)?,
+            hits: hits.then(|| Image::target(gpu, "hits", HITS, setup.extent)).transpose()?,
         })
     }
 
@@ -50,22 +52,30 @@ impl UnifiedTracePass {
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
-        input: &UnifiedTraceInput,
+        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
-        let gbuffer = &input.gbuffer;
-        let resources = [
-            ("unified", Resource::Uniform(bytemuck::bytes_of(parameters))),
-            ("pyramid", Resource::Loaded(input.pyramid.0.all())),
-            ("normal_buffer", gbuffer.unified_normals(self.hits.is_some())),
-            ("material_buffer", Resource::Loaded(gbuffer.material.all())),
-            ("color_buffer", Resource::trilinear(gbuffer.color.level(0))),
-        ];
         let hits = self.hits.as_ref();
-        let no_hit = hits.map(|image| TiledTarget { image, elsewhere: Some([-1.0, -1.0, -1.0, 0.0]) });
-        let targets: Vec<_> =
-            input.canvas.images().map(|image| TiledTarget { image, elsewhere: None }).chain(no_hit).collect();
-        self.mirrors.draw(frame, "trace/mirrors", &targets, &resources, input.tiles, false)?;
+        let targets = [
+            tiles.target(canvas.composite),
+            canvas.reflection.map_or(Target::unwanted(), |image| tiles.target(image)),
+            hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT)),
+        ];
+        let mirror = Mirror {
+            unified: parameters,
+            pyramid: pyramid.0.all(),
+            normal_buffer: gbuffer.normal.all(),
+            material_buffer: gbuffer.material.all(),
+            color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+        };
+        self.mirrors.draw(frame, "trace/mirrors", targets, &mirror, (parameters, *tiles, false))?;
         Ok(hits.map(Hits))
+    }
+
+    /// Pass "hits", if they were asked for: without mirrors, no ray begins anywhere.
+    pub fn no_hits<'a>(&'a self, frame: &mut Frame) -> Result<Option<Hits<'a>>> {
+        let Some(hits) = &self.hits else { return Ok(None) };
+        frame.clear("hits", hits.all(), NO_HIT)?;
+        Ok(Some(Hits(hits)))
     }
 }

@@ -3,8 +3,8 @@
 
 use super::{HiZ, Visibility};
 use crate::error::Result;
-use crate::gpu::shader::{THESIS_VISIBILITY_FRAG, VisibilityBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Resource, Target, image};
+use crate::gpu::shader::VisibilityBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use crate::scene::Lens;
 use ash::vk;
 
@@ -12,7 +12,7 @@ const FORMAT: vk::Format = vk::Format::R8_UNORM;
 
 /// Pipeline and the chain of one size.
 pub struct VisibilityPass {
-    pipeline: GraphicsPipeline,
+    pipeline: GraphicsPipeline<programs::Visibility<'static>>,
     chain: Image,
 }
 
@@ -21,7 +21,7 @@ impl VisibilityPass {
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, &THESIS_VISIBILITY_FRAG, &[FORMAT])?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
             chain: Image::new(
                 gpu,
                 &ImageDesc {
@@ -39,17 +39,17 @@ impl VisibilityPass {
     /// Passes "visibility/0", which clears level 0 to 1, to the coarsest level.
     pub fn record<'a>(&'a self, frame: &mut Frame, hi_z: HiZ, lens: &Lens) -> Result<Visibility<'a>> {
         frame.clear("visibility/0", self.chain.level(0), [1.0; 4])?;
-        let push = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };
+        let range = VisibilityBlock { near_plane: lens.near_m, far_plane: lens.far_m };
         for level in 1..self.chain.levels() {
             frame.fullscreen(
                 &format!("visibility/{level}"),
                 &self.pipeline,
-                &[Target::overwrite(self.chain.level(level))],
-                &[
-                    ("depthMap", Resource::nearest(hi_z.0.level(level - 1))),
-                    ("visibilityMap", Resource::nearest(self.chain.level(level - 1))),
-                ],
-                bytemuck::bytes_of(&push),
+                [Target::overwrite(self.chain.level(level))],
+                &programs::Visibility {
+                    depthMap: Sampled::nearest(hi_z.0.level(level - 1)),
+                    visibilityMap: Sampled::nearest(self.chain.level(level - 1)),
+                    range: &range,
+                },
             )?;
         }
         Ok(Visibility(&self.chain))

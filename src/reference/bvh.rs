@@ -1,11 +1,11 @@
-//! The closest triangle along a ray: a bounding volume hierarchy in f32 (the crate obvhs) that only
-//! proposes triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle
-//! Intersection", JCGT 2013) in f64 that decides.
+//! Finds the closest triangle along a ray. A bounding volume hierarchy in f32 (the crate obvhs) proposes
+//! triangles, and the watertight test of Woop, Benthin and Wald ("Watertight Ray/Triangle Intersection",
+//! JCGT 2013) decides in f64.
 //!
-//! The edge functions of that test depend on an edge's two vertices only, and swapping these changes
-//! nothing but the sign; so a ray that passes between two triangles of a shared edge hits at least
-//! one of them. The boxes are enlarged by more than the rounding of f32 (`PADDING`), so that none
-//! hides a triangle which the test in f64 would accept.
+//! The edge functions of that test depend only on an edge's two vertices, and swapping these only changes the
+//! sign. A ray that passes between two triangles with a shared edge therefore hits at least one of them. The
+//! boxes are enlarged by more than the rounding error of f32 (`PADDING`), so that no box hides a triangle that
+//! the test in f64 would accept.
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
@@ -14,33 +14,33 @@ use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// How far boxes reach beyond their triangles, as a share of the greatest coordinate of the scene.
-/// The slab test in f32 errs by a few units of 6e-8 for origins that lie about as far out.
+/// How far boxes extend beyond their triangles, as a share of the scene's greatest coordinate. The slab test in
+/// f32 errs by a few units of 6e-8 for origins about that far from zero.
 const PADDING: f32 = 4e-6;
 
-/// A ray and the range of it that counts, in metres.
+/// A ray and the range of distances, in metres, in which hits count.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
+pub struct WorldRay {
     /// Start, world.
     pub origin: DVec3,
     /// Unit direction, world.
     pub direction: DVec3,
-    /// Hits before this distance don't count.
+    /// Hits closer than this do not count.
     pub t_min: f64,
-    /// Nor do hits after this one; may be infinite.
+    /// Hits farther away than this do not count; may be infinite.
     pub t_max: f64,
 }
 
-impl Ray {
-    /// The point at a distance.
+impl WorldRay {
+    /// The point at distance `t`.
     pub fn at(&self, t: f64) -> DVec3 {
         self.origin + t * self.direction
     }
 }
 
-/// Where a ray meets a triangle.
+/// The intersection of a ray with a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Hit {
+pub struct TriangleHit {
     /// Index of the triangle.
     pub triangle: u32,
     /// Distance in metres.
@@ -49,21 +49,21 @@ pub struct Hit {
     pub barycentrics: [f64; 3],
 }
 
-/// Whatever finds the closest hit of a ray.
+/// An algorithm that finds the closest hit of a ray.
 pub trait Intersector: Send + Sync {
-    /// The closest hit with t_min ≤ t ≤ t_max among those that `accept` takes; a ray passes through
-    /// the others, as through the holes of a masked surface.
-    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit>;
+    /// The closest hit with t_min ≤ t ≤ t_max that `accept` accepts. The ray passes through all other hits, as
+    /// through the holes of an alpha mask.
+    fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit>;
 }
 
-/// Triangles under a hierarchy of boxes.
+/// Triangles in a bounding volume hierarchy.
 pub struct TriangleBvh {
     triangles: Vec<[Vec3; 3]>,
-    /// `None` without triangles.
+    /// `None` if there are no triangles.
     boxes: Option<CwBvh>,
 }
 
-/// A triangle's box, enlarged.
+/// A triangle's enlarged box.
 struct Padded(Aabb);
 
 impl Boundable for Padded {
@@ -73,7 +73,7 @@ impl Boundable for Padded {
 }
 
 impl TriangleBvh {
-    /// Builds the hierarchy over triangles in metres; hits name them by index.
+    /// Builds the hierarchy over triangles in metres. Hits refer to them by index.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
         let greatest = triangles.iter().flatten().fold(0.0_f32, |g, v| g.max(v.abs().max_element()));
         let padding = Vec3A::splat(PADDING * greatest);
@@ -92,19 +92,20 @@ impl TriangleBvh {
 }
 
 impl Intersector for TriangleBvh {
-    fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+    fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
-        let mut closest: Option<Hit> = None;
-        // Adding 0 turns a component of −0 into +0: obvhs takes the reciprocal's sign from the zero's own, but
-        // the order of a box's sides from a comparison, in which −0 isn't below 0.
+        let mut closest: Option<TriangleHit> = None;
+        // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
+        // of a box's sides from a comparison, in which −0 is not less than 0.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
         let box_ray = BoxRay::new(ray.origin.as_vec3a(), direction, 0.0, f32::INFINITY);
         boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| {
             let triangle = boxes.primitive_indices[slot];
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
-                // The lower index wins between equals, whatever the order of the boxes.
+                // Of two equally close triangles the one with the lower index wins, whatever the order of the
+                // boxes.
                 Some(hit)
                     if hit.t >= ray.t_min
                         && (hit.t < beyond || hit.t == beyond && closest.is_none_or(|c| triangle < c.triangle))
@@ -120,7 +121,7 @@ impl Intersector for TriangleBvh {
     }
 }
 
-/// A ray in the space of Woop et al., where it is the z axis and its direction is 1 long in z.
+/// A ray in the space of Woop et al., in which it is the z axis and its direction has length 1 in z.
 pub struct ShearedRay {
     origin: DVec3,
     axes: [usize; 3],
@@ -128,8 +129,8 @@ pub struct ShearedRay {
 }
 
 impl ShearedRay {
-    /// The space of a ray: z is the axis that it runs along most.
-    pub fn new(ray: &Ray) -> Self {
+    /// Computes the ray's space; z is the axis along which the ray advances most.
+    pub fn new(ray: &WorldRay) -> Self {
         let d = ray.direction;
         let z = d.abs().max_position();
         let (mut x, mut y) = ((z + 1) % 3, (z + 2) % 3);
@@ -139,9 +140,9 @@ impl ShearedRay {
         Self { origin: ray.origin, axes: [x, y, z], shear: DVec3::new(d[x] / d[z], d[y] / d[z], 1.0 / d[z]) }
     }
 
-    /// The intersection at any distance, also a negative one, from either side. A triangle without
-    /// area, or one that the ray lies in, is not met.
-    pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<Hit> {
+    /// The intersection at any distance, including negative ones, from either side. A triangle that has no area
+    /// or contains the ray is not hit.
+    pub fn intersect(&self, triangle: u32, corners: &[Vec3; 3]) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let [a, b, c] = corners.map(|v| {
             let v = v.as_dvec3() - self.origin;
@@ -159,7 +160,7 @@ impl ShearedRay {
         }
         let barycentrics = [u / determinant, v / determinant, w / determinant];
         let t = barycentrics[0] * a.z + barycentrics[1] * b.z + barycentrics[2] * c.z;
-        Some(Hit { triangle, t, barycentrics })
+        Some(TriangleHit { triangle, t, barycentrics })
     }
 }
 
@@ -168,11 +169,11 @@ mod tests {
     use super::*;
     use crate::reference::random::Stream;
 
-    /// Every triangle in turn.
+    /// Tests every triangle.
     struct BruteForce(Vec<[Vec3; 3]>);
 
     impl Intersector for BruteForce {
-        fn closest(&self, ray: &Ray, accept: &dyn Fn(&Hit) -> bool) -> Option<Hit> {
+        fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
             let sheared = ShearedRay::new(ray);
             let hits = self.0.iter().enumerate().filter_map(|(i, t)| sheared.intersect(i as u32, t));
             hits.filter(|h| (ray.t_min..=ray.t_max).contains(&h.t) && accept(h)).min_by(|a, b| a.t.total_cmp(&b.t))
@@ -188,12 +189,12 @@ mod tests {
         DVec3::new(signed(i, 3 * j), signed(i, 3 * j + 1), signed(i, 3 * j + 2))
     }
 
-    fn ray(origin: DVec3, direction: DVec3) -> Ray {
-        Ray { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
+    fn ray(origin: DVec3, direction: DVec3) -> WorldRay {
+        WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
     }
 
     #[test]
-    fn the_hierarchy_finds_what_every_triangle_in_turn_gives() {
+    fn the_hierarchy_agrees_with_brute_force() {
         let triangles: Vec<[Vec3; 3]> = (0..400)
             .map(|i| {
                 let centre = 5.0 * vector(i, 0);
@@ -206,17 +207,17 @@ mod tests {
         for i in 1000..4000 {
             let mut ray = ray(6.0 * vector(i, 0), vector(i, 1));
             ray.t_min = signed(i, 9).abs();
-            let odd = |h: &Hit| h.triangle % 2 == 1;
+            let odd = |h: &TriangleHit| h.triangle % 2 == 1;
             assert_eq!(bvh.closest(&ray, &|_| true), brute.closest(&ray, &|_| true));
             assert_eq!(bvh.closest(&ray, &odd), brute.closest(&ray, &odd));
             hits += u32::from(bvh.closest(&ray, &|_| true).is_some());
         }
-        assert!((500..2900).contains(&hits), "{hits} of 3000 hit: the test sees both");
+        assert!((500..2900).contains(&hits), "{hits} of 3000 hit, so both outcomes are tested");
     }
 
     #[test]
     fn axis_parallel_rays_hit_flat_walls_edges_and_corners() {
-        // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point meets it.
+        // A wall of 4 × 4 squares at z = 3; every ray along z through a grid point hits it.
         let mut triangles = Vec::new();
         for i in 0..16 {
             let (x, y) = ((i % 4) as f32, (i / 4) as f32);
@@ -234,20 +235,21 @@ mod tests {
             }
         }
         assert_eq!(bvh.closest(&ray(DVec3::new(1.5, 1.5, -1.0), -DVec3::Z), &|_| true), None);
-        // Zeros have signs.
+        // Zeros of either sign must give the same hits.
         for (x, y) in [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0), (-1e-60, -1e-60)] {
             for (from, towards) in [(-1.0, 1.0), (7.0, -1.0)] {
-                let ray = Ray { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
+                let ray =
+                    WorldRay { direction: DVec3::new(x, y, towards), ..ray(DVec3::new(1.3, 2.6, from), DVec3::Z) };
                 assert!(bvh.closest(&ray, &|_| true).is_some(), "{:?}", ray.direction);
             }
         }
-        let short = Ray { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
+        let short = WorldRay { t_max: 3.9, ..ray(DVec3::new(1.5, 1.5, -1.0), DVec3::Z) };
         assert_eq!(bvh.closest(&short, &|_| true), None);
     }
 
     #[test]
-    fn slanted_rays_through_shared_edges_never_pass() {
-        // A fan of triangles round the z axis; rays aimed at points of the shared edges.
+    fn slanted_rays_never_pass_through_shared_edges() {
+        // A fan of triangles around the z axis; rays are aimed at points on the shared edges.
         let rim = |k: u32| {
             let k = k % 7;
             let a = std::f32::consts::TAU * k as f32 / 7.0;

@@ -1,39 +1,39 @@
-//! What each pixel of an image sees first, and what reflects there: either traced through the
-//! pixels' centres, which needs no G-buffer and is evidence of its own, or taken from a G-buffer,
-//! which leaves the reflection as the only difference between a method and the reference.
+//! The surface that each pixel of an image sees first, and where it reflects. First hits are either traced
+//! through the pixels' centres, which needs no G-buffer and so is independent evidence, or taken from a
+//! G-buffer, which leaves the reflection as the only difference between a method and the reference.
 
-use super::bvh::{Hit, Ray};
+use super::bvh::{TriangleHit, WorldRay};
 use super::surface::{World, sky_color};
 use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// The first surfaces of an image: rows from the top, pixel (i, j) at `j · width + i`.
+/// The first surfaces of an image; rows from the top, pixel (i, j) at `j · width + i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FirstHits {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// Lit colour, linear; the environment where nothing stands.
+    /// Lit colour, linear; the environment where there is no surface.
     pub lit: Vec<Vec3>,
-    /// View-space z in metres; infinite where nothing stands.
+    /// View-space z in metres; infinite where there is no surface.
     pub view_z_m: Vec<f64>,
-    /// What reflects; `None` for pixels that don't (DEFINITIONS, "Surfaces").
+    /// The points that reflect; `None` for pixels that do not (docs/definitions.md, "Surfaces").
     pub receivers: Vec<Option<Receiver>>,
 }
 
-/// A point that reflects, in world space.
+/// A reflecting point in world space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Receiver {
     /// Position in metres.
     pub position: DVec3,
-    /// Unit direction from the camera to it.
+    /// Unit direction from the camera to the point.
     pub incoming: DVec3,
     /// Unit shading normal.
     pub normal: DVec3,
-    /// Unit normal of the triangle, on the camera's side; the shading normal again where only a
-    /// G-buffer is known.
+    /// Unit normal of the triangle on the camera's side; equal to the shading normal where only a G-buffer is
+    /// known.
     pub geometric_normal: DVec3,
     /// Roughness ϱ.
     pub roughness: f64,
@@ -42,19 +42,20 @@ pub struct Receiver {
 }
 
 impl Receiver {
-    /// The mirror direction, unit.
+    /// The unit mirror direction.
     pub fn mirror(&self) -> DVec3 {
         self.incoming.reflect(self.normal).normalize()
     }
 
-    /// Whether a direction leaves the surface. One that doesn't carries nothing, and counts
-    /// (DEFINITIONS, "Surfaces"). Below is what is below the shading normal's plane or the triangle's.
+    /// Whether a direction leaves the surface: it must be above the planes of both the shading normal and the
+    /// triangle. A direction that does not leave carries no light, but still counts as a sample (docs/definitions.md,
+    /// "Surfaces").
     pub fn is_above(&self, direction: DVec3) -> bool {
         direction.dot(self.normal) > 0.0 && direction.dot(self.geometric_normal) > 0.0
     }
 }
 
-/// Rays through the pixels' centres, from the near plane to the far plane.
+/// The rays through the pixels' centres, from the near plane to the far plane.
 pub struct PrimaryRays {
     clip_to_view: DMat4,
     view_to_world: DMat4,
@@ -64,7 +65,7 @@ pub struct PrimaryRays {
 }
 
 impl PrimaryRays {
-    /// The rays of a camera for an image of some pixels.
+    /// The rays of a camera for an image of `extent` pixels.
     pub fn new(camera: &Camera, extent: [u32; 2]) -> Self {
         Self {
             clip_to_view: camera.view_to_clip_reversed().as_dmat4().inverse(),
@@ -75,20 +76,20 @@ impl PrimaryRays {
         }
     }
 
-    /// The ray of pixel `index`, and the view-space z that it gains per metre.
-    pub fn ray(&self, index: usize) -> (Ray, f64) {
+    /// The ray of pixel `index`, and the view-space z that it advances per metre.
+    pub fn ray(&self, index: usize) -> (WorldRay, f64) {
         let [width, height] = self.extent.map(f64::from);
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
         let ndc = DVec3::new((2.0 * f64::from(x) + 1.0) / width - 1.0, 1.0 - (2.0 * f64::from(y) + 1.0) / height, 0.5);
         let along = self.clip_to_view.project_point3(ndc).normalize();
         let direction = self.view_to_world.transform_vector3(along).normalize();
         let origin = self.view_to_world.w_axis.truncate();
-        (Ray { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
+        (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
     }
 }
 
 impl FirstHits {
-    /// Traces the pixels' centres.
+    /// Traces the rays through the pixels' centres.
     pub fn trace(world: &World, camera: &Camera, extent: [u32; 2]) -> Self {
         let rays = PrimaryRays::new(camera, extent);
         let pixels = extent[0] as usize * extent[1] as usize;
@@ -111,7 +112,7 @@ impl FirstHits {
         all
     }
 
-    fn seen(world: &World, ray: &Ray, hit: &Hit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
+    fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
         let reflects = point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE);
         let receiver = Receiver {
@@ -125,7 +126,7 @@ impl FirstHits {
         (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, reflects.then_some(receiver))
     }
 
-    /// Takes the pixels of a G-buffer: positions from its depth, its normals and materials.
+    /// Takes the pixels of a G-buffer: positions from its depth, with its normals and materials.
     pub fn from_gbuffer(gbuffer: &GBufferData) -> Self {
         let clip_to_view = gbuffer.view_to_clip().inverse();
         let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();

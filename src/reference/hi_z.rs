@@ -1,26 +1,26 @@
-//! The Hi-Z chain on the CPU (thesis §4.2.4, Alg. 3, Eq. 4.1): the twin of `passes::hi_z` and of
-//! `shaders-glsl/thesis/hi_z.frag`. Equal to the bit, as only minima and maxima are taken.
+//! The Hi-Z chain on the CPU (thesis §4.2.4, Alg. 3, Eq. 4.1): the twin of `passes::hi_z` and
+//! `shaders-glsl/thesis/hi_z.frag`. Both agree bit for bit, because only minima and maxima are taken.
 
 use super::Level;
 
-/// Least and greatest standard depth that a cell has captured.
+/// The least and the greatest standard depth that a cell of the chain has captured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MinMax {
-    /// Nearest.
+    /// Nearest depth.
     pub min: f32,
-    /// Farthest.
+    /// Farthest depth.
     pub max: f32,
 }
 
-/// Eq. 4.1: how far right (or down) the second texel lies, for a side of the level below.
+/// Eq. 4.1: the offset to the right (or down) of the second texel, for a side of the level below.
 pub fn offset(side: u32) -> u32 {
     if side.is_multiple_of(2) { 1 } else { 2 }
 }
 
-/// Alg. 3 over a whole level, which must have a coarser one. The thesis does not say what a fetch
-/// beyond the edge returns (a side of 1 has one); here, as in the shader, it is the edge's texel.
+/// Alg. 3 over a whole level, which must have a coarser one. The thesis does not say what a fetch beyond the
+/// edge returns (which occurs for a side of 1); here, as in the shader, it returns the texel at the edge.
 ///
-/// Four texels stand for a cell, also where it covers six or nine: the erratum of Alg. 3.
+/// Four texels determine a cell, even if it covers six or nine: the erratum of Alg. 3.
 pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
     let (width, height) = below.coarser()?;
     let (offset_x, offset_y) = (offset(below.width), offset(below.height));
@@ -35,7 +35,7 @@ pub fn reduce(below: &Level<MinMax>) -> Option<Level<MinMax>> {
     }))
 }
 
-/// The whole chain over a level of standard depth, which is its level 0.
+/// The whole chain, whose level 0 is the given standard depth.
 pub fn chain(depth: &Level<f32>) -> Vec<Level<MinMax>> {
     let finest = Level {
         width: depth.width,
@@ -62,7 +62,7 @@ mod tests {
 
     #[test]
     fn an_odd_level_skips_its_middle_texel() {
-        // Eq. 4.1 reads texels 0 and 2 of a side of 3: the nearest one, in the middle, is lost.
+        // For a side of 3, Eq. 4.1 reads texels 0 and 2: the nearest one, in the middle, is lost.
         let c = chain(&depth(3, 1, &[0.4, 0.1, 0.5]));
         assert_eq!(c[1].texels, [MinMax { min: 0.4, max: 0.5 }]);
     }

@@ -1,75 +1,76 @@
-//! The thesis's Hi-Z ray tracing on the CPU (§4.2.7: Alg. 2, Alg. 4 and its listing), step by step: the
-//! twin of `shaders-glsl/thesis/hi_z_ray_trace.glsl` in the same 32-bit floats and with the same
-//! departures. It keeps what the shader forgets: which cells of which level a ray went through.
+//! The thesis's Hi-Z ray tracing on the CPU, step by step (§4.2.7: Alg. 2, Alg. 4 and its listing): the twin of
+//! `shaders-glsl/thesis/hi_z_ray_trace.glsl`, in the same 32-bit floats and with the same departures from the
+//! thesis. It also records what the shader does not: the cells and levels that a ray visited.
 
 use super::Level;
 use super::hi_z::MinMax;
 use crate::scene::Camera;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 
-/// The numbers of a preset that the traversal reads (`methods::thesis` says whose).
+/// The parameters that the traversal reads from a preset of `methods::thesis`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Constants {
-    /// Level that it begins at.
+pub struct HiZConstants {
+    /// The level at which the traversal begins.
     pub start_level: u32,
-    /// Bound of its iterations.
+    /// The most iterations.
     pub iterations: u32,
-    /// Pixels that a ray is pushed past a boundary.
+    /// How far a ray is pushed past a cell boundary, in pixels.
     pub cross_offset: f32,
 }
 
-/// One iteration.
+/// One iteration of the traversal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// The level that was read.
     pub level: u32,
-    /// The cell that the ray stood in.
+    /// The cell in which the ray was.
     pub cell: Vec2,
-    /// Cells of that level.
+    /// The number of cells of that level.
     pub cell_count: Vec2,
-    /// Its minimum depth plane.
+    /// The minimum depth of the cell.
     pub minimum_plane: f32,
-    /// Whether the cell's boundary was closer than its plane: then the level goes up, else down.
+    /// Whether the ray crossed the cell's boundary before its depth plane. If so, the level goes up, otherwise
+    /// down.
     pub crossed: bool,
-    /// Where the ray stands after it: texture coordinates and standard depth.
+    /// The ray's position after the step: texture coordinates and standard depth.
     pub ray: Vec3,
 }
 
 /// How a traversal ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// Below level 0: a hit.
+    /// It went below level 0: a hit.
     Hit,
-    /// Outside the screen: a miss.
+    /// It left the screen: a miss.
     LeftScreen,
-    /// Out of iterations; the thesis takes it for a hit.
+    /// It ran out of iterations, which the thesis treats as a hit.
     Exhausted,
 }
 
-/// A traversal.
+/// The record of a traversal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HiZTrace {
-    /// Where the ray began: the pixel.
+    /// The ray's origin at its pixel.
     pub from: Vec3,
-    /// Where it left its first cell.
+    /// The position where the ray left its first cell.
     pub entered: Vec3,
-    /// Every iteration.
+    /// Every iteration, in order.
     pub steps: Vec<Step>,
-    /// How it ended.
+    /// How the traversal ended.
     pub end: End,
 }
 
 impl HiZTrace {
-    /// Where the ray stands at the end.
+    /// The last position of the ray.
     pub fn last(&self) -> Vec3 {
         self.steps.last().map_or(self.entered, |s| s.ray)
     }
 }
 
-/// Alg. 2: the reflection vector V_ss of a pixel P_ss (texture coordinates and standard depth) with a
-/// unit view-space normal. `offset` is the algorithm's ε in metres.
+/// Alg. 2: the reflection vector V_ss of a pixel P_ss (texture coordinates and standard depth) that has a unit
+/// view-space normal. `offset` is the algorithm's ε in metres.
 pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) -> Vec3 {
-    // As the shader gets them: inverted in f64, rounded once.
+    // Inverted in f64 and rounded once, like the matrices that the shader receives.
     let projection = camera.view_to_clip().as_dmat4();
     let (project, unproject) = (projection.as_mat4(), projection.inverse().as_mat4());
     let half = Vec2::new(0.5, -0.5);
@@ -79,8 +80,8 @@ pub fn reflection_ray(camera: &Camera, p_ss: Vec3, normal: Vec3, offset: f32) ->
     (o_ps.xy() * half + 0.5).extend(o_ps.z) - p_ss
 }
 
-/// Alg. 4 over a Hi-Z chain, finest level first. V_ss.z must be above 0.
-pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &Constants) -> HiZTrace {
+/// Alg. 4 over a Hi-Z chain, whose finest level comes first. V_ss.z must be above 0.
+pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &HiZConstants) -> HiZTrace {
     let resolution = cell_count(chain, 0);
     let sign = Vec2::select(v_ss.xy().cmpge(Vec2::ZERO), Vec2::ONE, Vec2::NEG_ONE);
     let cross_offset = sign * (constants.cross_offset / resolution);
@@ -115,7 +116,8 @@ pub fn trace(chain: &[Level<MinMax>], p_ss: Vec3, v_ss: Vec3, constants: &Consta
         let left = ray.xy().cmplt(Vec2::ZERO).any() || ray.xy().cmpgt(Vec2::ONE).any();
         let below = !crossed && level == 0;
         level = if crossed { (level + 1).min(chain.len() - 1) } else { level.saturating_sub(1) };
-        // In the shader's order: the screen is asked about within the loop, the level at its head.
+        // In the shader's order: the loop body checks for the screen's edge, and the loop's condition checks
+        // the level.
         if left {
             break End::LeftScreen;
         }
@@ -135,23 +137,23 @@ mod tests {
     use super::*;
     use crate::reference::hi_z;
 
-    /// A floor far away, and from column 12 of 16 on a wall at depth 0.5.
+    /// A distant floor and, from column 12 of 16 on, a wall at depth 0.5.
     fn wall() -> Vec<Level<MinMax>> {
         hi_z::chain(&Level::from_fn(16, 16, |x, _| if x >= 12 { 0.5 } else { 0.9 }))
     }
 
-    const PUBLISHED: Constants = Constants { start_level: 0, iterations: 1024, cross_offset: 0.5 };
+    const PUBLISHED: HiZConstants = HiZConstants { start_level: 0, iterations: 1024, cross_offset: 0.5 };
 
     #[test]
     fn a_ray_meets_the_wall_at_its_depth() {
-        // From the pixel (2, 8) at depth 0.3 to the right and away: depth 0.55 at column 12.5.
+        // A ray from pixel (2, 8) at depth 0.3, to the right and away: it reaches depth 0.55 at column 12.5.
         let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
         let to = Vec3::new(12.5 / 16.0, 8.5 / 16.0, 0.55);
         let found = trace(&wall(), from, to - from, &PUBLISHED);
         assert_eq!(found.end, End::Hit);
         let hit = found.last();
         assert!((12.0..=13.0).contains(&(hit.x * 16.0)) && (hit.y * 16.0 - 8.5).abs() < 1e-3, "{hit}");
-        assert!(found.steps.iter().any(|s| s.level > 0), "it took longer steps in between");
+        assert!(found.steps.iter().any(|s| s.level > 0), "it must take longer steps in between");
         for pair in found.steps.windows(2) {
             let expected = if pair[0].crossed { (pair[0].level + 1).min(4) } else { pair[0].level - 1 };
             assert_eq!(pair[1].level, expected);
@@ -159,11 +161,11 @@ mod tests {
     }
 
     #[test]
-    fn a_ray_past_the_wall_leaves_the_screen_and_a_bound_ends_it() {
+    fn a_ray_past_the_wall_leaves_the_screen_or_runs_out_of_iterations() {
         let from = Vec3::new(2.5 / 16.0, 8.5 / 16.0, 0.3);
         let v = Vec3::new(0.0, 0.4, 0.01);
         assert_eq!(trace(&wall(), from, v, &PUBLISHED).end, End::LeftScreen);
-        let short = trace(&wall(), from, v, &Constants { iterations: 2, ..PUBLISHED });
+        let short = trace(&wall(), from, v, &HiZConstants { iterations: 2, ..PUBLISHED });
         assert_eq!((short.end, short.steps.len()), (End::Exhausted, 2));
     }
 }

@@ -1,64 +1,65 @@
-//! A second traversal, by a pyramid, that finds what the oracle finds in a tenth of the steps
-//! (NUMERICS, "What a robust method does", items 2 to 4). It serves the Monte Carlo reference, and
-//! that it agrees with [`super::oracle`] is evidence for both; the two share the set-up of a ray and
-//! the pixels' blocks, which have tests of their own.
+//! A second traversal, which uses a pyramid to find what the oracle finds in a tenth of the steps (docs/numerics.md,
+//! "What a robust method does", items 2 to 4). The Monte Carlo reference uses it. Its agreement with
+//! [`super::oracle`] is evidence for both; the two share only the set-up of rays and the pixels' blocks, which
+//! have tests of their own.
 //!
-//! A cell of level l covers exactly the pixels whose index shifts to it, at every size of image, and
-//! stores the interval from the farthest back to the nearest front of their blocks. A ray's depth
-//! over a cell is an interval too, whichever way it runs; where the two don't meet, the ray leaves
-//! the cell at once. The bounds are conservative with rounding included, because depth and crossings
-//! are monotonic expressions evaluated at the same boundaries on every level.
+//! A cell of level l covers exactly the pixels whose indices, shifted right by l, give its own, at every image
+//! size. It stores the interval from the farthest back to the nearest front of their blocks. The ray's depth
+//! over a cell is an interval too, whichever way the ray runs. If the two intervals do not meet, the ray passes
+//! the whole cell in one step. The bounds stay conservative under rounding because depths and crossings are
+//! monotonic expressions that are evaluated at the same boundaries on every level.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block, JOINED};
+use super::thickness::{self, DepthBlock, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
 
-/// The pyramid of one G-buffer.
+/// The pyramid of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct Hierarchy<'a> {
     rays: RaySetup<'a>,
-    /// Level 0 has the pixels, the last level one cell.
-    levels: Vec<Level<Block>>,
+    /// Level 0 has one cell per pixel, the last level has a single cell.
+    levels: Vec<Level<DepthBlock>>,
     version: OracleVersion,
 }
 
 impl<'a> Hierarchy<'a> {
-    /// Builds the pyramid. Finds what version 1 of the oracle finds.
+    /// Builds the pyramid. Traversals follow version 1 of the oracle.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let levels = std::iter::successors(Some(thickness::blocks(gbuffer)), coarser).collect();
         Self { rays: RaySetup::new(gbuffer), levels, version: OracleVersion::V1 }
     }
 
-    /// The same for another version of the oracle.
+    /// Makes traversals follow another version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// Rays of the same G-buffer.
+    /// The set-up of rays for the same G-buffer.
     pub fn rays(&self) -> &RaySetup<'a> {
         &self.rays
     }
 
-    /// The mirror ray of a pixel.
+    /// Traces the mirror ray of a pixel.
     pub fn trace(&self, x: u32, y: u32) -> Trace {
         self.rays.mirror(x, y).map_or(Trace::NO_RAY, |direction| self.trace_direction(x, y, direction))
     }
 
-    /// A ray from a pixel's centre at its own depth along a view-space direction of any length.
+    /// Traces a ray from a pixel's centre, at the pixel's own depth, along a view-space direction of any
+    /// length.
     pub fn trace_direction(&self, x: u32, y: u32, direction: DVec3) -> Trace {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// A segment that begins on the screen: along it from cell to cell, down a level where it may
-    /// meet something, up where it left the parent cell.
+    /// Traces a segment that begins on the screen, from cell to cell: down a level where the ray may meet
+    /// something, up a level where it left the parent cell.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let sides = [self.levels[0].width, self.levels[0].height];
         let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
         let mut steps = 0;
-        // The first step leaves the starting pixel unseen.
+        // The starting pixel itself is not tested.
         let mut entry = lanes[0].exit(0).min(lanes[1].exit(0));
         if entry >= 1.0 {
             return self.miss(&lanes, segment, 1.0, steps);
@@ -78,7 +79,7 @@ impl<'a> Hierarchy<'a> {
                 let (a, b) = (segment.depth_at(entry), segment.depth_at(exit.min(1.0)));
                 if a > b { (a, b) } else { (b, a) }
             };
-            // By version 2, the first pixel's surface may be the one that the ray leaves.
+            // In version 2, the surface in the first pixel may be the one that the ray is leaving.
             let (is_second, is_first) = (self.version == OracleVersion::V2, entry == start);
             let leaves = is_second && is_first && self.inward(&lanes, segment) < 0.0;
             if far <= cell.front && near >= cell.back && !leaves {
@@ -106,8 +107,8 @@ impl<'a> Hierarchy<'a> {
         }
     }
 
-    /// The cell that holds the current pixel; `None` off screen.
-    fn cell(&self, lanes: &[Lane; 2], level: usize) -> Option<Block> {
+    /// The cell that contains the current pixel; `None` off screen.
+    fn cell(&self, lanes: &[Lane; 2], level: usize) -> Option<DepthBlock> {
         let [x, y] = lanes.map(|lane| u32::try_from(lane.pixel).ok());
         let (x, y, finest) = (x?, y?, &self.levels[0]);
         (x < finest.width && y < finest.height).then(|| {
@@ -116,22 +117,22 @@ impl<'a> Hierarchy<'a> {
         })
     }
 
-    /// The share of a ray's direction that goes against the current pixel's normal; negative for one that goes with it.
+    /// The cosine by which a ray runs against the current pixel's normal; negative if it runs along the normal.
     fn inward(&self, lanes: &[Lane; 2], segment: &Segment) -> f64 {
         let [x, y] = lanes.map(|lane| lane.pixel as u32);
         segment.direction.dot(-self.rays.normal(x, y).unwrap_or(DVec3::ZERO))
     }
 
     /// Whether a ray that enters a pixel's block at `entry` comes from behind it (`oracle`, version 2).
-    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: Block) -> bool {
+    fn is_behind(&self, lanes: &[Lane; 2], segment: &Segment, entry: f64, block: DepthBlock) -> bool {
         let depth = segment.depth_at(entry);
-        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(Block::EMPTY);
+        let before = self.cell(&lanes.map(|lane| lane.before(entry)), 0).unwrap_or(DepthBlock::EMPTY);
         let is_torn = block.front - before.front > JOINED * (block.thickness() + before.thickness());
         let is_deep = block.front - depth > self.inward(lanes, segment).max(0.0) * block.thickness();
         depth < block.front && (depth < before.front || is_torn && is_deep)
     }
 
-    /// A ray that ends at `end` in the pixel that it is in just before.
+    /// The result for a ray that ends at `end`, in the pixel where it is just before that.
     fn miss(&self, lanes: &[Lane; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
         let before = lanes.map(|lane| lane.before(end));
         let behind = self.cell(&before, 0).is_some_and(|b| b.front >= b.back && segment.depth_at(end) < b.back);
@@ -139,19 +140,19 @@ impl<'a> Hierarchy<'a> {
     }
 }
 
-/// Halves a level, sides rounded up; `None` above one cell.
-fn coarser(below: &Level<Block>) -> Option<Level<Block>> {
+/// Halves a level, rounding its sides up; `None` if the level has a single cell.
+fn coarser(below: &Level<DepthBlock>) -> Option<Level<DepthBlock>> {
     let side = |n: u32| n.div_ceil(2);
     (below.width > 1 || below.height > 1).then(|| {
         Level::from_fn(side(below.width), side(below.height), |x, y| {
             // At an odd edge the same block counts twice, which changes nothing.
             let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| below.at_clamped(2 * x + dx, 2 * y + dy));
-            four.into_iter().fold(Block::EMPTY, Block::union)
+            four.into_iter().fold(DepthBlock::EMPTY, DepthBlock::union)
         })
     })
 }
 
-/// The hit of a ray in a pixel, whose depth lies between `far` and `near` from `entry` to `exit`.
+/// The hit of a ray in a pixel. The ray's depth is between `far` and `near` from `entry` to `exit`.
 fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2], [near, far]: [f64; 2]) -> Outcome {
     let s = if far <= front && front <= near && near > far {
         ((front - segment.start.z) / segment.delta.z).max(entry).min(exit)
@@ -161,16 +162,16 @@ fn hit(segment: &Segment, lanes: &[Lane; 2], front: f64, [entry, exit]: [f64; 2]
     Outcome::Hit { pixel: lanes.map(|lane| lane.pixel as u32), position: segment.at(s) }
 }
 
-/// The walk along one axis: which column (or row) the ray is in.
+/// The walk along one axis; it keeps the column (or row) in which the ray is.
 #[derive(Debug, Clone, Copy)]
 struct Lane<'s> {
     segment: &'s Segment,
     axis: usize,
-    /// 1, −1, or 0 for a ray that does not move along this axis.
+    /// 1, −1, or 0 if the ray does not move along this axis.
     direction: i32,
     first: i32,
     pixel: i32,
-    /// Pixels along this axis.
+    /// The number of pixels along this axis.
     side: i32,
 }
 
@@ -182,8 +183,8 @@ impl<'s> Lane<'s> {
         Self { segment, axis, direction, first, pixel: first, side: side as i32 }
     }
 
-    /// The s at which the ray leaves the current pixel's cell of a level, or the screen: the last
-    /// cell may stick out, and the ray's end is only rounded to the screen's edge.
+    /// The s at which the ray leaves the cell of the given level that contains the current pixel, or the
+    /// screen: the last cell may extend beyond it, and the ray's end is rounded to the screen's edge.
     fn exit(&self, level: usize) -> f64 {
         let cell = self.pixel >> level;
         self.crossing(((if self.direction > 0 { cell + 1 } else { cell }) << level).min(self.side))
@@ -193,24 +194,25 @@ impl<'s> Lane<'s> {
         self.segment.crossing(self.axis, boundary)
     }
 
-    /// Moves on to the pixel that the ray is in from s on: past every boundary crossed up to and at s.
+    /// Advances to the pixel in which the ray is from s on, past every boundary that it crosses up to and
+    /// including s.
     fn advance(&mut self, s: f64) {
         self.pixel = self.pixel_at(s, |crossing| crossing <= s);
     }
 
-    /// At the pixel that the ray is in just before s: past every boundary crossed before s.
+    /// The lane at the pixel in which the ray is just before s, past every boundary that it crosses before s.
     fn before(&self, s: f64) -> Self {
         Self { pixel: self.pixel_at(s, |crossing| crossing < s), ..*self }
     }
 
-    /// The pixel after all boundaries of which `crossed` is true: a guess from the position at s,
-    /// then corrected, so that it does not depend on how the position is rounded.
+    /// The pixel behind all boundaries for which `crossed` is true. The position at s gives a first guess,
+    /// which is then corrected, so that the result does not depend on the rounding of the position.
     fn pixel_at(&self, s: f64, crossed: impl Fn(f64) -> bool) -> i32 {
         if self.direction == 0 {
             return self.first;
         }
         let mut pixel = self.segment.at(s)[self.axis].floor() as i32;
-        // The boundary at which the ray leaves a pixel, and the one at which it entered it.
+        // The offsets of the boundary at which the ray leaves a pixel and of the one at which it entered.
         let (ahead, behind) = if self.direction > 0 { (1, 0) } else { (0, 1) };
         while crossed(self.crossing(pixel + ahead)) {
             pixel += self.direction;

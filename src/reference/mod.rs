@@ -1,9 +1,9 @@
-//! What the passes are held against: readable code on the CPU that shares nothing with the GPU's.
-//! Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
+//! The references that the GPU's passes are compared with: readable code on the CPU that shares nothing with
+//! the GPU's. Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
 //!
-//! [`oracle`] says what a ray meets in a G-buffer, [`hierarchy`] finds the same fast, and [`screen`]
-//! averages it over glossy lobes; [`world`] does so against the triangles (DEFINITIONS, "Oracle" and
-//! "Image error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are twins of passes.
+//! [`oracle`] finds what a ray hits in a G-buffer, [`hierarchy`] finds the same faster, and [`screen`] averages
+//! it over glossy lobes. [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
+//! error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
 pub mod bvh;
 pub mod first_hits;
@@ -28,7 +28,7 @@ pub use oracle::Oracle;
 pub use ray::{MissReason, Outcome, Trace};
 pub use screen::ScreenReference;
 
-/// One level of a chain: texels in rows from the top.
+/// One level of a chain of images; rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level<T> {
     /// Width in texels, ≥ 1.
@@ -40,20 +40,20 @@ pub struct Level<T> {
 }
 
 impl<T: Copy> Level<T> {
-    /// A texel for each (x, y).
+    /// Makes a level by evaluating `texel` at each (x, y).
     pub fn from_fn(width: u32, height: u32, mut texel: impl FnMut(u32, u32) -> T) -> Self {
         let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)).collect();
         Self { width, height, texels }
     }
 
-    /// The texel at (x, y); beyond the right or lower edge, the edge's.
+    /// The texel at (x, y). Beyond the right or lower edge, it is the texel at the edge.
     pub fn at_clamped(&self, x: u32, y: u32) -> T {
         let (x, y) = (x.min(self.width - 1), y.min(self.height - 1));
         self.texels[y as usize * self.width as usize + x as usize]
     }
 
-    /// Width and height of the next coarser level, halved and rounded down, at least 1; `None`
-    /// above the level of one texel.
+    /// Width and height of the next coarser level, halved and rounded down, but at least 1; `None` if this
+    /// level has a single texel.
     pub fn coarser(&self) -> Option<(u32, u32)> {
         (self.width > 1 || self.height > 1).then_some(((self.width / 2).max(1), (self.height / 2).max(1)))
     }

@@ -1,35 +1,38 @@
-//! The oracle (DEFINITIONS, "Oracle"): what a reflection ray truly meets in a G-buffer, found by looking
-//! at every pixel on its way, in f64. Slow, short and meant to be read.
+//! The oracle (docs/definitions.md, "Oracle"): finds what a reflection ray really hits in a G-buffer by examining every
+//! pixel on its path, in f64. It is slow, short and meant to be read.
 //!
-//! Version 2 asks of each block that is met whether the ray can have come to it from in front. A block's thickness
-//! is a guess that keeps rays from slipping through surfaces; where the screen does not show what lies between two
-//! pixels, rays meet it that in the world pass behind the object, or end on a side of it that is not seen.
+//! Version 2 asks for each block that a ray meets whether the ray can have come from in front of it. A block's
+//! thickness is a guess that keeps rays from slipping through surfaces. Where the screen does not show what
+//! lies between two pixels, version 1 lets rays hit this guess although in the world they pass behind the
+//! object, or end on a side of it that is not visible.
 //!
-//! - The block of the first pixel after the start is most often of the surface that the ray leaves. Which of the two
-//!   it is, depths a pixel apart cannot tell, but the normal there can: with a ray that runs the way it points, the ray
-//!   goes on, as if that pixel were empty; else it hits.
-//! - Any later block is hit if the ray, where it enters the pixel, lies in front of it; or else in front of
-//!   the pixel before, and so passes between the two fronts, where these are near enough to be of one surface
-//!   ([`JOINED`]). Where they are not, beside the edge of what is seen, the block's side is hit no deeper than the
-//!   thickness times the cosine by which the ray runs against the normal: the more it runs along the surface, the
+//! - The block of the first pixel after the start usually belongs to the surface that the ray leaves. Depths
+//!   that are one pixel apart cannot tell, but the normal there can: if the ray runs along it, the ray passes
+//!   as if the pixel were empty; otherwise it hits.
+//! - Any later block is hit if the ray is in front of it where it enters the pixel. It is also hit if the ray
+//!   was in front of the previous pixel's block, and so passes between the two fronts, provided that these are
+//!   close enough to belong to one surface ([`JOINED`]). If they are not, the ray is at the edge of a visible
+//!   surface, and it hits the block's side only up to a depth of the thickness times the cosine by which the
+//!   ray runs against the normal: the more a ray runs along the surface, the sooner it has passed behind it. In
+//!   all other cases the ray is behind what is visible, and misses.
 //!   sooner it has passed behind it. Else the ray has come behind what is seen: a miss.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
-use super::thickness::{self, Block, JOINED};
+use super::thickness::{self, DepthBlock, JOINED};
 use crate::math::OracleVersion;
 use crate::scene::GBufferData;
 use glam::DVec3;
 use std::ops::ControlFlow;
 
-/// How a ray comes to a block that it meets.
+/// From which side a ray comes to a block that it meets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Approach {
     /// From in front: a hit.
     InFront,
-    /// On its way out of the surface on which it begins: version 2 has it go on.
+    /// From inside, while it leaves the surface on which it begins; version 2 lets it pass.
     Leaving,
-    /// From behind: by version 2 a miss.
+    /// From behind: a miss in version 2.
     Behind,
 }
 
@@ -38,46 +41,47 @@ pub enum Approach {
 pub struct Meeting {
     /// The block's pixel.
     pub pixel: [u32; 2],
-    /// Where: pixel x, pixel y and reversed depth.
+    /// The position: pixel x, pixel y and reversed depth.
     pub position: DVec3,
-    /// Whether the ray crosses the block's front there. Else it comes in by a side or through the back.
+    /// Whether the ray crosses the block's front there. Otherwise it enters by a side or through the back.
     pub crosses_front: bool,
-    /// What version 2 asks.
+    /// The side from which the ray comes; only version 2 uses it.
     pub approach: Approach,
-    /// Pixels looked at until then.
+    /// The number of pixels examined so far.
     pub steps: u32,
 }
 
-/// The oracle of one G-buffer.
+/// The oracle of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct Oracle<'a> {
     rays: RaySetup<'a>,
-    blocks: Level<Block>,
+    blocks: Level<DepthBlock>,
     version: OracleVersion,
 }
 
 impl<'a> Oracle<'a> {
-    /// Works out each pixel's block. Version 1.
+    /// Computes each pixel's block. Follows version 1.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         Self { rays: RaySetup::new(gbuffer), blocks: thickness::blocks(gbuffer), version: OracleVersion::V1 }
     }
 
-    /// The same in another version.
+    /// Makes the oracle follow another version.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
 
-    /// The mirror ray of a pixel.
+    /// Traces the mirror ray of a pixel.
     pub fn trace(&self, x: u32, y: u32) -> Trace {
         self.rays.mirror(x, y).map_or(Trace::NO_RAY, |direction| self.trace_direction(x, y, direction))
     }
 
-    /// A ray from a pixel's centre at its own depth along a view-space direction of any length.
+    /// Traces a ray from a pixel's centre, at the pixel's own depth, along a view-space direction of any
+    /// length.
     pub fn trace_direction(&self, x: u32, y: u32, direction: DVec3) -> Trace {
         self.rays.segment(x, y, direction).map_or(Trace::NO_RAY, |segment| self.trace_segment(&segment))
     }
 
-    /// DEFINITIONS, "Oracle", item 4, for a segment that begins on the screen.
+    /// docs/definitions.md, "Oracle", item 4, for a segment that begins on the screen.
     pub fn trace_segment(&self, segment: &Segment) -> Trace {
         let ends = |meeting: Meeting| {
             let Meeting { pixel, position, approach, steps, .. } = meeting;
@@ -94,7 +98,8 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// All blocks that a segment meets, in order, as if it passed through each: what any version can choose from.
+    /// All blocks that a segment meets, in order, as if it passed through each of them. Every version chooses
+    /// from these.
     pub fn meetings(&self, segment: &Segment) -> Vec<Meeting> {
         let mut all = Vec::new();
         let _: ControlFlow<(), Trace> = self.walk(segment, |meeting| {
@@ -104,8 +109,9 @@ impl<'a> Oracle<'a> {
         all
     }
 
-    /// From pixel to pixel by the nearer of the next boundaries in x and y; through a corner, at once to the pixel
-    /// across it. Asks at each block that is met whether to go on; at the segment's end that is a miss.
+    /// Walks from pixel to pixel by the nearer of the next boundaries in x and y; at a corner, directly to the
+    /// diagonal pixel. `meet` decides at each block whether the walk goes on. A walk that reaches the segment's
+    /// end is a miss.
     fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
         let mut pixel = [0, 1].map(|axis| segment.start[axis].floor() as i32);
         let mut steps = 0;
@@ -141,24 +147,25 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Whether a ray that enters a block's pixel at a depth, from the pixel `last`, has come behind the block: see the
-    /// module. The cosine is that between the ray and the block's normal; 0 without one.
-    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: Block, along_normal: f64) -> bool {
-        let before = self.block(last).unwrap_or(Block::EMPTY);
+    /// Whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` is behind the
+    /// block; see the module's description. `along_normal` is the cosine between the ray and the block's
+    /// normal, or 0 if there is no normal.
+    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: DepthBlock, along_normal: f64) -> bool {
+        let before = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let is_joined = block.front - before.front <= JOINED * (block.thickness() + before.thickness());
         let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
         entry_depth < block.front && (entry_depth < before.front || !(is_joined || at_rim))
     }
 
     /// The block of a pixel; `None` off screen.
-    fn block(&self, [x, y]: [i32; 2]) -> Option<Block> {
+    fn block(&self, [x, y]: [i32; 2]) -> Option<DepthBlock> {
         let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
 
     fn miss(&self, last: [i32; 2], segment: &Segment, end: f64, steps: u32) -> Trace {
-        let block = self.block(last).unwrap_or(Block::EMPTY);
-        let behind = block != Block::EMPTY && segment.depth_at(end) < block.back;
+        let block = self.block(last).unwrap_or(DepthBlock::EMPTY);
+        let behind = block != DepthBlock::EMPTY && segment.depth_at(end) < block.back;
         Trace { outcome: Outcome::Miss { reason: segment.end, behind }, steps }
     }
 }
@@ -168,9 +175,10 @@ fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
     segment.crossing(axis, if segment.delta[axis] > 0.0 { pixel + 1 } else { pixel })
 }
 
-/// Where a ray that is inside a pixel from s = `entry` to `exit` meets its block: at the crossing
-/// with the front if it lies inside, which is said beside it, else at the entry; `None` if it does not.
-fn meets(segment: &Segment, block: Block, entry: f64, exit: f64) -> Option<(f64, bool)> {
+/// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. This is the crossing
+/// with the front if it is within that range (then the flag is true), otherwise the entry; `None` if the ray
+/// does not meet the block.
+fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {
         return None;

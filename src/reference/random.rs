@@ -1,4 +1,4 @@
-//! Random numbers by counting: each is a hash of what it is for, so that images do not depend on the
+//! Counter-based random numbers: each number is a hash of its purpose, so that images do not depend on the
 //! number of threads or on the order of pixels.
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014, "Fast Splittable Pseudorandom Number
@@ -11,7 +11,7 @@ fn mix(mut z: u64) -> u64 {
 
 const GOLDEN_GAMMA: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The numbers of one purpose: a seed and, say, a pixel.
+/// The random numbers for one purpose, given by a seed and an index such as that of a pixel.
 #[derive(Debug, Clone, Copy)]
 pub struct Stream(u64);
 
@@ -21,7 +21,7 @@ impl Stream {
         Self(mix(mix(seed.wrapping_add(GOLDEN_GAMMA)).wrapping_add(index.wrapping_mul(GOLDEN_GAMMA))))
     }
 
-    /// The number at a position, 0 ≤ u < 1, in steps of 2⁻⁵³.
+    /// The number at a position: 0 ≤ u < 1, in steps of 2⁻⁵³.
     pub fn uniform(&self, position: u64) -> f64 {
         let bits = mix(self.0.wrapping_add(position.wrapping_add(1).wrapping_mul(GOLDEN_GAMMA)));
         (bits >> 11) as f64 / (1_u64 << 53) as f64
@@ -44,7 +44,7 @@ mod tests {
             let expected = n as f64 / 64.0;
             let chi2: f64 = bins.iter().map(|b| (f64::from(*b) - expected).powi(2) / expected).sum();
             assert!((63.0 - 45.0..63.0 + 45.0).contains(&chi2), "χ² {chi2}");
-            // Neighbours are uncorrelated: standard deviation of the mean product 1 / (12 √n).
+            // Neighbours are uncorrelated: the mean product has the standard deviation 1 / (12 √n).
             let pairs = numbers.windows(2).map(|p| (p[0] - 0.5) * (p[1] - 0.5)).sum::<f64>() / n as f64;
             assert!(pairs.abs() < 4.0 / (12.0 * (n as f64).sqrt()), "{pairs}");
         }

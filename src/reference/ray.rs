@@ -1,17 +1,17 @@
-//! A reflection ray in the image, and how it can end: set-up and clipping of DEFINITIONS, "Oracle",
-//! items 1 and 2 (NUMERICS, "What a robust method does", item 1), in f64.
+//! Reflection rays in the image: their set-up and clipping (docs/definitions.md, "Oracle", items 1 and 2;
+//! docs/numerics.md, "What a robust method does", item 1), in f64, and how they can end.
 //!
-//! The oracle and the hierarchical traversal begin with the same [`Segment`] and ask it for the
-//! parameter at which a pixel boundary is crossed. As both evaluate the same expression there, they
-//! see the same depths at the same places, and can be compared exactly.
+//! The oracle and the hierarchical traversal start from the same [`Segment`] and use it to find where a pixel
+//! boundary is crossed. Because both evaluate the same expression, they see the same depths at the same places
+//! and can be compared exactly.
 
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// Why a ray hit nothing: what ended it (DEFINITIONS, "Oracle", item 5).
+/// Why a ray hit nothing (docs/definitions.md, "Oracle", item 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MissReason {
-    /// It left by one of the screen's four sides.
+    /// It left the screen by one of its four sides.
     LeftScreen,
     /// It went behind the camera's near plane.
     Near,
@@ -24,14 +24,14 @@ pub enum MissReason {
 /// How a ray ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Outcome {
-    /// It met the block of a pixel.
+    /// It hit the block of a pixel.
     Hit {
-        /// The pixel (i, j).
+        /// The index (i, j) of the pixel.
         pixel: [u32; 2],
         /// Pixel x, pixel y (continuous) and reversed depth.
         position: DVec3,
     },
-    /// It met none.
+    /// It hit nothing.
     Miss {
         /// What ended it.
         reason: MissReason,
@@ -40,20 +40,20 @@ pub enum Outcome {
     },
 }
 
-/// A traced ray.
+/// The result of tracing a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trace {
     /// How it ended.
     pub outcome: Outcome,
-    /// Pixels (oracle) or cells (hierarchy) that were looked at.
+    /// The number of pixels (oracle) or cells (hierarchy) that were examined.
     pub steps: u32,
 }
 
 impl Trace {
-    /// A pixel without a ray.
+    /// The result for a pixel without a ray.
     pub const NO_RAY: Self = Self { outcome: Outcome::Miss { reason: MissReason::NoRay, behind: false }, steps: 0 };
 
-    /// Where it hit: continuous pixel coordinates and reversed depth; `None` for a miss.
+    /// Continuous pixel coordinates and reversed depth of the hit; `None` for a miss.
     pub fn position(&self) -> Option<DVec3> {
         match self.outcome {
             Outcome::Hit { position, .. } => Some(position),
@@ -61,23 +61,23 @@ impl Trace {
         }
     }
 
-    /// Where it hit, in pixels; `None` for a miss. This is what `metrics::hits` compares.
+    /// Continuous pixel coordinates of the hit, which `metrics::hits` compares; `None` for a miss.
     pub fn position_px(&self) -> Option<[f64; 2]> {
         self.position().map(|p| [p.x, p.y])
     }
 }
 
-/// The visible part of a ray: a straight line in (pixel x, pixel y, reversed depth), by a parameter
-/// s from 0 at the pixel's centre to 1 where it leaves the frustum.
+/// The visible part of a ray: a straight line in (pixel x, pixel y, reversed depth), with a parameter s from 0
+/// at the pixel's centre to 1 where it leaves the frustum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
-    /// Where it begins.
+    /// The point at s = 0.
     pub start: DVec3,
-    /// From there to its end; all 0 where it leaves the frustum at once.
+    /// The vector from the start to the end; zero if the ray leaves the frustum at once.
     pub delta: DVec3,
     /// The ray's unit direction in view space.
     pub direction: DVec3,
-    /// Which side of the frustum ends it.
+    /// The side of the frustum that ends it.
     pub end: MissReason,
 }
 
@@ -87,14 +87,14 @@ impl Segment {
         self.start + s * self.delta
     }
 
-    /// Reversed depth at s. Monotonic in s, rounding included.
+    /// Reversed depth at s; monotonic in s, even under rounding.
     pub fn depth_at(&self, s: f64) -> f64 {
         self.start.z + s * self.delta.z
     }
 
-    /// The s at which the line x = `boundary` (axis 0) or y = `boundary` (axis 1) is crossed;
-    /// infinite if the ray does not move along that axis. Rises with the boundary's distance from
-    /// the start, rounding included.
+    /// The s at which the ray crosses the line x = `boundary` (axis 0) or y = `boundary` (axis 1); infinite if
+    /// the ray does not move along that axis. It increases with the boundary's distance from the start, even
+    /// under rounding.
     pub fn crossing(&self, axis: usize, boundary: i32) -> f64 {
         if self.delta[axis] == 0.0 {
             return f64::INFINITY;
@@ -103,7 +103,7 @@ impl Segment {
     }
 }
 
-/// Makes rays of a G-buffer.
+/// Makes the rays of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct RaySetup<'a> {
     /// The G-buffer.
@@ -113,39 +113,39 @@ pub struct RaySetup<'a> {
 }
 
 impl<'a> RaySetup<'a> {
-    /// Inverts the matrix once.
+    /// Inverts the projection matrix once, for all rays.
     pub fn new(gbuffer: &'a GBufferData) -> Self {
         let view_to_clip = gbuffer.view_to_clip();
         Self { gbuffer, view_to_clip, clip_to_view: view_to_clip.inverse() }
     }
 
-    /// View-space position of a pixel's centre at its own depth; `None` for sky.
+    /// The view-space position of a pixel's centre at the pixel's own depth; `None` for sky.
     pub fn position(&self, x: u32, y: u32) -> Option<DVec3> {
         let depth = self.gbuffer.depth[self.gbuffer.index(x, y)];
         let centre = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
         (depth > 0.0).then(|| self.gbuffer.unproject(centre.x, centre.y, f64::from(depth), &self.clip_to_view))
     }
 
-    /// Unit view-space normal of a pixel; `None` where there is none.
+    /// The unit view-space normal of a pixel; `None` if it has none.
     pub fn normal(&self, x: u32, y: u32) -> Option<DVec3> {
         self.gbuffer.normal[self.gbuffer.index(x, y)].as_dvec3().try_normalize()
     }
 
-    /// Unit mirror direction in view space: reflect(normalize(position), normalize(normal)). `None`
-    /// for sky or without a normal.
+    /// The unit mirror direction in view space: reflect(normalize(position), normalize(normal)). `None` for sky
+    /// and for a pixel without a normal.
     pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
         let incident = self.position(x, y)?.try_normalize()?;
         Some(incident.reflect(self.normal(x, y)?))
     }
 
-    /// The visible part of the ray from a pixel's centre along a view-space direction of any
-    /// length. `None` for sky and for a direction without a length.
+    /// The visible part of the ray from a pixel's centre along a view-space direction of any length. `None` for
+    /// sky and for a direction of length zero.
     pub fn segment(&self, x: u32, y: u32, direction: DVec3) -> Option<Segment> {
         let direction = direction.try_normalize()?;
         let from = self.view_to_clip * self.position(x, y)?.extend(1.0);
         let along = self.view_to_clip * direction.extend(0.0);
         let (t, end) = clip(from, along)?;
-        // The difference of the two projected points, without its cancellation:
+        // The difference of the two projected points, rearranged to avoid cancellation:
         // (P + tD).xyz / (P + tD).w − P.xyz / P.w.
         let scale = t / (from.w * (from.w + t * along.w));
         let delta = (along.xyz() * from.w - from.xyz() * along.w) * scale;
@@ -161,9 +161,9 @@ impl<'a> RaySetup<'a> {
     }
 }
 
-/// How far P + tD stays in the frustum, and what ends it. `None` if nothing does (NaN).
+/// How far P + tD stays in the frustum, and which side ends it. `None` if none does, because of NaN.
 fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
-    // Each plane as its value at P and its rate along D; inside is ≥ 0. Depth is reversed.
+    // Each plane as its value at P and its rate along D; values inside are ≥ 0. Depth is reversed.
     let planes = [
         (p.w + p.x, d.w + d.x, MissReason::LeftScreen),
         (p.w - p.x, d.w - d.x, MissReason::LeftScreen),
@@ -172,7 +172,7 @@ fn clip(p: DVec4, d: DVec4) -> Option<(f64, MissReason)> {
         (p.w - p.z, d.w - d.z, MissReason::Near),
         (p.z, d.z, MissReason::Far),
     ];
-    // P is inside by its definition; a value below 0 (at the near plane) is rounding.
+    // P is inside by definition; a value below 0 (at the near plane) is a rounding error.
     let ends = planes.into_iter().filter(|(_, rate, _)| *rate < 0.0);
     ends.map(|(value, rate, reason)| (value.max(0.0) / -rate, reason)).min_by(|a, b| a.0.total_cmp(&b.0))
 }
@@ -196,7 +196,7 @@ mod tests {
             prop_assume!(direction.length() > 1e-2);
             let segment = setup.segment(x, y, direction).expect("a ray");
             let size = DVec3::new(16.0, 9.0, 1.0);
-            // The end lies on the side of the frustum that it names, within the others.
+            // The end must be on the named side of the frustum and within the other sides.
             let end = segment.at(1.0) / size;
             prop_assert!(end.cmpge(DVec3::splat(-1e-9)).all() && end.cmple(DVec3::splat(1.0 + 1e-9)).all(), "{end}");
             let off = |v: f64| v.abs().min((v - 1.0).abs());
@@ -206,7 +206,7 @@ mod tests {
                 _ => end.z.abs(),
             };
             prop_assert!(named < 1e-9, "{segment:?}");
-            // A point of the ray in view space lies on the segment, if it is in the frustum.
+            // A view-space point of the ray must be on the segment if it is in the frustum.
             let position = setup.position(x, y).expect("no sky");
             let point = position + direction.normalize() * t * z;
             let projected = g.project(point, &g.view_to_clip());
@@ -218,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_have_no_direction_are_none() {
+    fn rays_without_a_direction_are_none() {
         let mut g = flat(3, 1, 2.0);
         g.depth[1] = 0.0;
         g.normal[2] = Vec3::ZERO;

@@ -1,9 +1,9 @@
-//! The screen reference (DEFINITIONS, "Image error"): the reflection colour by Monte Carlo over each
-//! pixel's Phong lobe (DEFINITIONS, "Surfaces"; NUMERICS, "Gloss"), each ray traced as the oracle
-//! traces it, with the standard error beside it.
+//! The screen reference (docs/definitions.md, "Image error"): the reflection colour by Monte Carlo integration over
+//! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays
+//! are traced as the oracle traces them.
 //!
-//! Samples are independent. Stratifying them would lower the error and make its estimate, which is
-//! what gives the reference its worth, an overestimate by an unknown factor.
+//! Samples are independent. Stratified samples would lower the error, but its estimate, which makes the
+//! reference trustworthy, would become too large by an unknown factor.
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
@@ -13,18 +13,19 @@ use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How to sample.
+/// Parameters of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Rays a pixel with ϱ > 0; with fewer than two the error is unknown. A mirror takes one.
+    /// Rays per pixel with ϱ > 0; if there are fewer than two, the error is unknown. A mirror always takes one
+    /// ray.
     pub samples: u32,
     /// Another seed gives an independent image.
     pub seed: u64,
-    /// What rays hit.
+    /// The version of the oracle that decides what rays hit.
     pub oracle: OracleVersion,
 }
 
-/// The reflection colour, before fade, reflectivity and composite, with its error.
+/// The reflection colour, before fade, reflectivity and composite, and its error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScreenReference {
     /// Width in pixels.
@@ -33,22 +34,23 @@ pub struct ScreenReference {
     pub height: u32,
     /// Mean colour, linear, rows from the top; black outside the mask and where nothing was hit.
     pub color: Vec<Vec3>,
-    /// Standard error of each channel of the mean; 0 for mirrors and outside the mask, infinite for
-    /// a single sample of a lobe.
+    /// Standard error of the mean, per channel; 0 for mirrors and outside the mask, infinite if a lobe has a
+    /// single sample.
     pub standard_error: Vec<Vec3>,
-    /// Root mean square of [`Self::standard_error`] over the mask's pixels and three channels: the
-    /// RMSE that the reference itself is expected to have. 0 for an empty mask.
+    /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the RMSE that
+    /// the reference itself is expected to have. 0 if the mask is empty.
     pub overall_standard_error: f64,
 }
 
 impl ScreenReference {
-    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); the others stay black.
-    /// `progress` is called after each row, from any thread. The image depends on the seed alone.
+    /// Renders the pixels of a mask (usually [`GBufferData::reflecting`]); the others stay black. `progress` is
+    /// called after each row, from any thread. The image depends only on the G-buffer, the mask and the
+    /// sampling, not on threads.
     ///
     /// # Panics
-    /// If the mask has another size than the G-buffer.
+    /// If the mask differs in size from the G-buffer.
     pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling, progress: &(dyn Fn() + Sync)) -> Self {
-        assert_eq!(mask.len(), gbuffer.depth.len(), "a mask of the G-buffer's size");
+        assert_eq!(mask.len(), gbuffer.depth.len(), "the mask must have the G-buffer's size");
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
         let rows: Vec<Vec<Estimate>> = (0..gbuffer.height)
             .into_par_iter()
@@ -72,7 +74,7 @@ impl ScreenReference {
     }
 }
 
-/// A mean of colours and its standard error.
+/// A mean colour and its standard error.
 #[derive(Debug, Clone, Copy, Default)]
 struct Estimate {
     mean: DVec3,
@@ -85,7 +87,7 @@ fn estimate(hierarchy: &Hierarchy, x: u32, y: u32, sampling: Sampling) -> Estima
     let index = gbuffer.index(x, y);
     let (Some(mirror), Some(normal)) = (rays.mirror(x, y), rays.normal(x, y)) else { return Estimate::default() };
     let seen = |direction: DVec3| {
-        // Below the surface there is nothing to see, and it counts.
+        // A direction below the surface carries no light, but counts as a sample.
         let hit = (direction.dot(normal) > 0.0).then(|| hierarchy.trace_direction(x, y, direction).position());
         hit.flatten().map_or(DVec3::ZERO, |p| bilinear(gbuffer, p.x, p.y))
     };
@@ -100,7 +102,7 @@ fn estimate(hierarchy: &Hierarchy, x: u32, y: u32, sampling: Sampling) -> Estima
     mean_and_error(colors)
 }
 
-/// Welford's running mean and variance (Welford 1962), which do not cancel.
+/// Welford's running mean and variance (Welford 1962), which avoid cancellation.
 fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
     let (mut n, mut mean, mut squares) = (0.0, DVec3::ZERO, DVec3::ZERO);
     for color in colors {
@@ -118,7 +120,7 @@ fn mean_and_error(colors: impl Iterator<Item = DVec3>) -> Estimate {
     Estimate { mean, standard_error }
 }
 
-/// The lit colour at a position in pixels, bilinear between pixel centres, clamped at the border.
+/// The lit colour at continuous pixel coordinates, bilinear between pixel centres and clamped at the border.
 pub fn bilinear(gbuffer: &GBufferData, x: f64, y: f64) -> DVec3 {
     let axis = |v: f64, side: u32| {
         let v = (v - 0.5).clamp(0.0, f64::from(side - 1));

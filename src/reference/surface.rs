@@ -1,43 +1,43 @@
-//! What a ray sees where it hits a triangle: the CPU's reading of `shaders-glsl/scene/gbuffer.frag`
-//! and `lighting.frag`, in f64 and in world space.
+//! What a ray sees where it hits a triangle: the CPU version of `shaders-glsl/scene/gbuffer.frag` and
+//! `lighting.frag`, in f64 and in world space.
 //!
-//! Images are read at their finest level, bilinearly and repeating: a ray has no footprint. The
-//! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16; that is the
-//! whole difference.
+//! Images are sampled at their finest level, bilinearly and repeating, because a ray has no footprint. The
+//! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16. There is no other
+//! difference.
 
-use super::bvh::{Hit, Intersector, Ray, TriangleBvh};
+use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use crate::math::srgb_to_linear;
 use crate::scene::{Encoding, Light, Material, Mesh, Scene, Surface, Texture, Vertex, sky};
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
-/// A scene with the materials of a view, ready for rays.
+/// A scene with the materials of a view, prepared for ray tracing.
 pub struct World<'a> {
     /// Geometry, images and lights.
     pub scene: &'a Scene,
-    /// Materials in place of the scene's own, by the same indices.
+    /// The materials that replace the scene's own, with the same indices.
     pub materials: &'a [Material],
     triangles: Vec<TriangleRef>,
     intersector: Box<dyn Intersector>,
     decoded: [f64; 256],
 }
 
-/// Where a triangle comes from.
+/// The origin of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TriangleRef {
     /// Index into [`Scene::meshes`].
     pub mesh: u32,
-    /// Index of the triangle in its mesh: its vertices are the three indices from 3 · this on.
+    /// Index of the triangle in its mesh; its three vertex indices start at 3 · `triangle`.
     pub triangle: u32,
 }
 
-/// A point of a surface as a ray sees it.
+/// A point of a surface as seen by a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
     /// World position in metres.
     pub position: DVec3,
-    /// Unit normal of the triangle, on the side that the ray comes from.
+    /// Unit normal of the triangle, on the side from which the ray comes.
     pub geometric_normal: DVec3,
-    /// Unit shading normal, turned round on surfaces seen from behind.
+    /// Unit shading normal, flipped on surfaces that are seen from behind.
     pub normal: DVec3,
     /// Linear albedo.
     pub albedo: DVec3,
@@ -45,7 +45,7 @@ pub struct SurfacePoint {
     pub reflectivity: f64,
     /// Roughness ϱ.
     pub roughness: f64,
-    /// What it is to the reflections.
+    /// How the surface takes part in reflections.
     pub surface: Surface,
 }
 
@@ -64,23 +64,23 @@ impl<'a> World<'a> {
         Self { scene, materials, triangles, intersector: Box::new(TriangleBvh::new(corners)), decoded }
     }
 
-    /// The closest hit of a ray; it passes where an alpha mask is below ½.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+    /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
+    pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
         self.intersector.closest(ray, &|hit| self.covers(hit))
     }
 
-    /// Where a hit's triangle comes from.
-    pub fn triangle(&self, hit: &Hit) -> TriangleRef {
+    /// The origin of the triangle that was hit.
+    pub fn triangle(&self, hit: &TriangleHit) -> TriangleRef {
         self.triangles[hit.triangle as usize]
     }
 
-    /// What a ray sees at its hit.
-    pub fn point(&self, ray: &Ray, hit: &Hit) -> SurfacePoint {
+    /// The surface point that a ray hits.
+    pub fn point(&self, ray: &WorldRay, hit: &TriangleHit) -> SurfacePoint {
         let (mesh, vertices) = self.vertices(hit);
         let material = &self.materials[mesh.material];
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
         let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
-        // Seen from behind, a surface shows its other side.
+        // A surface that is seen from behind shows its other side.
         let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
         let uv = interpolate_uv(&vertices, hit);
         let lit = material.surface == Surface::Lit;
@@ -97,16 +97,17 @@ impl<'a> World<'a> {
         }
     }
 
-    /// The colour that a ray sees at a point: lit, or the environment in the ray's direction.
-    pub fn color(&self, ray: &Ray, point: &SurfacePoint) -> DVec3 {
+    /// The colour that a ray sees at a point: the lit colour or, on sky surfaces, the environment in the ray's
+    /// direction.
+    pub fn color(&self, ray: &WorldRay, point: &SurfacePoint) -> DVec3 {
         match point.surface {
             Surface::Lit => lit_color(point.position, point.normal, point.albedo, &self.scene.lights),
             Surface::Sky => sky_color(ray.direction),
         }
     }
 
-    /// The shading normal of the triangle's front, as `gbuffer.frag` has it.
-    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &Hit, uv: DVec2, flat: DVec3) -> DVec3 {
+    /// The shading normal on the front of the triangle, computed as in `gbuffer.frag`.
+    fn normal(&self, material: &Material, vertices: &[&Vertex; 3], hit: &TriangleHit, uv: DVec2, flat: DVec3) -> DVec3 {
         let geometric = interpolate(vertices, hit, |v| v.normal).normalize_or(flat);
         let deviation = f64::from(material.normal_deviation);
         let Some(map) = material.normal_map.filter(|_| deviation > 0.0) else { return geometric };
@@ -123,23 +124,23 @@ impl<'a> World<'a> {
         geometric.lerp(bumped, deviation).normalize_or(geometric)
     }
 
-    /// Whether something is there: an alpha mask says no below ½.
-    fn covers(&self, hit: &Hit) -> bool {
+    /// Whether the surface has no hole there: an alpha mask below ½ is a hole.
+    fn covers(&self, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.triangle(hit).mesh as usize];
         let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
         let (_, vertices) = self.vertices(hit);
         self.sample(mask, interpolate_uv(&vertices, hit)).x >= 0.5
     }
 
-    fn vertices(&self, hit: &Hit) -> (&Mesh, [&Vertex; 3]) {
+    fn vertices(&self, hit: &TriangleHit) -> (&Mesh, [&Vertex; 3]) {
         let from = self.triangle(hit);
         let mesh = &self.scene.meshes[from.mesh as usize];
         let first = 3 * from.triangle as usize;
         (mesh, [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
     }
 
-    /// The finest level of an image, bilinear and repeating, decoded: what Vulkan's "Texel Filtering"
-    /// says of VK_FILTER_LINEAR. (0, 0) is the top left corner.
+    /// Samples the finest level of an image, bilinear, repeating and decoded, as Vulkan's "Texel Filtering"
+    /// defines VK_FILTER_LINEAR. (0, 0) is the top left corner.
     fn sample(&self, texture: usize, uv: DVec2) -> DVec4 {
         let image = &self.scene.textures[texture];
         let size = DVec2::new(f64::from(image.width), f64::from(image.height));
@@ -166,8 +167,8 @@ impl<'a> World<'a> {
     }
 }
 
-/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (DEFINITIONS, "Surfaces";
-/// `lighting.frag`), from a world position in metres and a unit normal.
+/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (docs/definitions.md, "Surfaces";
+/// `lighting.frag`), for a world position in metres and a unit normal.
 pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]) -> DVec3 {
     let shading: f64 = lights
         .iter()
@@ -185,16 +186,16 @@ pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]
     albedo * (0.2 + 0.8 * shading.min(1.0))
 }
 
-/// The environment in a direction, linear.
+/// The linear colour of the environment in a direction.
 pub fn sky_color(direction: DVec3) -> DVec3 {
     sky::radiance(direction.as_vec3()).as_dvec3()
 }
 
-fn interpolate(vertices: &[&Vertex; 3], hit: &Hit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
+fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, of: impl Fn(&Vertex) -> [f32; 3]) -> DVec3 {
     vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(of(v)).as_dvec3()).sum()
 }
 
-fn interpolate_uv(vertices: &[&Vertex; 3], hit: &Hit) -> DVec2 {
+fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
     vertices
         .iter()
         .zip(hit.barycentrics)
@@ -207,8 +208,8 @@ pub(super) mod tests {
     use super::*;
     use crate::scene::Aabb;
 
-    /// A rectangle from a corner along two edges; its front is the side of u × v. uv (0, 0) lies at
-    /// the corner, (1, 1) opposite.
+    /// A rectangle spanned by two edges from a corner. Its front is the side of u × v; uv (0, 0) is at the
+    /// corner and (1, 1) opposite.
     pub fn rectangle(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
         let normal = u.cross(v).normalize();
         let vertex = |s: f32, t: f32| Vertex {
@@ -227,8 +228,8 @@ pub(super) mod tests {
         Texture { name: "test".into(), width, height, rgba, encoding }
     }
 
-    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
-        Ray {
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> WorldRay {
+        WorldRay {
             origin: DVec3::from(origin),
             direction: DVec3::from(direction).normalize(),
             t_min: 0.0,
@@ -236,7 +237,7 @@ pub(super) mod tests {
         }
     }
 
-    /// The unit square of the plane z = 1, its front towards −z, and a wall behind it at z = 2.
+    /// The unit square in the plane z = 1, with its front towards −z, and a wall behind it at z = 2.
     fn two_walls(front: Material, textures: Vec<Texture>) -> Scene {
         Scene {
             meshes: vec![
@@ -251,18 +252,18 @@ pub(super) mod tests {
 
     #[test]
     fn a_ray_passes_through_the_holes_of_a_mask() {
-        // u runs along +y: a hole below y = ½.
+        // u runs along +y, so there is a hole below y = ½.
         let mask = texture(2, [vec![0; 4], vec![255; 4]].concat(), Encoding::Linear);
         let scene = two_walls(Material { alpha_mask: Some(0), ..Material::default() }, vec![mask]);
         let world = World::new(&scene, &scene.materials);
         let distance = |y: f64| world.closest(&ray([0.5, y, 0.0], [0.0, 0.0, 1.0])).map(|h| h.t);
         assert_eq!(distance(0.3), Some(2.0), "through the hole");
         assert_eq!(distance(0.7), Some(1.0));
-        // Between the texels' centres at ¼ and ¾ the mask is a ramp, ½ in the middle.
+        // Between the texel centres at ¼ and ¾ the mask is a ramp that is ½ in the middle.
         assert_eq!((distance(0.499), distance(0.501)), (Some(2.0), Some(1.0)));
         let opaque = vec![Material::default(); 2];
         let hit = World::new(&scene, &opaque).closest(&ray([0.5, 0.3, 0.0], [0.0, 0.0, 1.0]));
-        assert_eq!(hit.map(|h| h.t), Some(1.0), "the view's materials count, not the scene's");
+        assert_eq!(hit.map(|h| h.t), Some(1.0), "the view's materials must be used, not the scene's");
     }
 
     #[test]
@@ -287,7 +288,7 @@ pub(super) mod tests {
         let scene = two_walls(Material::default(), vec![srgb, texture(2, bytes, Encoding::Linear)]);
         let world = World::new(&scene, &scene.materials);
         let half = f64::from(srgb_to_linear(188.0 / 255.0));
-        // Centres of the texels at ¼ and ¾; ½ is the middle, 0 the middle across the border.
+        // The texel centres are at ¼ and ¾; ½ is halfway between them, and 0 is halfway across the border.
         for (u, share) in [(0.25, 0.0), (0.75, 1.0), (0.5, 0.5), (0.375, 0.25), (0.0, 0.5), (1.0, 0.5), (-3.25, 1.0)] {
             let uv = DVec2::new(u, 0.7);
             let expected = DVec4::new(share, share * half, 0.0, 1.0);
@@ -298,8 +299,8 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_normal_map_tilts_along_the_tangent_as_far_as_the_deviation_says() {
-        // (0.6, 0, 0.8) in bytes, all over.
+    fn a_normal_map_tilts_along_the_tangent_by_the_normal_deviation() {
+        // The normal (0.6, 0, 0.8) as bytes, in every texel.
         let map = texture(1, vec![204, 128, 230, 255], Encoding::Linear);
         let material = |deviation| Material {
             normal_map: Some(0),
@@ -315,7 +316,7 @@ pub(super) mod tests {
             assert_eq!(world.point(&ray, &hit).albedo, DVec3::new(0.5, 0.25, 1.0));
             world.point(&ray, &hit).normal
         };
-        // The tangent is +y and the front faces −z.
+        // The tangent is +y, and the front faces −z.
         assert_eq!(normal(0.0), DVec3::NEG_Z);
         assert!((normal(1.0) - DVec3::new(0.0, 0.6, -0.8)).length() < 0.01, "{}", normal(1.0));
         let half = DVec3::new(0.0, 0.3, -0.9).normalize();

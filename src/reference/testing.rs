@@ -1,4 +1,4 @@
-//! G-buffers for the tests of this module.
+//! G-buffers for the tests of the references.
 
 use super::random::Stream;
 use super::ray::RaySetup;
@@ -10,7 +10,7 @@ fn camera(aspect: f32) -> Camera {
     Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), aspect)
 }
 
-/// Reversed depth of a view depth in metres with the default lens; 0 (sky) for an infinite one.
+/// The reversed depth, with the default lens, of a view depth in metres; 0 (sky) if it is infinite.
 pub fn depth_of(z: f64) -> f32 {
     if z.is_infinite() {
         return 0.0;
@@ -18,8 +18,8 @@ pub fn depth_of(z: f64) -> f32 {
     camera(1.0).view_to_clip_reversed().as_dmat4().project_point3(DVec3::new(0.0, 0.0, z)).z as f32
 }
 
-/// A G-buffer with the default lens from reversed depths and view-space normals; mirrors everywhere,
-/// black.
+/// A black G-buffer with the default lens, made from reversed depths and view-space normals. Every pixel is a
+/// mirror.
 pub fn gbuffer(
     width: u32,
     height: u32,
@@ -39,18 +39,18 @@ pub fn gbuffer(
     }
 }
 
-/// A wall across the view, `z` metres away.
+/// A wall `z` metres away that faces the camera.
 pub fn flat(width: u32, height: u32, z: f64) -> GBufferData {
     gbuffer(width, height, |_, _| depth_of(z), |_, _| Vec3::NEG_Z)
 }
 
-/// A floor 1 m below the eye up to a wall 5 m away, which goes up without end.
+/// A floor 1 m below the eye that ends at a wall 5 m away. The wall has no upper end.
 pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
     let slope = |y: u32| {
         let ndc = 1.0 - 2.0 * (f64::from(y) + 0.5) / f64::from(height);
         ndc * f64::from(Lens::default().fov_y_radians / 2.0).tan()
     };
-    // The floor is seen along y = slope · z = −1.
+    // The floor is visible along y = slope · z = −1.
     let is_floor = move |y| slope(y) < -1.0 / 5.0;
     gbuffer(
         width,
@@ -60,7 +60,7 @@ pub fn floor_and_wall(width: u32, height: u32) -> GBufferData {
     )
 }
 
-/// Sizes of images that rays are traced in: one pixel, rows, odd, prime, powers of two.
+/// Image sizes in which rays are traced: one pixel, rows, odd numbers, primes, powers of two.
 pub const SIZES: [[u32; 2]; 20] = [
     [1, 1],
     [1, 2],
@@ -111,13 +111,14 @@ impl Random {
         DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0))
     }
 
-    /// A view depth between the planes, evenly by its logarithm.
+    /// A view depth between the near and far planes, uniform in its logarithm.
     pub fn depth(&self) -> f64 {
         self.range(0.1_f64.ln(), 1000.0_f64.ln()).exp()
     }
 }
 
-/// Depths of one kind, by pixel. Two slopes are planes in view space, which are so in reversed depth.
+/// Depths of one kind, for each pixel. Two of the slopes are planes in view space, which stay planes in
+/// reversed depth.
 pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32> {
     let (a, b) = (random.depth(), random.depth());
     let (near, far) = (depth_of(a.min(b)), depth_of(a.max(b)));
@@ -139,7 +140,7 @@ pub fn depths(kind: u32, random: &Random, [width, height]: [u32; 2]) -> Vec<f32>
         6 => depth_of(random.depth()),
         7 if random.unit() < 0.02 => near,
         7 => 0.0,
-        // The ends of the range: on the near plane, and the least number above the sky.
+        // The extremes: on the near plane, and the least number above sky.
         _ => [1.0, near, f32::MIN_POSITIVE, 0.0][random.below(4) as usize],
     };
     pixels.map(depth).collect()
@@ -158,7 +159,7 @@ pub fn direction(kind: u32, random: &Random, rays: &RaySetup, from: DVec3) -> DV
         0 => random.direction(),
         // Along the axes.
         1 => [DVec3::X, DVec3::Y, DVec3::Z][random.below(3) as usize] * [1.0, -1.0][random.below(2) as usize],
-        // Straight at the camera and straight away, exactly and nearly.
+        // Directly towards the camera and directly away from it, exactly and approximately.
         2 => from * [1.0, -1.0][random.below(2) as usize],
         3 => (from.normalize() + 1e-7 * random.direction()) * [1.0, -1.0][random.below(2) as usize],
         // At the very depth of another pixel's centre.

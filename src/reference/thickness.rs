@@ -1,43 +1,37 @@
-//! What a pixel is to a ray: a block from its own depth to a back that lies T behind it
-//! (DEFINITIONS, "Oracle", item 3; NUMERICS, "Thickness").
+//! The block that a pixel is for a ray: it extends from the pixel's own depth to a back that is T behind it
+//! (docs/definitions.md, "Oracle", item 3; docs/numerics.md, "Thickness").
 
 use super::Level;
+pub use crate::math::constants::{JOINED, SHARE_OF_DEPTH};
 use crate::scene::GBufferData;
 use glam::DVec3;
 
-/// Share of the view depth that T has at least.
-pub const SHARE_OF_DEPTH: f64 = 0.004;
-
-/// Version 2 of the oracle: fronts of neighbouring pixels, in reversed depth, are of one surface if they lie no
-/// further apart than this share of the two blocks' thicknesses together. (Of a plane, half is enough.)
-pub const JOINED: f64 = 0.8;
-
-/// A closed interval of reversed depth; sky is empty.
+/// A closed interval of reversed depth; empty for sky.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Block {
-    /// Farthest, at view depth z + T.
+pub struct DepthBlock {
+    /// Farthest depth, at view depth z + T.
     pub back: f64,
-    /// Nearest: the pixel's own depth.
+    /// Nearest depth: the pixel's own.
     pub front: f64,
 }
 
-impl Block {
-    /// No depth at all.
+impl DepthBlock {
+    /// The empty interval.
     pub const EMPTY: Self = Self { back: f64::INFINITY, front: f64::NEG_INFINITY };
 
-    /// From front to back, in reversed depth; 0 of sky.
+    /// The thickness in reversed depth; 0 for sky.
     pub fn thickness(self) -> f64 {
         (self.front - self.back).max(0.0)
     }
 
-    /// The least interval that holds both.
+    /// The smallest interval that contains both.
     pub fn union(self, other: Self) -> Self {
         Self { back: self.back.min(other.back), front: self.front.max(other.front) }
     }
 }
 
-/// T in metres of a pixel at view depth `z`, from the view depths of its neighbours left, right, up
-/// and down; `None` for one that is sky or off screen.
+/// T in metres of a pixel at view depth `z`, from the view depths of its neighbours left, right, up and down;
+/// `None` for a neighbour that is sky or off screen.
 pub fn thickness(z: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
     let span = |a: Option<f64>, b: Option<f64>| {
         let least = [a, b].into_iter().flatten().map(|n| (z - n).abs()).min_by(f64::total_cmp);
@@ -47,7 +41,7 @@ pub fn thickness(z: f64, [left, right, up, down]: [Option<f64>; 4]) -> f64 {
 }
 
 /// The block of every pixel.
-pub fn blocks(gbuffer: &GBufferData) -> Level<Block> {
+pub fn blocks(gbuffer: &GBufferData) -> Level<DepthBlock> {
     let view_to_clip = gbuffer.view_to_clip();
     let clip_to_view = view_to_clip.inverse();
     let view_depth = |reversed: f32| {
@@ -60,12 +54,12 @@ pub fn blocks(gbuffer: &GBufferData) -> Level<Block> {
         depths[gbuffer.index(x, y)]
     };
     Level::from_fn(width, height, |x, y| {
-        let Some(z) = at(Some(x), Some(y)) else { return Block::EMPTY };
+        let Some(z) = at(Some(x), Some(y)) else { return DepthBlock::EMPTY };
         let across = [at(x.checked_sub(1), Some(y)), at(Some(x + 1), Some(y))];
         let along = [at(Some(x), y.checked_sub(1)), at(Some(x), Some(y + 1))];
         let behind = z + thickness(z, [across[0], across[1], along[0], along[1]]);
         let front = f64::from(gbuffer.depth[gbuffer.index(x, y)]);
-        Block { back: view_to_clip.project_point3(DVec3::new(0.0, 0.0, behind)).z, front }
+        DepthBlock { back: view_to_clip.project_point3(DVec3::new(0.0, 0.0, behind)).z, front }
     })
 }
 
@@ -80,12 +74,12 @@ mod tests {
         let t = thickness(10.0, [Some(10.5), Some(9.8), Some(13.0), Some(10.0)]);
         assert!((t - (0.2 + 0.0 + 0.04)).abs() < 1e-12);
         assert!((thickness(10.0, [None, Some(12.0), None, None]) - (2.0 + 0.0 + 0.04)).abs() < 1e-12);
-        assert!((thickness(10.0, [None; 4]) - 0.04).abs() < 1e-12, "a lone pixel has the share of its depth");
+        assert!((thickness(10.0, [None; 4]) - 0.04).abs() < 1e-12, "a lone pixel must get the least thickness");
     }
 
     #[test]
     fn blocks_reach_from_the_depth_to_the_thickness_behind_it() {
-        // A row 2 m, 2.5 m, sky, 4 m: T = 0.5 + 0.008, 0.5 + 0.01 (the sky is left out), none, 0.016.
+        // A row with 2 m, 2.5 m, sky, 4 m: T = 0.5 + 0.008, 0.5 + 0.01 (sky is ignored), none, 0.016.
         let z = [2.0, 2.5, f64::INFINITY, 4.0];
         let g = gbuffer(4, 1, |x, _| depth_of(z[x as usize]), |_, _| Vec3::NEG_Z);
         let blocks = blocks(&g).texels;
@@ -93,13 +87,13 @@ mod tests {
             assert_eq!(blocks[i].front, f64::from(g.depth[i]));
             assert!((blocks[i].back - f64::from(depth_of(z[i] + t))).abs() < 1e-6 * blocks[i].back, "{i}: {blocks:?}");
         }
-        assert_eq!(blocks[2], Block::EMPTY);
+        assert_eq!(blocks[2], DepthBlock::EMPTY);
     }
 
     #[test]
     fn an_empty_block_adds_nothing() {
-        let block = Block { back: 0.2, front: 0.3 };
-        assert_eq!(block.union(Block::EMPTY), block);
-        assert_eq!(block.union(Block { back: 0.1, front: 0.25 }), Block { back: 0.1, front: 0.3 });
+        let block = DepthBlock { back: 0.2, front: 0.3 };
+        assert_eq!(block.union(DepthBlock::EMPTY), block);
+        assert_eq!(block.union(DepthBlock { back: 0.1, front: 0.25 }), DepthBlock { back: 0.1, front: 0.3 });
     }
 }

@@ -5,8 +5,19 @@
 //! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
+mod gather;
+mod gloss;
+mod gloss_trace;
+mod lobe;
+mod resolve;
+
+pub use gather::Cell;
+pub use gloss::{Footprint, Gloss};
+pub use gloss_trace::{Aim, Gathered};
+pub use lobe::Lobe;
+
 use super::Level;
-use crate::math::OracleVersion;
+use crate::math::{OracleVersion, constants};
 use crate::scene::{Camera, GBufferData};
 use glam::{IVec2, Vec2, Vec3};
 
@@ -84,17 +95,17 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// How a ray ended; the values of `HIT_*`.
+/// How a ray ended; the values of `PATH_*`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Code {
     /// It met a pixel's block.
-    Surface = 1,
+    Surface = constants::PATH_HI_Z as isize,
     /// It left the frustum.
-    Nothing = 3,
+    Nothing = constants::PATH_MISS as isize,
     /// Out of steps, which cannot be.
-    Unfinished = 7,
+    Unfinished = constants::PATH_UNFINISHED as isize,
     /// It met a block from behind (version 2 of the oracle).
-    Behind = 11,
+    Behind = constants::PATH_MISS_BEHIND as isize,
 }
 
 /// `Hit` of `traverse.glsl`.
@@ -135,7 +146,7 @@ impl Ray {
 }
 
 /// What the shader takes for infinite.
-const NEVER: f32 = 1e30;
+const NEVER: f32 = constants::NEVER as f32;
 
 /// The pyramid of one G-buffer, and its rays.
 #[derive(Debug, Clone)]
@@ -328,7 +339,7 @@ impl<'a> Traversal<'a> {
         let before = self.levels[0].at_clamped(before.x as u32, before.y as u32);
         let (d, n) = (ray.direction, self.normal(pixel));
         let thickness = block.front - block.back;
-        let joined = 0.8 * (thickness + (before.front - before.back));
+        let joined = constants::JOINED as f32 * (thickness + (before.front - before.back));
         let (along, below) = (dot(d, n), block.front - entry_depth);
         let depth_squared = (below * below) * (dot(n, n) * dot(d, d));
         let is_deep = along >= 0.0 || depth_squared > (along * along) * (thickness * thickness);
@@ -364,9 +375,23 @@ fn block(gbuffer: &GBufferData, parameters: &Parameters, p: IVec2) -> Block {
         if neighbour > 0.0 { (depth - neighbour).abs() * reciprocal } else { NEVER }
     };
     let least = |a: f32, b: f32| if a.min(b) < NEVER { a.min(b) } else { 0.0 };
-    let thickness = (least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1))) + 0.004;
+    let thickness =
+        (least(span(-1, 0), span(1, 0)) + least(span(0, -1), span(0, 1))) + constants::SHARE_OF_DEPTH as f32;
     let scale = 1.0 / (1.0 + thickness);
     Block { front: depth, back: (depth - parameters.depth_offset * thickness) * scale }
+}
+
+/// The greatest 16-bit float.
+const GREATEST: f32 = constants::GREATEST_HALF as f32;
+
+/// `Sound`: what a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits.
+fn sound(v: f32) -> f32 {
+    if v > 0.0 { v.min(GREATEST) } else { 0.0 }
+}
+
+/// The nearest 16-bit float.
+fn half(v: f32) -> f32 {
+    half::f16::from_f32(v).to_f32()
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
-//! The visibility chain on the CPU (thesis §4.2.5, Eq. 4.2 and its listing): the twin of
-//! `passes::visibility` and of `shaders-glsl/thesis/visibility.frag`.
+//! The visibility chain on the CPU (thesis §4.2.5, Eq. 4.2 and its listing): the twin of `passes::visibility`
+//! and `shaders-glsl/thesis/visibility.frag`.
 
 use super::Level;
 use super::hi_z::MinMax;
 
-/// Near and far plane in metres.
+/// The near and far planes in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     /// Near plane.
@@ -13,20 +13,21 @@ pub struct Range {
     pub far_m: f32,
 }
 
-/// Eq. 4.2, as printed. It is meant for depths in −1…1 and is fed 0…1 (an erratum that is kept): the
-/// result is monotonic, from 2n / (f + n) at 0 to 1 at 1, but no distance.
+/// Eq. 4.2 as printed. It is meant for depths in −1…1 but receives 0…1 (an erratum that is kept). The result is
+/// monotonic, from 2n / (f + n) at 0 to 1 at 1, but it is not a distance.
 pub fn linearize(z: f32, range: Range) -> f32 {
     let Range { near_m: near, far_m: far } = range;
     (2.0 * near) / (far + near - z * (far - near))
 }
 
-/// A share as the 8-bit target stores it (Vulkan: nearest; the step at a tie is the device's).
+/// A share after storage in the 8-bit target (Vulkan rounds to nearest; rounding at a tie depends on the
+/// device).
 pub fn quantize(share: f32) -> f32 {
     (share.clamp(0.0, 1.0) * 255.0).round() / 255.0
 }
 
-/// The listing over a whole level, from the depth and visibility of the level below, which must
-/// have a coarser one; not yet quantised. Fetches beyond the edge are the edge's, as in the shader.
+/// The listing over a whole level, from the depth and visibility of the level below, which must have a coarser
+/// one. The result is not quantised. Fetches beyond the edge return the texel at the edge, as in the shader.
 pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -> Option<Level<f32>> {
     let (width, height) = depth.coarser()?;
     Some(Level::from_fn(width, height, |x, y| {
@@ -37,8 +38,8 @@ pub fn integrate(depth: &Level<MinMax>, visibility: &Level<f32>, range: Range) -
     }))
 }
 
-/// The whole chain over a Hi-Z chain: level 0 is all 1, and every level is quantised before the
-/// next is made of it.
+/// The whole chain over a Hi-Z chain. Level 0 is 1 everywhere, and every level is quantised before the next is
+/// computed from it.
 pub fn chain(hi_z: &[Level<MinMax>], range: Range) -> Vec<Level<f32>> {
     let Some(finest) = hi_z.first() else { return Vec::new() };
     let mut chain = vec![Level::from_fn(finest.width, finest.height, |_, _| 1.0)];
@@ -67,8 +68,8 @@ mod tests {
 
     #[test]
     fn a_step_hides_what_is_before_the_farthest_texel() {
-        // Near and far plane with n = 1, f = 3: Eq. 4.2 gives 2/4 at depth 0 and 1 at depth 1, so
-        // three near texels and a far one weigh ¼ (½ + ½ + ½ + 1) = 0.625, stored as 159/255.
+        // Near plane n = 1 and far plane f = 3: Eq. 4.2 gives 2/4 at depth 0 and 1 at depth 1, so three near
+        // texels and a far one give ¼ (½ + ½ + ½ + 1) = 0.625, stored as 159/255.
         let range = Range { near_m: 1.0, far_m: 3.0 };
         let hi_z = hi_z::chain(&Level { width: 2, height: 2, texels: vec![0.0, 0.0, 0.0, 1.0] });
         assert_eq!(chain(&hi_z, range)[1].texels, [159.0 / 255.0]);

@@ -1,12 +1,12 @@
-//! The world reference of DEFINITIONS, "Image error": the glossy reflection of each pixel as the mean
-//! over rays of its Phong lobe, traced against the triangles of the whole scene, with the standard
-//! error beside it. What lies off screen or is hidden is in it, which no screen-space method can see.
+//! The world reference of docs/definitions.md, "Image error": the glossy reflection of each pixel as the mean over rays
+//! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
+//! what is off screen or hidden, which no screen-space method can see.
 //!
-//! First bounce only: what a ray hits is lit directly, as the G-buffer lights it, and doesn't reflect
-//! in its turn. Each sample depends on the seed, its pixel and its number alone, and a pixel's sums
-//! run in the order of the numbers; so a result doesn't depend on threads or on interruptions.
+//! Only the first bounce is traced: what a ray hits is lit directly, as in the G-buffer, and does not reflect
+//! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
+//! the order of their numbers. A result therefore does not depend on threads or on interruptions.
 
-use super::bvh::Ray;
+use super::bvh::WorldRay;
 use super::first_hits::{FirstHits, Receiver};
 use super::lobe::lobe_direction;
 use super::random::Stream;
@@ -17,52 +17,52 @@ use crate::math::phong;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Where a reflected ray begins to count, in metres (DEFINITIONS, "World agreement").
+/// The distance, in metres, from which hits of a reflected ray count (docs/definitions.md, "World agreement").
 pub const RAY_START_M: f64 = 1e-4;
 
-/// What a ray brings that meets no triangle.
+/// The radiance of a ray that hits no triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Escape {
-    /// Nothing, as a miss in screen space.
+    /// Black, like a miss in screen space.
     #[default]
     Black,
     /// The environment, for methods that fall back to it.
     Environment,
 }
 
-/// A reference to be sampled: first hits in a world.
+/// A world reference before sampling: a world and the first hits in it.
 pub struct WorldReference<'a> {
-    /// What rays are traced against.
+    /// The world that rays are traced in.
     pub world: &'a World<'a>,
-    /// What reflects.
+    /// The points that reflect.
     pub first_hits: &'a FirstHits,
-    /// What escaped rays bring.
+    /// The radiance of rays that hit nothing.
     pub escape: Escape,
-    /// Another seed gives another, independent result.
+    /// A different seed gives a different, independent result.
     pub seed: u64,
 }
 
-/// When [`WorldReference::run`] stops.
+/// The condition under which [`WorldReference::run`] stops.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Target {
-    /// Enough if [`WorldState::overall_standard_error`] is at most this, in linear colour.
+pub struct SamplingTarget {
+    /// The run stops if [`WorldState::overall_standard_error`] is at most this, in linear colour.
     pub standard_error: f64,
-    /// At least so many samples a pixel, so that the estimate of the error can be trusted.
+    /// The least samples per pixel, so that the estimate of the error is reliable.
     pub samples_min: u32,
-    /// At most so many.
+    /// The most samples per pixel.
     pub samples_max: u32,
-    /// Samples a pixel between two looks at the error, ≥ 1.
+    /// Samples per pixel between two checks of the error, ≥ 1.
     pub samples_per_pass: u32,
 }
 
-impl Default for Target {
-    /// A standard error of 0.003, a tenth of what a good method errs by, within 1024 samples.
+impl Default for SamplingTarget {
+    /// A standard error of 0.003, a tenth of the error of a good method, within 1024 samples.
     fn default() -> Self {
         Self { standard_error: 0.003, samples_min: 32, samples_max: 1024, samples_per_pass: 16 }
     }
 }
 
-/// A reference image: rows from the top.
+/// A reference image; rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldImage {
     /// Width in pixels.
@@ -71,9 +71,10 @@ pub struct WorldImage {
     pub height: u32,
     /// Reflection colour, linear, before reflectivity; black where nothing reflects.
     pub reflection: Vec<Vec3>,
-    /// Its standard error, per channel; 0 for mirrors, infinite below two samples.
+    /// Standard error of the reflection colour, per channel; 0 for mirrors, infinite with fewer than two
+    /// samples.
     pub standard_error: Vec<Vec3>,
-    /// Samples: 1 for mirrors, 0 where nothing reflects.
+    /// Number of samples: 1 for mirrors, 0 where nothing reflects.
     pub samples: Vec<u32>,
     /// Lit colour of the first hits.
     pub lit: Vec<Vec3>,
@@ -88,7 +89,7 @@ impl WorldReference<'_> {
         WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], mirrors)
     }
 
-    /// Adds samples to every glossy pixel, and the one ray of every mirror if it is still missing.
+    /// Adds samples to every glossy pixel, and traces the single ray of every mirror if it is still missing.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
         let first = state.samples;
         state.pixels.par_iter_mut().zip(&self.first_hits.receivers).enumerate().with_min_len(64).for_each(
@@ -106,12 +107,12 @@ impl WorldReference<'_> {
         state.samples = first.saturating_add(samples);
     }
 
-    /// Adds passes until the target is met. After each pass `progress` is called, and may save the
-    /// state; its error ends the run.
+    /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an
+    /// error that it returns ends the run.
     pub fn run(
         &self,
         state: &mut WorldState,
-        target: &Target,
+        target: &SamplingTarget,
         progress: &mut dyn FnMut(&WorldState) -> Result<()>,
     ) -> Result<()> {
         while state.samples < target.samples_max
@@ -143,13 +144,13 @@ impl WorldReference<'_> {
         }
     }
 
-    /// What one ray of the lobe brings.
+    /// The radiance along one ray of the lobe.
     fn sample(&self, receiver: &Receiver, exponent: f64, u: [f64; 2]) -> DVec3 {
         let direction = lobe_direction(receiver.mirror(), exponent, u);
         if !receiver.is_above(direction) {
             return DVec3::ZERO;
         }
-        let ray = Ray { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+        let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         match self.world.closest(&ray) {
             Some(hit) => self.world.color(&ray, &self.world.point(&ray, &hit)),
             None if self.escape == Escape::Environment => sky_color(direction),

@@ -1,40 +1,37 @@
-//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place:
-//! what DEFINITIONS, "World agreement", judges a method's hits by.
+//! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. docs/definitions.md,
+//! "World agreement", judges a method's hits by this.
 
-use super::bvh::Ray;
+use super::bvh::WorldRay;
 use super::first_hits::FirstHits;
 use super::surface::World;
 use super::world::RAY_START_M;
+pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of
-/// its own z, and as many metres.
-pub const VISIBLE_WITHIN: f64 = 0.02;
-
 /// The end of a mirror ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WorldHit {
-    /// The pixel doesn't reflect; there is no ray.
+    /// The pixel does not reflect, so there is no ray.
     NotReflecting,
-    /// No triangle was met.
+    /// The ray hit no triangle.
     Escaped,
-    /// A triangle was met.
+    /// The ray hit a triangle.
     Hit {
         /// World position in metres.
         position: DVec3,
-        /// Pixel coordinates, off screen too; `None` behind the eye.
+        /// Pixel coordinates, which may be off screen; `None` behind the eye.
         pixel: Option<DVec2>,
         /// View-space z in metres.
         view_z_m: f64,
-        /// Whether the pixel there shows it.
+        /// Whether the pixel there shows the hit point.
         visible: bool,
     },
 }
 
 impl WorldHit {
-    /// The pixel coordinates of a visible hit: where a method must hit. Else it must miss.
+    /// The pixel coordinates of a visible hit, where a method should hit; `None` where it should miss.
     pub fn visible_at(&self) -> Option<DVec2> {
         match *self {
             Self::Hit { pixel, visible: true, .. } => pixel,
@@ -43,8 +40,7 @@ impl WorldHit {
     }
 }
 
-/// Traces the mirror ray of each reflecting pixel, from its own depth along its own normal; rows from
-/// the top.
+/// Traces the mirror ray of each reflecting pixel, from the pixel's own depth and normal; rows from the top.
 pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
     let first_hits = FirstHits::from_gbuffer(gbuffer);
     let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
@@ -55,7 +51,7 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
         .map(|receiver| {
             let Some(receiver) = receiver else { return WorldHit::NotReflecting };
             let direction = receiver.mirror();
-            let ray = Ray { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+            let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
             match world.closest(&ray) {
                 Some(hit) => judge(gbuffer, &first_hits.view_z_m, ray.at(hit.t), &world_to_view, &view_to_clip),
                 None => WorldHit::Escaped,
@@ -64,7 +60,7 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
         .collect()
 }
 
-/// Projects a hit and compares it with what its pixel shows.
+/// Projects a hit and compares it with the depth of its pixel.
 fn judge(gbuffer: &GBufferData, view_z_m: &[f64], position: DVec3, to_view: &DMat4, to_clip: &DMat4) -> WorldHit {
     let view = to_view.transform_point3(position);
     let pixel = gbuffer.project(view, to_clip).map(|p| p.truncate());
@@ -84,7 +80,7 @@ mod tests {
     use crate::scene::{Camera, Lens, Material, Scene};
     use glam::Vec3;
 
-    /// A camera at the origin, 1 m above a mirror floor, before a wall at z = 4 that stands on it.
+    /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
     fn gbuffer(wall_depth_factor: f32) -> (Scene, GBufferData) {
         let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
         let wall = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
@@ -127,20 +123,21 @@ mod tests {
         let mut seen = 0;
         for (index, hit) in hits.iter().enumerate() {
             let (x, y) = (index % 40, index / 40);
-            // Rows at 45° and 90° of field of view: row y looks down by (y + ½ − 20) / 20 per metre.
+            // The image is square with a field of view of 90°: the ray of row y descends by (y + ½ − 20) / 20
+            // per metre.
             let down = (y as f64 + 0.5 - 20.0) / 20.0;
             if down * 4.0 <= 1.0 {
                 assert_eq!(*hit, WorldHit::NotReflecting, "{x} {y}");
                 continue;
             }
-            // The floor is met at z = 1 / down; from there it goes up as steeply, and meets the wall at
-            // height −1 + (4 − z) · down = 4 down − 2: in row 20 − 20 (4 down − 2) / 4.
+            // It hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall at
+            // height −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
             let WorldHit::Hit { position, pixel, view_z_m, visible } = *hit else { panic!("{x} {y}: {hit:?}") };
             let pixel = pixel.expect("in front");
             assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
             assert!((pixel.y - (20.0 - 5.0 * (4.0 * down - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
             assert!((pixel.x - (x as f64 + 0.5)).abs() < 1e-3, "{x} {y}: {pixel}");
-            // Below the wall's foot (row 25) the floor hides nothing: all of it is on screen.
+            // The floor hides nothing below the wall's foot (row 25): the whole wall is on screen.
             assert!(visible, "{x} {y}");
             assert_eq!(hit.visible_at(), Some(pixel));
             seen += 1;
@@ -150,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_hit_counts_only_within_two_per_cent_and_two_centimetres() {
-        // At z = 4 the tolerance is 0.1 m: the wall's own pixels show 4 · factor.
+        // At z = 4 the tolerance is 0.1 m; the wall's own pixels show the depth 4 · factor.
         for (factor, expected) in [(0.98, true), (1.02, true), (0.97, false), (1.03, false)] {
             let (scene, data) = gbuffer(factor);
             let world = World::new(&scene, &scene.materials);

@@ -1,5 +1,5 @@
-//! The sums of a world reference, and their file: a long run can stop and go on later, with the same
-//! result to the bit. A file knows what it was made from, and is refused for anything else.
+//! The sums of a world reference and their file. A long run can stop and continue later with a result that is
+//! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
 
 use super::world::{Escape, WorldReference};
 use crate::error::{Error, Result};
@@ -11,31 +11,31 @@ use std::path::Path;
 
 /// The file's first bytes.
 const MAGIC: &[u8; 8] = b"ssctwrld";
-/// Changes whenever the meaning of the numbers does: their layout, the sampling, the shading.
+/// Must change whenever the meaning of the numbers does: their layout, the sampling, or the shading.
 const VERSION: u32 = 1;
 /// Magic, version, fingerprint, width, height, samples.
 const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4;
-/// Six f64 a pixel.
+/// Six f64 per pixel.
 const PIXEL_BYTES: usize = 48;
-/// SHA-256 of all before it.
+/// The SHA-256 hash of all preceding bytes.
 const CHECK_BYTES: usize = 32;
 
-/// What a state was made from, as a hash.
+/// A hash of all inputs of a state.
 pub type Fingerprint = [u8; 32];
 
-/// Sums over samples for every pixel, rows from the top.
+/// Sums over the samples of every pixel; rows from the top.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WorldState {
     fingerprint: Fingerprint,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// Samples that every glossy pixel has.
+    /// Samples of every glossy pixel so far.
     pub samples: u32,
     pub(super) pixels: Vec<Sums>,
     kinds: Vec<Kind>,
 }
 
-/// Sums over the samples of a pixel.
+/// The sums of one pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Sums {
     color: DVec3,
@@ -57,7 +57,8 @@ impl Sums {
 }
 
 impl WorldState {
-    /// A state without samples, for pixels that are mirrors (`Some(true)`), glossy or nothing.
+    /// A state without samples. For each pixel, `mirrors` gives whether it is a mirror; `None` if it does not
+    /// reflect.
     pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], mirrors: impl Iterator<Item = Option<bool>>) -> Self {
         let kinds: Vec<Kind> = mirrors
             .map(|mirror| match mirror {
@@ -69,12 +70,12 @@ impl WorldState {
         Self { fingerprint, extent, samples: 0, pixels: vec![Sums::default(); kinds.len()], kinds }
     }
 
-    /// Pixels that need more than one sample.
+    /// The number of pixels that need more than one sample.
     pub fn glossy_pixels(&self) -> usize {
         self.kinds.iter().filter(|k| **k == Kind::Glossy).count()
     }
 
-    /// Samples of each pixel.
+    /// The number of samples of each pixel.
     pub fn sample_counts(&self) -> impl Iterator<Item = u32> {
         self.kinds.iter().map(|kind| match kind {
             Kind::None => 0,
@@ -83,13 +84,13 @@ impl WorldState {
         })
     }
 
-    /// Mean of each pixel; black without samples.
+    /// The mean of each pixel; black without samples.
     pub fn means(&self) -> impl Iterator<Item = DVec3> {
         self.pixels.iter().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
     }
 
-    /// Standard error of each pixel's mean, per channel: √(sample variance / n). 0 for a mirror and
-    /// where nothing reflects, infinite for a glossy pixel of less than two samples.
+    /// The standard error of each pixel's mean, per channel: √(sample variance / n). 0 for mirrors and where
+    /// nothing reflects; infinite for a glossy pixel with fewer than two samples.
     pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.samples);
         self.pixels.iter().zip(&self.kinds).map(move |(sums, kind)| match kind {
@@ -102,15 +103,15 @@ impl WorldState {
         })
     }
 
-    /// Root mean square of the standard errors over all channels of all reflecting pixels: what the
-    /// noise of this reference adds, in squares, to an RMSE against it. 0 if nothing reflects.
+    /// Root mean square of the standard errors over all channels of all reflecting pixels. Its square is what
+    /// the noise of this reference adds to the square of an RMSE measured against it. 0 if nothing reflects.
     pub fn overall_standard_error(&self) -> f64 {
         let reflecting = self.kinds.iter().filter(|k| **k != Kind::None).count();
         let squares: f64 = self.standard_errors().map(|e| e.length_squared()).sum();
         if reflecting == 0 { 0.0 } else { (squares / (3 * reflecting) as f64).sqrt() }
     }
 
-    /// Writes the state, whole or not at all: a temporary file beside the target, then a rename.
+    /// Writes the state atomically: to a temporary file beside the target, which is then renamed.
     pub fn save(&self, path: &Path) -> Result<()> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let failed = |e| Error::io("write", path, e);
@@ -135,17 +136,17 @@ impl WorldState {
 }
 
 impl WorldReference<'_> {
-    /// Reads a state of this very reference.
+    /// Reads a state of this reference.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`] if it is none, is damaged or
-    /// cut off, or was made from another scene, camera, size, seed or version.
+    /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or
+    /// truncated, or was made from another scene, camera, size, seed or version.
     pub fn load(&self, path: &Path) -> Result<WorldState> {
         let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
         let wrong = |message: &str| Error::malformed(path, None, message);
         let mut state = self.start();
         if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
-            return Err(wrong("this is no state of a world reference"));
+            return Err(wrong("this is not a state of a world reference"));
         }
         let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
         if number(8) != VERSION {
@@ -154,7 +155,7 @@ impl WorldReference<'_> {
         if bytes[12..44] != state.fingerprint {
             return Err(wrong("the state belongs to another scene, camera, size, seed or material"));
         }
-        // The fingerprint covers the size, so the length is known.
+        // The fingerprint includes the size, so the length is known.
         let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
         if content.len() != HEAD_BYTES + PIXEL_BYTES * state.pixels.len() || Sha256::digest(content)[..] != *check {
             return Err(wrong("the state is damaged or cut off"));
@@ -167,7 +168,7 @@ impl WorldReference<'_> {
         Ok(state)
     }
 
-    /// Goes on with a file where that fits, else starts afresh. The error, if any, is why an
+    /// Continues with a file if it fits; otherwise starts afresh. The error, if there is one, says why an
     /// existing file was not used.
     pub fn resume(&self, path: &Path) -> (WorldState, Option<Error>) {
         match self.load(path) {
@@ -177,8 +178,8 @@ impl WorldReference<'_> {
         }
     }
 
-    /// A hash of everything that a sample depends on: geometry, images, materials, lights, first
-    /// hits (and with them camera and size), escape, seed and version.
+    /// A hash of everything that a sample depends on: geometry, images, materials, lights, first hits (and with
+    /// them camera and size), escape, seed and version.
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
         hash.numbers(&[u64::from(VERSION), self.seed, u64::from(self.escape == Escape::Environment)]);
@@ -222,7 +223,7 @@ impl WorldReference<'_> {
     }
 }
 
-/// A hash over blocks whose lengths count, so that no two inputs run together to one.
+/// A hash over blocks that includes their lengths, so that no two different inputs give the same bytes.
 struct Hash(Sha256);
 
 impl Hash {

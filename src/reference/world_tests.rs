@@ -1,12 +1,12 @@
-//! Closed-form answers of the world reference.
+//! Tests of the world reference against closed forms.
 
 use super::*;
 use crate::error::Error;
 use crate::reference::surface::tests::rectangle;
 use crate::scene::{Camera, GBufferData, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
-/// A sphere of radius 8 around the origin, seen from inside, fine enough that the closest point of
-/// its triangles is 7.9 m away.
+/// A sphere of radius 8 around the origin, seen from inside. Its triangles are fine enough that their closest
+/// point is 7.9 m away.
 fn sphere(material: usize) -> Mesh {
     let (rings, sectors) = (24_u32, 48_u32);
     let mut mesh = Mesh { name: "sphere".into(), material, ..Mesh::default() };
@@ -33,7 +33,7 @@ fn sphere(material: usize) -> Mesh {
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.6, 0.3);
 
-/// A sphere that shows 0.2 · ALBEDO everywhere (there is no light), and the receiver in its centre.
+/// A sphere that shows 0.2 · ALBEDO everywhere (there is no light), with the receiver at its centre.
 fn in_a_sphere() -> Scene {
     let materials = vec![Material { albedo: ALBEDO, ..Material::default() }];
     Scene { meshes: vec![sphere(0)], materials, ..Scene::default() }
@@ -80,8 +80,8 @@ fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_inci
 
 #[test]
 fn the_share_of_the_lobe_below_the_surface_is_dark() {
-    // The lobe cos¹ around an axis at angle θ to the normal: a plane tilted by θ receives (1 + cos θ)/2
-    // of it (the form factor of a tilted element). α = 1 belongs to cos(ϱ/2)² = ξ.
+    // The lobe cos¹ around an axis at angle θ to the normal. A plane tilted by θ receives (1 + cos θ)/2 of it
+    // (the form factor of a tilted element). α = 1 corresponds to cos(ϱ/2)² = ξ.
     let roughness = 2.0 * phong::XI.sqrt().acos();
     assert!((phong::exponent(roughness) - 1.0).abs() < 1e-9);
     let scene = in_a_sphere();
@@ -111,7 +111,7 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
     assert_eq!(state.overall_standard_error(), f64::INFINITY);
     let share = (1.0 + 0.5_f64.sqrt()) / 2.0;
     let colors = (0.2 * ALBEDO).as_dvec3();
-    // Each sample is the colour or nothing: a variance of colour² · p (1 − p).
+    // Each sample is either the colour or black, so its variance is colour² · p (1 − p).
     let rms_color = (colors.length_squared() / 3.0).sqrt();
     for n in [100, 400, 1600] {
         let more = n - state.samples;
@@ -119,13 +119,13 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
         let expected = rms_color * (share * (1.0 - share) / f64::from(n)).sqrt();
         assert!((state.overall_standard_error() / expected - 1.0).abs() < 0.05, "{n}");
     }
-    // The errors of the pixels are as large as they claim to be.
+    // The actual errors of the pixels must have the size that the standard errors claim.
     let z = state.means().zip(state.standard_errors()).map(|(m, e)| ((m - colors * share) / e).x.powi(2));
     let chi: f64 = z.sum();
     assert!((24.7..86.7).contains(&chi), "χ² {chi} with 50 degrees of freedom, 99.8 % inside");
 }
 
-/// A mirror floor at y = 0 and, at z = 5, a wall whose left half is dark and whose right half is bright.
+/// A mirror floor at y = 0 and a wall at z = 5 whose left half is dark and whose right half is bright.
 fn floor_and_wall() -> Scene {
     let half = |x: f32, material| rectangle(Vec3::new(x, 0.0, 5.0), 5.0 * Vec3::Y, 5.0 * Vec3::X, material);
     let wall = |v: f32| Material { albedo: Vec3::splat(v), reflectivity: 0.0, ..Material::default() };
@@ -153,8 +153,8 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
     let reference = reference(&world, &first_hits);
     let mut state = reference.start();
-    reference.run(&mut state, &Target::default(), &mut |_| Ok(())).expect("no file is written");
-    assert_eq!(state.overall_standard_error(), 0.0, "mirrors have none");
+    reference.run(&mut state, &SamplingTarget::default(), &mut |_| Ok(())).expect("running writes no file");
+    assert_eq!(state.overall_standard_error(), 0.0, "mirrors have no error");
     assert_eq!(state.samples, 16, "one pass is enough for mirrors");
     let image = reference.image(&state);
     let mut mirrored = 0;
@@ -163,7 +163,7 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
         let Some(receiver) = first_hits.receivers[i] else { continue };
         assert!(y >= size / 2, "the floor is below the horizon");
         assert!(receiver.position.y.abs() < 1e-9 && first_hits.lit[i] == Vec3::ZERO);
-        // The ray goes up by 1 m for as many metres as it went down, and meets the wall below 5 m.
+        // The ray rises as steeply as it descended to the floor, and hits the wall below 5 m.
         let height = (5.0 - receiver.position.z) / receiver.position.z;
         let across = receiver.position.x / receiver.position.z * 5.0;
         let expected = match (height < 5.0 && across.abs() < 5.0, x < size / 2) {
@@ -175,7 +175,7 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
         assert!((image.composite[i] - Vec3::splat(0.5 * expected)).length() < 1e-6);
         mirrored += u32::from(expected > 0.0);
     }
-    assert!(mirrored > 100, "{mirrored} pixels show the wall");
+    assert!(mirrored > 100, "{mirrored} pixels show the wall; more are needed");
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn a_window_in_the_world_shows_the_sky_to_the_reflected_ray() {
     assert!((reference.image(&state).reflection[0] - sky_color(up).as_vec3()).length() < 1e-5);
 }
 
-/// The corridor, small, glossy.
+/// The corridor at a small size, glossy.
 fn corridor() -> (Scene, Vec<Material>, Camera) {
     let scene = library::scene("rooms").expect("a built-in scene");
     let view = scene.view("corridor").expect("a view").clone();
@@ -239,7 +239,7 @@ fn threads_interruptions_and_files_change_no_bit() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("deeper/state");
     let (mut state, why) = reference.resume(&path);
-    assert!(why.is_none(), "no file is no error");
+    assert!(why.is_none(), "a missing file must not be an error");
     reference.add(&mut state, 7);
     state.save(&path).expect("a file");
     let (mut state, why) = reference.resume(&path);
@@ -290,7 +290,7 @@ fn a_file_is_refused_for_anything_else_or_if_damaged() {
         let loaded = reference(&world, &first_hits).load(&path);
         loaded.ok() != Some(saved.clone())
     };
-    assert!(!refused(&scene, &materials, &camera), "the same again is taken");
+    assert!(!refused(&scene, &materials, &camera), "a state of equal inputs must be accepted");
     let moved = Camera::new(camera.eye() + Vec3::X * 1e-3, camera.eye() + Vec3::Z, camera.lens, 1.5);
     assert!(refused(&scene, &materials, &moved));
     materials[0].normal_deviation = 0.5;

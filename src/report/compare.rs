@@ -4,9 +4,12 @@ use super::images::{Rgb, write_exr};
 use super::{files, tables};
 use crate::error::Result;
 use crate::gpu::Pixels;
-use crate::math::{OracleVersion, display_byte};
+use crate::math::display_byte;
+use crate::methods::{self, MethodInfo};
 use crate::metrics::bootstrap::{MIN_SAMPLES, Verdict};
+use crate::parameter::{Choices, Preset};
 use crate::study::compare::{ImageComparison, Side, Subject, TOTAL, TimeComparison};
+use crate::study::record::differing;
 use std::path::Path;
 
 /// Writes compare.json and compare.txt.
@@ -58,7 +61,12 @@ pub fn times(records: &[TimeComparison]) -> String {
         let only: Vec<_> = records.iter().filter(|r| r.only_in == Some(side)).collect();
         if !only.is_empty() {
             text += &format!("\nOnly in {name}:\n");
-            text.extend(only.iter().map(|r| format!("  {}\n", labels(r).join("  "))));
+            for r in only {
+                text += &format!("  {}\n", labels(r).join("  "));
+                text.extend(
+                    r.differs.iter().filter(|_| r.pass == TOTAL).map(|d| format!("    the other has it with {d}\n")),
+                );
+            }
         }
     }
     let totals = |v: Verdict| both().filter(|r| r.pass == TOTAL && r.verdict == Some(v)).count();
@@ -73,20 +81,22 @@ fn percent(share: f64) -> f64 {
 
 fn labels(r: &TimeComparison) -> [String; 7] {
     let s = &r.subject;
-    let size = format!("{}x{}", s.width, s.height);
-    let [roughness, normals] = [s.roughness, s.normal_deviation].map(tables::roughness);
-    let method = method(s);
-    [format!("{} {}", s.scene, s.view), size, roughness, normals, method, s.preset.clone(), r.pass.clone()]
+    let own = |name: &str| match s.get(name) {
+        "" => "own".to_owned(),
+        value => value.to_owned(),
+    };
+    let place = format!("{} {}", s.get("scene"), s.get("view"));
+    let size = format!("{}x{}", s.get("width"), s.get("height"));
+    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned(), r.pass.clone()]
 }
 
-/// A method with what is not as it is without a flag.
+/// A method with the parameters that are not those of its preset.
 fn method(s: &Subject) -> String {
-    let split = (s.split == Some(true)).then(|| "split".to_owned());
-    let scale = s.resolution_scale.filter(|s| *s != 1.0).map(|s| format!("scale {s}"));
-    let fallback = s.fallback.as_ref().filter(|f| *f != "none").map(|f| format!("before {f}"));
-    let oracle = (s.oracle == OracleVersion::V2).then(|| "oracle 2".to_owned());
-    let flags: Vec<_> = split.into_iter().chain(scale).chain(fallback).chain(oracle).collect();
-    if flags.is_empty() { s.method.clone() } else { format!("{} ({})", s.method, flags.join(", ")) }
+    let name = s.get("method");
+    let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
+    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::read);
+    let values: Vec<_> = rows.iter().filter_map(|row| differing(row, preset, s.get(row.name))).collect();
+    if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
 }
 
 fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {

@@ -5,7 +5,7 @@ use super::{files, plot, tables};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::metrics::flip::FlipMap;
-use crate::study::error::{Against, Cell, ErrorRecord, display};
+use crate::study::error::{Against, ErrorRecord, MeasuredCell, display};
 use crate::study::sweep::{self, Point};
 use std::path::Path;
 
@@ -69,7 +69,7 @@ pub fn flip_file(stem: &str, name: &str) -> String {
 
 /// Writes the images of a cell: reflection colours, and for methods each error map as EXR and as a
 /// picture in FLIP's colours, where white is 1.
-pub fn write_strips(folder: &Path, stem: &str, cell: &Cell) -> Result<()> {
+pub fn write_strips(folder: &Path, stem: &str, cell: &MeasuredCell) -> Result<()> {
     let [width, height] = cell.extent;
     for strip in &cell.strips {
         let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));

@@ -5,36 +5,32 @@ use super::images::{Rgb, display, paths, picture};
 use super::sheet::{blank, paste};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
-use crate::methods::Setup;
+use crate::methods::poster::PosterParams;
+use crate::methods::{EffectParams, Setup};
+use crate::parameter::choices;
 use crate::passes::{Content, PosterFilter};
 use crate::scene::Lens;
 use crate::study::Intermediates;
 use std::ops::Range;
 
-/// A figure of the thesis that `ssct render --figure` makes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Figure {
-    /// The mip chain of the visibility buffer, level 0 omitted.
-    #[value(name = "4.4")]
-    VisibilityChain,
-    /// Which rays Hi-Z traces (green) and which the linear march (red), over the lit scene.
-    #[value(name = "4.5")]
-    RaySplit,
-    /// The first five mip levels of SSLR's ray trace colour.
-    #[value(name = "4.9")]
-    RayTraceColorChain,
-    /// The first five mip levels of SSLR's mask.
-    #[value(name = "4.10")]
-    MaskChain,
-    /// The poster's figure 2a: mip-mapping, which may cause artifacts; without fading.
-    #[value(name = "poster-2a")]
-    PosterMip,
-    /// The poster's figure 2b: the same with the Gaussian filter.
-    #[value(name = "poster-2b")]
-    PosterGaussian,
-    /// The poster's figure 2c: with fading too.
-    #[value(name = "poster-2c")]
-    PosterFade,
+choices! {
+    /// A figure of the thesis that the program makes from one render.
+    pub enum Figure {
+        /// The mip chain of the visibility buffer, level 0 omitted.
+        VisibilityChain = "4.4",
+        /// Which rays Hi-Z traces (green) and which the linear march (red), over the lit scene.
+        RaySplit = "4.5",
+        /// The first five mip levels of SSLR's ray trace colour.
+        RayTraceColorChain = "4.9",
+        /// The first five mip levels of SSLR's mask.
+        MaskChain = "4.10",
+        /// The poster's figure 2a: mip-mapping, which may cause artifacts; without fading.
+        PosterMip = "poster-2a",
+        /// The poster's figure 2b: the same with the Gaussian filter.
+        PosterGaussian = "poster-2b",
+        /// The poster's figure 2c: with fading too.
+        PosterFade = "poster-2c",
+    }
 }
 
 impl Figure {
@@ -48,12 +44,16 @@ impl Figure {
     }
 
     /// How the method is set up for it.
-    pub fn setup(self, setup: Setup) -> Setup {
+    pub fn setup(self, setup: &Setup) -> Setup {
+        let of = |filter, fade| {
+            let setup = setup.with(|p: &mut PosterParams| p.poster_filter = filter);
+            setup.with(|p: &mut EffectParams| p.fade = fade)
+        };
         match self {
-            Self::PosterMip => Setup { poster_filter: PosterFilter::Mip, fade: false, ..setup },
-            Self::PosterGaussian => Setup { poster_filter: PosterFilter::Volume, fade: false, ..setup },
-            Self::PosterFade => Setup { poster_filter: PosterFilter::Volume, fade: true, ..setup },
-            _ => setup,
+            Self::PosterMip => of(PosterFilter::Mip, false),
+            Self::PosterGaussian => of(PosterFilter::Volume, false),
+            Self::PosterFade => of(PosterFilter::Volume, true),
+            _ => setup.clone(),
         }
     }
 }

@@ -2,9 +2,12 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
+use crate::methods::{self, EffectParams, MethodInfo};
+use crate::parameter::{Parameter, Parameters};
 use crate::study::TimeRecord;
-use crate::study::compare::TimeSample;
+use crate::study::compare::{Subject, TimeSample};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
@@ -37,46 +40,33 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
     format!("[{}]\n", lines.join(",\n "))
 }
 
-/// Raw samples of time records as CSV: one row a sample and pass.
+/// The columns of a sample that say what it is of, before everything that was set.
+const PLACE: [&str; 3] = ["scene", "view", "method"];
+/// The columns of a sample that say what was measured, after everything that was set.
+const MEASURED: [&str; 4] = ["sample", "pass", "counted", "ms"];
+
+/// Raw samples of time records as CSV: one row a sample and pass, one column for everything that was set of any of the
+/// methods; what a method does not have is empty.
 pub fn samples_csv(records: &[TimeRecord]) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    let subject = ["scene", "view", "method", "preset", "width", "height", "roughness"];
-    let settings = ["normal_deviation", "resolution_scale", "split", "fallback", "oracle"];
-    let header = [&subject[..], &settings, &["sample", "pass", "counted", "ms"]].concat();
+    let settings: BTreeSet<&String> = records.iter().flat_map(|r| r.head.setup.keys()).collect();
     // Writing to memory can't fail; were it to, the file would be short, and its reader would see.
-    let _ = writer.write_record(header);
-    let text = |value: serde_json::Result<serde_json::Value>| {
-        value.ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-    };
-    let number = |value: Option<f32>| value.map(|v| v.to_string()).unwrap_or_default();
+    let columns = settings.iter().map(|name| name.as_str());
+    let _ = writer.write_record(PLACE.into_iter().chain(columns).chain(MEASURED));
     for r in records {
+        let place = [&r.head.scene, &r.head.view, &r.head.method].map(Clone::clone);
+        let set: Vec<String> = settings.iter().map(|name| r.head.setting(name)).collect();
         for (n, sample) in r.samples.iter().enumerate() {
             for (pass, ms) in r.passes.iter().zip(sample) {
-                let _ = writer.write_record([
-                    r.head.scene.clone(),
-                    r.head.view.clone(),
-                    r.head.method.clone(),
-                    text(serde_json::to_value(r.head.preset)),
-                    r.head.width.to_string(),
-                    r.head.height.to_string(),
-                    number(r.head.roughness),
-                    number(r.head.normal_deviation),
-                    r.head.resolution_scale.to_string(),
-                    r.split.to_string(),
-                    text(serde_json::to_value(r.fallback)),
-                    u32::from(r.head.oracle).to_string(),
-                    n.to_string(),
-                    pass.name.clone(),
-                    pass.counted.to_string(),
-                    format!("{ms:.6}"),
-                ]);
+                let measured = [n.to_string(), pass.name.clone(), pass.counted.to_string(), format!("{ms:.6}")];
+                let _ = writer.write_record(place.iter().chain(&set).chain(&measured));
             }
         }
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
-/// Reads what [`samples_csv`] makes.
+/// Reads what [`samples_csv`] makes, now or at an earlier version, whose files have fewer columns.
 ///
 /// # Errors
 /// [`Error::Io`] if it can't be read, [`Error::Malformed`] with the line of a row that lacks a column
@@ -86,14 +76,29 @@ pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
     let mut rows = Vec::new();
     let mut reader = csv::Reader::from_reader(&text[..]);
     let headers = reader.headers().map_err(|e| Error::malformed(path, Some(1), e.to_string()))?.clone();
+    let parameters = methods::parameters();
     for record in reader.records() {
         let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
-        let row: TimeSample =
-            record.deserialize(Some(&headers)).map_err(|e| wrong(format!("no sample of a time: {e}")))?;
+        let cell = |name: &str| {
+            let at = headers.iter().position(|h| h == name);
+            at.and_then(|at| record.get(at)).ok_or_else(|| wrong(format!("no sample of a time: no column {name}")))
+        };
+        let no = |name: &str, text: &str| wrong(format!("no sample of a time: {text:?} is no {name}"));
+        let ms = cell("ms")?;
+        let row = TimeSample {
+            subject: subject(&headers, &record, &parameters, cell("method")?),
+            sample: cell("sample")?.parse().map_err(|_| no("number of a sample", cell("sample").unwrap_or("")))?,
+            pass: cell("pass")?.to_owned(),
+            counted: cell("counted")?.parse().map_err(|_| no("truth value", cell("counted").unwrap_or("")))?,
+            ms: ms.parse().map_err(|_| no("time", ms))?,
+        };
         if !(row.ms.is_finite() && row.ms >= 0.0) {
             return Err(wrong(format!("{} ms is no time", row.ms)));
+        }
+        if let Some(name) = PLACE.iter().find(|name| row.subject.get(name).is_empty()) {
+            return Err(wrong(format!("no sample of a time: no {name}")));
         }
         rows.push(row);
     }
@@ -101,6 +106,25 @@ pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
         return Err(Error::malformed(path, None, "holds no samples"));
     }
     Ok(rows)
+}
+
+/// What a row is of. Parameters that the method does not have are left out: an older file has a value in every column.
+fn subject(
+    headers: &csv::StringRecord,
+    record: &csv::StringRecord,
+    parameters: &[(Parameter, Vec<&MethodInfo>)],
+    method: &str,
+) -> Subject {
+    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    let has = |name: &str| {
+        let of = parameters.iter().find(|(p, _)| p.name == name);
+        around.contains(&name) || of.is_none_or(|(_, methods)| methods.iter().any(|m| m.name == method))
+    };
+    let known = methods::find(method).is_ok();
+    let columns = headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!known || has(name)));
+    // Numbers as they are written today: an older file has 1 where a newer has 1.0.
+    let plain = |text: &str| text.parse::<f64>().map_or_else(|_| text.to_owned(), |n| n.to_string());
+    Subject(columns.map(|(name, text)| (name.to_owned(), plain(text))).collect())
 }
 
 /// The device of a time.json, from its first record; `None` if there is no such file.

@@ -9,7 +9,7 @@
 use super::files::write;
 use super::images::write_rgba_png;
 use crate::error::Result;
-use crate::reference::bvh::{Hit, Ray};
+use crate::reference::bvh::{TriangleHit, WorldRay};
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, RAY_START_M, WorldReference};
@@ -203,7 +203,7 @@ impl Arrays<'_> {
     /// What each pixel's centre sees: direction, mesh and triangle (−1: none), position, lit colour.
     fn primary(&self, world: &World, what: &Export, first_hits: &FirstHits) -> Result<()> {
         let rays = PrimaryRays::new(&what.camera, what.extent);
-        let rays: Vec<Ray> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
+        let rays: Vec<WorldRay> = (0..first_hits.lit.len()).map(|i| rays.ray(i).0).collect();
         self.f64s("primary_direction", 3, rays.iter().flat_map(|r| r.direction.to_array()).collect())?;
         self.ends("primary", world, &rays)?;
         let lit = first_hits.lit.iter().flat_map(|c: &Vec3| c.as_dvec3().to_array());
@@ -219,16 +219,16 @@ impl Arrays<'_> {
         self.f64s("receiver_geometric", 3, vectors(&|i| all[i].geometric_normal))?;
         self.f64s("receiver_incoming", 3, vectors(&|i| all[i].incoming))?;
         self.f64s("receiver_roughness", 1, all.iter().map(|r| r.roughness).collect())?;
-        let rays: Vec<Ray> = all
+        let rays: Vec<WorldRay> = all
             .iter()
-            .map(|r| Ray { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
+            .map(|r| WorldRay { origin: r.position, direction: r.mirror(), t_min: RAY_START_M, t_max: f64::INFINITY })
             .collect();
         self.ends("mirror", world, &rays)
     }
 
     /// Where rays end: mesh, triangle (−1 for none) and position (not a number for none).
-    fn ends(&self, name: &str, world: &World, rays: &[Ray]) -> Result<()> {
-        let hits: Vec<Option<Hit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
+    fn ends(&self, name: &str, world: &World, rays: &[WorldRay]) -> Result<()> {
+        let hits: Vec<Option<TriangleHit>> = rays.par_iter().map(|ray| world.closest(ray)).collect();
         let from: Vec<_> = hits.iter().map(|h| h.as_ref().map(|h| world.triangle(h))).collect();
         self.i32s(&format!("{name}_mesh"), from.iter().map(|f| f.map_or(-1, |f| f.mesh as i32)).collect())?;
         self.i32s(&format!("{name}_triangle"), from.iter().map(|f| f.map_or(-1, |f| f.triangle as i32)).collect())?;

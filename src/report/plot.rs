@@ -110,7 +110,7 @@ fn legend_height(stages: &[String]) -> u32 {
 
 /// A point of a plot.
 #[derive(Debug, Clone)]
-pub struct Named {
+pub struct NamedPoint {
     /// What it is called.
     pub name: String,
     /// Cost, above 0, and error, at least 0.
@@ -121,14 +121,14 @@ pub struct Named {
 
 /// Run time against error on log axes: every point named, the Pareto front connected.
 pub fn time_against_error(points: &[Point], error_axis: &str) -> Result<String, String> {
-    let named = |p: &Point| Named { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
+    let named = |p: &Point| NamedPoint { name: p.name.clone(), at: [p.time_ms, p.error], on_front: p.on_front };
     against(&points.iter().map(named).collect::<Vec<_>>(), ["milliseconds, median", error_axis])
 }
 
 /// Cost against error on log axes, described by `axes`: every point named, the Pareto front connected. A point without
 /// an error has no place on a log axis, and stands at its foot, at a tick that says 0.
-pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
-    let bounds = |values: &dyn Fn(&Named) -> f64| {
+pub fn against(points: &[NamedPoint], axes: [&str; 2]) -> Result<String, String> {
+    let bounds = |values: &dyn Fn(&NamedPoint) -> f64| {
         let above_zero = points.iter().map(values).filter(|v| *v > 0.0);
         let (least, most) = above_zero.fold((f64::INFINITY, 0.0_f64), |(l, m), v| (l.min(v), m.max(v)));
         if least <= most { (least / 1.3, most * 1.3) } else { (0.1, 1.0) }
@@ -184,15 +184,15 @@ pub fn against(points: &[Named], axes: [&str; 2]) -> Result<String, String> {
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Right, VPos::Center));
             root.draw(&Text::new(label, (low.0 - 8, low.1), style)).map_err(failed)?;
         }
-        let place = |p: &Named| (p.at[0].log10(), p.at[1].max(y.0).log10());
+        let place = |p: &NamedPoint| (p.at[0].log10(), p.at[1].max(y.0).log10());
         let mut front: Vec<_> = points.iter().filter(|p| p.on_front).map(place).collect();
         front.sort_by(|a, b| a.0.total_cmp(&b.0));
         chart.draw_series(LineSeries::new(front, STAGE_COLORS[4].stroke_width(2))).map_err(failed)?;
-        let color = |p: &Named| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
+        let color = |p: &NamedPoint| if p.on_front { STAGE_COLORS[4] } else { STAGE_COLORS[0] };
         chart.draw_series(points.iter().map(|p| Circle::new(place(p), 4, color(p).filled()))).map_err(failed)?;
 
         // In the order of the errors, each name led to its point.
-        let mut order: Vec<&Named> = points.iter().collect();
+        let mut order: Vec<&NamedPoint> = points.iter().collect();
         order.sort_by(|a, b| b.at[1].total_cmp(&a.at[1]));
         for (row, p) in order.into_iter().enumerate() {
             let at = chart.backend_coord(&place(p));
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn a_point_without_an_error_stands_at_the_foot() {
-        let point = |name: &str, at, on_front| Named { name: name.into(), at, on_front };
+        let point = |name: &str, at, on_front| NamedPoint { name: name.into(), at, on_front };
         let points = [point("exact", [5.0, 0.0], true), point("wrong", [9.0, 0.2], false)];
         let svg = against(&points, ["ms", "error"]).unwrap_or_default();
         let circles: Vec<_> =

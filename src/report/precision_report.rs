@@ -1,6 +1,6 @@
 //! The precision ladder as files and text: records, a table, a plot a method and error, a page.
 
-use super::plot::{self, Named};
+use super::plot::{self, NamedPoint};
 use super::{files, html, tables};
 use crate::error::{Error, Result};
 use crate::metrics::pareto;
@@ -51,14 +51,14 @@ fn plots(records: &[PrecisionRecord]) -> std::result::Result<Vec<Plot>, String> 
     Ok(plots)
 }
 
-fn named(points: &[(Storage, f64)]) -> Vec<Named> {
+fn named(points: &[(Storage, f64)]) -> Vec<NamedPoint> {
     let costs: Vec<_> = points.iter().map(|(s, e)| (f64::from(s.bytes_per_pixel()), *e)).collect();
     let on_front = pareto::front(&costs);
     points
         .iter()
         .zip(&costs)
         .enumerate()
-        .map(|(n, ((storage, _), (x, y)))| Named {
+        .map(|(n, ((storage, _), (x, y)))| NamedPoint {
             name: storage.name(),
             at: [*x, *y],
             on_front: on_front.contains(&n),
@@ -112,6 +112,6 @@ const RULE: &str = "The G-buffer is traced in f64 through the pixels' centres, s
 
 fn page(records: &[PrecisionRecord], plots: &[Plot], command: &str) -> String {
     let plots: Vec<_> = plots.iter().map(|p| (p.title.as_str(), p.svg.as_str())).collect();
-    let device = records.first().map(|r| &r.head.device);
+    let device = records.first().map(|r| &r.head.program.device);
     html::plots_page("Precision ladder", device, command, &plots, (RULE, &cells(records)))
 }

@@ -44,7 +44,7 @@ impl Claim {
     /// The folder's journal: with `resume` it goes on from what the folder has, else it begins anew.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
+    /// [`Error::Unfinished`] if it would begin anew over a run that was not finished, [`Error::Io`] for a file
     /// that cannot be read or written.
     pub fn journal(&self, resume: bool) -> Result<Journal> {
         let path = self.folder.join(JOURNAL);
@@ -58,12 +58,7 @@ impl Claim {
         let text = String::from_utf8_lossy(&text[..whole]).into_owned();
         let unfinished = text.lines().next_back().is_some_and(|last| last != FINISHED);
         if !resume && unfinished {
-            return Err(Error::Usage(format!(
-                "{} holds what a run measured that was not finished: --resume goes on with it; to begin anew, \
-                 take another folder or remove {}",
-                self.folder.display(),
-                path.display()
-            )));
+            return Err(Error::Unfinished { folder: self.folder.clone(), journal: path });
         }
         let failed = |e| Error::io("write", &path, e);
         let mut file =
@@ -121,7 +116,7 @@ mod tests {
         std::fs::write(&file, text).expect("written");
         let claim = Claim::new(&path).expect("free again");
         let refused = claim.journal(false).err().expect("not over what was measured").to_string();
-        assert!(refused.contains("--resume"), "{refused}");
+        assert!(refused.contains("was not finished"), "{refused}");
         let mut journal = claim.journal(true).expect("there");
         assert_eq!((journal.get("a"), journal.get("b"), journal.get::<u32>("c")), (Some(1), Some(2), None));
         journal.put("c".into(), &3).expect("written");

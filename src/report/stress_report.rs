@@ -178,7 +178,7 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
     );
     html::tables_page(
         "Numerical stress",
-        records.first().map(|r| &r.device),
+        records.first().map(|r| &r.program.device),
         command,
         &[
             ("Method × failure", &rule, &methods(records)),

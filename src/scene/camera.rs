@@ -4,7 +4,7 @@ use super::MaterialChange;
 use glam::camera::lh::{proj::directx::perspective, view::look_to_mat4};
 use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
-/// The projection's numbers, without the aspect ratio.
+/// The parameters of a perspective projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lens {
     /// Vertical field of view in radians, 0 < fov < π.
@@ -16,28 +16,28 @@ pub struct Lens {
 }
 
 impl Default for Lens {
-    /// The author's program: 74° vertical, near 0.1, far 1000.
+    /// The lens of the author's program: 74° vertical field of view, near plane 0.1 m, far plane 1000 m.
     fn default() -> Self {
         Self { fov_y_radians: 74_f32.to_radians(), near_m: 0.1, far_m: 1000.0 }
     }
 }
 
-/// A named place to look from.
+/// A named camera position of a scene.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct View {
-    /// The name on the command line and in records.
+    /// The name that users and records use.
     pub name: String,
-    /// Camera position, world, metres.
+    /// Camera position in world space, in metres.
     pub eye: Vec3,
-    /// A point in the middle of the image.
+    /// The world-space point in the middle of the image.
     pub look_at: Vec3,
-    /// A lens other than the scene's.
+    /// A lens that replaces the scene's.
     pub lens: Option<Lens>,
-    /// Materials that this view changes, by name.
+    /// Changes to materials, by the material's name.
     pub materials: Vec<(String, MaterialChange)>,
 }
 
-/// A view through a lens at an aspect ratio: the matrices of DEFINITIONS, "Spaces".
+/// A view through a lens at an aspect ratio, with the matrices of docs/definitions.md, "Spaces".
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     /// World to view: left-handed, +z into the scene.
@@ -46,24 +46,26 @@ pub struct Camera {
     pub lens: Lens,
     /// Width over height of the image.
     pub aspect: f32,
-    /// A plane in view space that stands for the near plane where depth is reversed: of the points
-    /// with n · x + w < 0 nothing is drawn. The camera stands behind it.
+    /// A plane in view space that replaces the near plane where depth is reversed: points with n · x + w < 0
+    /// are not drawn. The camera must be behind it.
     pub near_plane: Option<Vec4>,
 }
 
-/// What stands so close before a mirror isn't seen in it, in metres: so the mirror doesn't show itself.
+/// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect
+/// itself.
 const MIRROR_CLEARANCE_M: f64 = 2e-3;
 
 impl Camera {
-    /// A camera at `eye` towards `look_at`. Straight up or down, the image's up is world +z or −z.
+    /// A camera at `eye` that looks at `look_at`. If it looks straight up or down, the image's up direction is
+    /// world +z or −z.
     pub fn new(eye: Vec3, look_at: Vec3, lens: Lens, aspect: f32) -> Self {
         let forward = (look_at - eye).normalize_or(Vec3::Z);
         let up = if forward.y.abs() > 0.999_999 { Vec3::Z * -forward.y.signum() } else { Vec3::Y };
         Self { world_to_view: look_to_mat4(eye, forward, up), lens, aspect, near_plane: None }
     }
 
-    /// Whether its numbers make a camera at all: a lens within its ranges, and matrices that are finite and
-    /// can be inverted.
+    /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and
+    /// invertible.
     pub fn is_sound(&self) -> bool {
         let Lens { fov_y_radians: fov, near_m: near, far_m: far } = self.lens;
         let in_range = fov > 0.0 && fov < std::f32::consts::PI && near > 0.0 && far > near && far.is_finite();
@@ -75,15 +77,16 @@ impl Camera {
             && self.view_to_clip_reversed().as_dmat4().inverse().is_finite()
     }
 
-    /// View to clip with standard depth (near 0, far 1): what the published methods use.
+    /// View to clip space with standard depth (near 0, far 1), which the published methods use.
     pub fn view_to_clip(&self) -> Mat4 {
         perspective(self.lens.fov_y_radians, self.aspect, self.lens.near_m, self.lens.far_m)
     }
 
-    /// View to clip with reversed depth (near 1, far 0): what the G-buffer is rendered with.
+    /// View to clip space with reversed depth (near 1, far 0), with which the G-buffer is rendered.
     ///
-    /// With a [`Camera::near_plane`] the third row makes that plane the near one (Lengyel 2005, for
-    /// reversed depth): depth is 1 − s (n · x + w) / z, and s keeps the frustum's corners above 0.
+    /// If there is a [`Camera::near_plane`], the third row of the matrix makes that plane the near plane
+    /// (Lengyel 2005, for reversed depth): depth is 1 − s (n · x + w) / z, with s chosen so that depth stays
+    /// above 0 at the frustum's corners.
     pub fn view_to_clip_reversed(&self) -> Mat4 {
         let usual = perspective(self.lens.fov_y_radians, self.aspect, self.lens.far_m, self.lens.near_m);
         let Some(plane) = self.near_plane.map(|p| p.as_dvec4()) else { return usual };
@@ -101,14 +104,14 @@ impl Camera {
         rows.transpose()
     }
 
-    /// A plane of the world (unit normal and offset) in this camera's view space.
+    /// Transforms a world-space plane (unit normal and offset) to this camera's view space.
     pub fn plane_in_view(&self, plane: Vec4) -> Vec4 {
         (self.world_to_view.as_dmat4().inverse().transpose() * plane.as_dvec4()).as_vec4()
     }
 
-    /// This camera's view of the world mirrored at a plane of the world (unit normal towards the camera,
-    /// and offset): each mirrored point appears where the mirror shows it. What stands behind the mirror
-    /// is cut away. The view turns windings round, for it has a determinant of −1.
+    /// This camera's view of the world reflected at a world-space plane (unit normal towards the camera, and
+    /// offset): each reflected point appears where a mirror in that plane shows it. Everything behind the
+    /// mirror is cut away. The matrix has the determinant −1, so it reverses the winding of triangles.
     pub fn mirrored(&self, plane: Vec4) -> Self {
         let (normal, offset) = (plane.truncate().as_dvec3(), f64::from(plane.w));
         // x − 2 (n · x + w) n
@@ -147,12 +150,13 @@ mod tests {
         let mirrored = behind.view_to_clip_reversed() * behind.world_to_view;
         for point in [Vec3::new(0.0, 1.0, 3.0), Vec3::new(-2.0, 3.0, 8.0), Vec3::new(3.0, 6.4, 20.0)] {
             let distance = normal.dot(point) + 0.3;
-            assert!(distance > 0.0, "before the mirror");
+            assert!(distance > 0.0, "in front of the mirror");
             let image = point - 2.0 * distance * normal;
             let [seen, shown] = [usual.project_point3(image), mirrored.project_point3(point)];
             assert!(seen.truncate().distance(shown.truncate()) < 1e-4, "{seen} is not {shown}");
             assert!(shown.z > 0.0 && shown.z < 1.0, "{shown}");
-            // On the plane depth is 1 but for the clearance, and behind it more: cut away.
+            // On the plane, depth is 1 except for the clearance; behind it, depth is greater and the point is
+            // cut away.
             let foot = point - distance * normal;
             assert!((mirrored.project_point3(foot).z - 1.0).abs() < 0.02 && mirrored.project_point3(foot).z > 1.0);
             assert!(mirrored.project_point3(image).z > 1.0);
@@ -167,8 +171,8 @@ mod tests {
         let behind = camera.mirrored(Vec3::Y.extend(0.0));
         let matrix = behind.view_to_clip_reversed();
         for (x, y) in [(-1.0, -0.9), (0.0, -0.3), (0.9, 0.1)] {
-            // A ray down the view, through a point just behind the mirror. (Far away its depth tends to a
-            // number above 0, which depends on the ray.)
+            // A ray away from the eye through a point just behind the mirror. (Far away its depth tends to a
+            // number above 0 that depends on the ray.)
             let ray = matrix.inverse().project_point3(Vec3::new(x, y, 0.999)).normalize();
             let depths: Vec<f32> =
                 (1..40).map(|k| matrix.project_point3(ray * (1.5 + k as f32 * k as f32)).z).collect();

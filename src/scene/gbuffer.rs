@@ -1,20 +1,22 @@
-//! A G-buffer on the host: what the references and the G-buffer files work on.
+//! A G-buffer on the host; the references and the G-buffer files use it.
 
 use super::Camera;
+use crate::math::constants;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
-/// The images of DEFINITIONS as arrays, rows from the top, pixel (i, j) at `j · width + i`.
+/// The images of docs/definitions.md as arrays: rows from the top, pixel (i, j) at `j · width + i`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GBufferData {
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
     pub height: u32,
-    /// The camera that it was made with.
+    /// The camera that the G-buffer was rendered with.
     pub camera: Camera,
     /// Reversed depth (near 1, far 0; 0 is sky).
     pub depth: Vec<f32>,
-    /// View-space normal; zero where nothing stands. As stored: not quite unit in 16-bit floats.
+    /// View-space normal; zero where there is no surface. Because it was stored in 16-bit floats, its length is
+    /// not exactly 1.
     pub normal: Vec<Vec3>,
     /// Reflectivity, 0…1.
     pub reflectivity: Vec<f32>,
@@ -25,10 +27,10 @@ pub struct GBufferData {
 }
 
 impl GBufferData {
-    /// A pixel reflects above this reflectivity, if it isn't sky (DEFINITIONS, "Surfaces").
-    pub const REFLECTS_ABOVE: f32 = 1e-4;
+    /// A pixel that is not sky reflects if its reflectivity is above this (docs/definitions.md, "Surfaces").
+    pub const REFLECTS_ABOVE: f32 = constants::REFLECTS_ABOVE as f32;
 
-    /// Index of a pixel.
+    /// The array index of a pixel.
     pub fn index(&self, x: u32, y: u32) -> usize {
         y as usize * self.width as usize + x as usize
     }
@@ -43,20 +45,20 @@ impl GBufferData {
         (0..self.depth.len()).map(|i| self.reflects(i)).collect()
     }
 
-    /// View to clip with reversed depth, in f64: the f32 matrix that the G-buffer was rendered
-    /// with, widened.
+    /// View to clip space with reversed depth: the f32 matrix that the G-buffer was rendered with, converted to
+    /// f64.
     pub fn view_to_clip(&self) -> DMat4 {
         self.camera.view_to_clip_reversed().as_dmat4()
     }
 
-    /// View-space position of a point of the image: pixel coordinates (pixel (i, j) has its centre
-    /// at i + ½, j + ½) and reversed depth. `clip_to_view` is the inverse of [`Self::view_to_clip`].
+    /// The view-space position of a point of the image with continuous pixel coordinates (pixel (i, j) has its
+    /// centre at i + ½, j + ½) and reversed depth. `clip_to_view` is the inverse of [`Self::view_to_clip`].
     pub fn unproject(&self, x: f64, y: f64, depth: f64, clip_to_view: &DMat4) -> DVec3 {
         let ndc = DVec3::new(2.0 * x / f64::from(self.width) - 1.0, 1.0 - 2.0 * y / f64::from(self.height), depth);
         clip_to_view.project_point3(ndc)
     }
 
-    /// Pixel coordinates and reversed depth of a view-space point; `None` behind the eye (w ≤ 0).
+    /// The pixel coordinates and reversed depth of a view-space point; `None` if it is behind the eye (w ≤ 0).
     pub fn project(&self, view: DVec3, view_to_clip: &DMat4) -> Option<DVec3> {
         let clip: DVec4 = *view_to_clip * view.extend(1.0);
         (clip.w > 0.0).then(|| {
@@ -90,7 +92,7 @@ mod tests {
         let m = empty.view_to_clip();
         let p = DVec3::new(-0.7, 0.4, 3.0);
         let s = empty.project(p, &m).expect("in front");
-        assert!(s.x < 15.0 && s.y < 10.0, "left is left and up is up: {s}");
+        assert!(s.x < 15.0 && s.y < 10.0, "−x must be on the left and +y at the top: {s}");
         assert!((empty.unproject(s.x, s.y, s.z, &m.inverse()) - p).length() < 1e-9);
         assert_eq!(empty.project(DVec3::new(0.0, 0.0, -1.0), &m), None);
     }

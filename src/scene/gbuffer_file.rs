@@ -1,11 +1,11 @@
-//! G-buffers as multi-channel OpenEXR files, so that any renderer can hand one over.
+//! G-buffers as multi-channel OpenEXR files, so that any renderer can provide one.
 //!
-//! Channels, 32-bit floats: `R`, `G`, `B` linear lit colour; `depth` reversed post-projected;
-//! `Z` view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` view-space normal; `roughness`;
-//! `reflectivity`. Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
-//! `worldToCamera`; both 4×4 in Imath's row-vector order, left-handed, y up, z forward.
-//! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; a
-//! file without them is read from its matrix.
+//! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after
+//! projection; `Z` for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal;
+//! `roughness`; `reflectivity`. Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
+//! `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward.
+//! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if a file
+//! lacks them, the projection is taken from its matrix.
 
 use super::{Camera, GBufferData, Lens, bounded};
 use crate::error::{Error, Result};
@@ -20,24 +20,24 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::Path;
 
-/// The largest side of a G-buffer that is read, in pixels.
+/// The largest side, in pixels, of a G-buffer that can be read.
 pub const MAX_SIDE: usize = 16384;
 
-/// The largest G-buffer that is read, in bytes of its channels, and the largest file.
+/// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
 pub const MAX_BYTES: u64 = 1 << 32;
 
-/// What the channels of any file may take when they are unpacked, in bytes; beyond that it must be long enough.
+/// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
 const FREE_BYTES: u64 = 1 << 24;
 
-/// What a G-buffer may be compressed by. The others round: a depth of 24 bits is another depth. (And the
-/// decoder of B44 overflows on files that fuzzing finds.)
+/// The compressions that a G-buffer may use. All others round values, and a depth rounded to 24 bits is a
+/// different depth. (The decoder of B44 also overflows on files that fuzzing finds.)
 const LOSSLESS: [Compression; 5] =
     [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
 
-/// The file of a G-buffer, as bytes.
+/// Encodes a G-buffer as the bytes of a file.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the format can't hold it; `path` only names it.
+/// [`Error::Malformed`] if the format cannot hold it. `path` is only used to name the file in the error.
 pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let f32s = |values: Vec<f32>| FlatSamples::F32(values);
     let axis = |v: &[Vec3], i: usize| f32s(v.iter().map(|p| p[i]).collect());
@@ -70,7 +70,7 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
-        // In order, so that equal images are equal files.
+        // Blocks are written in order, so that equal images give equal files.
         .non_parallel()
         .to_buffered(&mut bytes)
         .map_err(|e| Error::malformed(path, None, format!("cannot be encoded as OpenEXR: {e}")))?;
@@ -80,36 +80,42 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
 /// Reads a G-buffer file.
 ///
 /// # Errors
-/// [`Error::Io`] for a file that can't be opened; else as [`decode`], and for files of more than
-/// [`MAX_BYTES`].
+/// [`Error::Io`] if the file cannot be opened; [`Error::Malformed`] if it is larger than [`MAX_BYTES`] or for
+/// the reasons that [`decode`] lists.
 pub fn load(path: &Path) -> Result<GBufferData> {
     decode(&bounded::read(path, "a G-buffer", MAX_BYTES)?, path)
 }
 
-/// As [`load`], of the bytes of a file that errors call `path`.
+/// Decodes the bytes of a G-buffer file. Errors call the file `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] for what is no OpenEXR image, is larger than [`MAX_SIDE`] or [`MAX_BYTES`], claims
-/// more pixels than so few bytes can hold, is compressed with loss, or lacks a channel or the projection.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image is larger than [`MAX_SIDE`] or
+/// [`MAX_BYTES`], claims more pixels than that many bytes can hold, uses a lossy compression, or lacks a
+/// channel or the projection.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let wrong = |message: String| Error::malformed(path, None, message);
-    let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
-    // The header is looked at before any pixel is allocated.
+    let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
+    // The header is checked before any memory for pixels is allocated.
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
-        return Err(wrong(format!("a G-buffer of {}x{}; at most {MAX_SIDE} a side are read", size.0, size.1)));
+        return Err(wrong(format!(
+            "the G-buffer has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
+            size.0, size.1
+        )));
     }
     if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
-        return Err(wrong(format!("{lossy} loses precision; none, RLE, ZIP, ZIPS and PIZ are read")));
+        return Err(wrong(format!(
+            "the compression {lossy} loses precision; supported are none, RLE, ZIP, ZIPS and PIZ"
+        )));
     }
     let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
     let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
     if unpacked > MAX_BYTES || !bounded::may_unpack(bytes.len(), unpacked, FREE_BYTES) {
         let from = bytes.len();
-        return Err(wrong(format!("channels of {unpacked} bytes from a file of {from}, more than are read")));
+        return Err(wrong(format!("the channels would take {unpacked} bytes, too many for a file of {from} bytes")));
     }
     let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    // Threads cost more than they save where there is little to unpack.
+    // For small images, threads cost more time than they save.
     let read = if unpacked < FREE_BYTES { read.non_parallel() } else { read };
     let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
     let layer = image.layer_data;
@@ -149,18 +155,18 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     })
 }
 
-/// View-space z of a reversed depth; 0 for sky.
+/// The view-space z of a reversed depth; 0 for sky.
 fn view_z(depth: f32, lens: &Lens) -> f32 {
     if depth <= 0.0 { 0.0 } else { lens.near_m * lens.far_m / (lens.near_m + depth * (lens.far_m - lens.near_m)) }
 }
 
-/// Reversed depth of a view-space z; sky for what lies outside the planes.
+/// The reversed depth of a view-space z; sky if z is outside the near and far planes.
 fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     let inside = z >= lens.near_m && z <= lens.far_m;
     if inside { lens.near_m * (lens.far_m - z) / (z * (lens.far_m - lens.near_m)) } else { 0.0 }
 }
 
-/// The camera of a layer's attributes.
+/// Reads the camera from a layer's attributes.
 fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Camera, String> {
     let number = |name: &str| match attributes.other.get(&Text::from(name)) {
         Some(AttributeValue::F32(v)) => Some(*v),
@@ -173,22 +179,27 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
             (Lens { fov_y_radians, near_m, far_m }, number("aspectRatio").unwrap_or(aspect))
         }
         (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
-        _ => return Err("neither viewToClip nor fovYRadians, nearPlane and farPlane say what the projection is".into()),
+        _ => {
+            return Err(
+                "the projection is missing: neither viewToClip nor fovYRadians, nearPlane and farPlane are given"
+                    .into(),
+            );
+        }
     };
     let made = Camera { world_to_view, lens, aspect, near_plane: None };
     if !made.is_sound() {
         let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
-        return Err(format!("a projection of fov {fov}, near {near}, far {far}, aspect {aspect} is no camera"));
+        return Err(format!("a projection with fov {fov}, near {near}, far {far} and aspect {aspect} cannot be used"));
     }
     Ok(made)
 }
 
-/// Lens and aspect of a symmetric perspective with reversed depth.
+/// The lens and aspect ratio of a symmetric perspective matrix with reversed depth.
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32), String> {
     let [x, y, z, w] = m.to_cols_array_2d();
     let perspective = z[3] == 1.0 && w[3] == 0.0 && x[1..] == [0.0; 3] && y[0] == 0.0 && y[2..] == [0.0; 2];
     if !(perspective && z[0] == 0.0 && z[1] == 0.0) {
-        return Err("viewToClip is no symmetric, left-handed perspective with reversed depth".into());
+        return Err("viewToClip is not a symmetric, left-handed perspective with reversed depth".into());
     }
     let lens = Lens { fov_y_radians: 2.0 * (1.0 / y[1]).atan(), near_m: w[2] / (1.0 - z[2]), far_m: -w[2] / z[2] };
     Ok((lens, y[1] / x[0]))
@@ -222,14 +233,14 @@ mod tests {
     }
 
     #[test]
-    fn a_file_gives_back_every_bit() {
+    fn a_file_round_trips_every_bit() {
         let gbuffer = sample();
         let (_folder, path) = written(&gbuffer);
         assert!(load(&path).expect("loads") == gbuffer);
     }
 
     #[test]
-    fn the_matrix_alone_and_view_z_alone_serve_too() {
+    fn the_matrix_alone_and_view_z_alone_are_enough() {
         let gbuffer = sample();
         let (lens, aspect) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
         let expected = gbuffer.camera.lens;
@@ -244,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_files_are_sentences() {
+    fn broken_files_give_errors() {
         let (folder, path) = written(&sample());
         let bytes = std::fs::read(&path).expect("reads");
         for (name, content) in [

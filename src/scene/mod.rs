@@ -1,6 +1,6 @@
-//! What is rendered: meshes, materials, lights, cameras and views, as plain data on the host.
+//! The contents of a scene (meshes, materials, lights, cameras and views) as plain data on the host.
 //!
-//! World space is left-handed, in metres, +y up (DEFINITIONS, "Spaces"). A scene comes from a
+//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). A scene comes from a
 //! scene file ([`scene_file`]), from OBJ files ([`obj`]) or from the built-in library
 //! ([`library`]); all three give the same [`Scene`].
 
@@ -27,36 +27,36 @@ pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
 
-/// The farthest coordinate from the origin that a file may place something at, in metres: products of two
-/// differences stay in f32.
+/// The greatest distance from the origin, along each axis, at which a file may place something, in metres.
+/// Within it, products of two differences stay finite in f32.
 pub const MAX_COORDINATE_M: f32 = 1e8;
 
 /// A scene, ready to be uploaded or ray traced.
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
-    /// What records and file names call it.
+    /// The name that records and file names use.
     pub name: String,
-    /// Triangle meshes, each of one material.
+    /// Triangle meshes; each has one material.
     pub meshes: Vec<Mesh>,
-    /// Materials, by index from [`Mesh::material`].
+    /// Materials; [`Mesh::material`] is an index into them.
     pub materials: Vec<Material>,
-    /// Images, by index from the materials.
+    /// Images; materials and impostors refer to them by index.
     pub textures: Vec<Texture>,
     /// Direct lights.
     pub lights: Vec<Light>,
-    /// Where cube maps are captured, with their proxy boxes; never empty in a loaded scene.
+    /// The places where cube maps are captured, with their proxy boxes; never empty in a loaded scene.
     pub probes: Vec<Probe>,
-    /// Rectangles that stand in reflections for things of the scene.
+    /// Rectangles with images that replace objects of the scene in reflections.
     pub impostors: Vec<Impostor>,
     /// Lights with an extent, which only the method `area-light` sees.
     pub area_lights: Vec<AreaLight>,
-    /// The lens of every view that does not say otherwise.
+    /// The lens of every view that has none of its own.
     pub lens: Lens,
-    /// Named views; never empty. The first is the default.
+    /// Named views; never empty in a loaded scene. The first one is the default.
     pub views: Vec<View>,
     /// Named paths of the camera.
     pub paths: Vec<CameraPath>,
-    /// One sentence for each thing that had to be replaced or left out on loading.
+    /// One sentence for each thing that was replaced or left out while the scene was loaded.
     pub warnings: Vec<String>,
 }
 
@@ -68,7 +68,7 @@ pub struct Vertex {
     pub position: [f32; 3],
     /// Unit normal in world space.
     pub normal: [f32; 3],
-    /// Texture coordinates, (0, 0) at the image's top left, wrapping.
+    /// Texture coordinates, which wrap; (0, 0) is the image's top left corner.
     pub uv: [f32; 2],
     /// Unit tangent along +u; w = ±1 so that bitangent = w · cross(normal, tangent) runs along the
     /// normal map's green axis (towards −v: up in the image).
@@ -77,15 +77,15 @@ pub struct Vertex {
 
 /// Indexed triangles of one material.
 ///
-/// The winding agrees with the normals: (b − a) × (c − a) points to the side of the vertex
-/// normals. Both sides are drawn; from behind, the normal is turned round.
+/// The winding agrees with the normals: (b − a) × (c − a) points to the side of the vertex normals. Both sides
+/// are drawn; on the back, the normal is flipped.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
-    /// Object or group name, for labels.
+    /// The name of the object or group, for labels.
     pub name: String,
     /// Vertices.
     pub vertices: Vec<Vertex>,
-    /// Three indices a triangle.
+    /// Three indices per triangle.
     pub indices: Vec<u32>,
     /// Index into [`Scene::materials`].
     pub material: usize,
@@ -93,20 +93,21 @@ pub struct Mesh {
     pub bounds: Aabb,
 }
 
-/// What a surface is to the reflections.
+/// How a surface takes part in reflections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surface {
-    /// Lit; reflects as far as its reflectivity says.
+    /// Lit by the scene's lights; reflects according to its reflectivity.
     #[default]
     Lit,
-    /// Shows the environment and reflects nothing, but has depth and can be hit (a window).
+    /// Shows the environment, like a window. It reflects nothing, but it has depth and rays can hit it.
     Sky,
 }
 
-/// A material. Maps multiply their factors; an index points into [`Scene::textures`].
+/// A material. A map is multiplied by the factor of the same quantity; map indices refer to
+/// [`Scene::textures`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// The name in MTL and scene files.
+    /// The name that MTL and scene files use.
     pub name: String,
     /// Linear diffuse albedo, 0…1.
     pub albedo: Vec3,
@@ -114,22 +115,22 @@ pub struct Material {
     pub albedo_map: Option<usize>,
     /// Tangent-space normal map, green up, linear.
     pub normal_map: Option<usize>,
-    /// Alpha mask (red channel, linear): below ½ the surface is not there.
+    /// Alpha mask (red channel, linear): the surface has holes where it is below ½.
     pub alpha_mask: Option<usize>,
-    /// Reflectivity, 0…1; a pixel reflects above 1e-4.
+    /// Reflectivity, 0…1; a pixel reflects if it is above 1e-4.
     pub reflectivity: f32,
-    /// Reflectivity image (red channel, linear), times [`Material::reflectivity`].
+    /// Reflectivity image (red channel, linear), a factor on [`Material::reflectivity`].
     pub reflectivity_map: Option<usize>,
     /// Roughness ϱ, 0…1; 0 is a mirror.
     pub roughness: f32,
-    /// How far the normal map counts, 0…1.
+    /// Weight of the normal map, 0…1.
     pub normal_deviation: f32,
-    /// What the surface is to the reflections.
+    /// How the surface takes part in reflections.
     pub surface: Surface,
 }
 
 impl Default for Material {
-    /// White, without maps, reflectivity 1, a mirror: the author's program's defaults.
+    /// The defaults of the author's program: a white mirror of reflectivity 1 without maps.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -146,10 +147,10 @@ impl Default for Material {
     }
 }
 
-/// What a scene file or a view says of a material by its name; `None` leaves it as it is.
+/// What a scene file or a view changes about a material; `None` leaves the value as it is.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MaterialChange {
-    /// Replaces the reflectivity, and its map.
+    /// Replaces the reflectivity and removes its map.
     pub reflectivity: Option<f32>,
     /// Replaces the roughness.
     pub roughness: Option<f32>,
@@ -173,7 +174,7 @@ impl MaterialChange {
     }
 }
 
-/// A direct light without shadow.
+/// A direct light that casts no shadows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// A point light with the author's attenuation 1 / (1 + d/e + d²/e), d in metres.
@@ -193,8 +194,8 @@ pub enum Light {
 }
 
 impl Light {
-    /// What the light adds to the shading of a point with a unit normal, ≥ 0; the sum over the lights
-    /// is cut off at 1 (DEFINITIONS, "Surfaces").
+    /// The light's contribution, ≥ 0, to the shading of a point with a unit normal. The sum over all lights is
+    /// clamped to 1 (docs/definitions.md, "Surfaces").
     pub fn shading(&self, position: Vec3, normal: Vec3) -> f32 {
         match *self {
             Self::Point { position: light, energy } => {
@@ -237,63 +238,91 @@ impl Aabb {
     }
 }
 
+impl View {
+    /// Its camera for an image of a size in pixels, with its own lens or the scene's.
+    pub fn camera(&self, scene: &Scene, [width, height]: [u32; 2]) -> Camera {
+        Camera::new(self.eye, self.look_at, self.lens.unwrap_or(scene.lens), width as f32 / height as f32)
+    }
+}
+
+/// What of a scene scales and moves by rules of its own.
+struct Extended<'a> {
+    paths: &'a mut [CameraPath],
+    probes: &'a mut [Probe],
+    impostors: &'a mut [Impostor],
+    area_lights: &'a mut [AreaLight],
+}
+
 impl Scene {
     /// Bounds of all meshes.
     pub fn bounds(&self) -> Aabb {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin: those of views, lights, probes and impostors too.
+    /// Scales all coordinates about the origin: those of views, paths, lights, probes and impostors too. Lenses and
+    /// energies stay.
     pub fn scale(&mut self, factor: f32) {
-        for mesh in &mut self.meshes {
-            for v in &mut mesh.vertices {
-                v.position = v.position.map(|c| c * factor);
-            }
-            mesh.bounds = Aabb::of(&mesh.vertices);
-        }
-        for view in &mut self.views {
-            view.eye *= factor;
-            view.look_at *= factor;
-        }
-        self.paths.iter_mut().for_each(|p| p.scale(factor));
-        for light in &mut self.lights {
-            if let Light::Point { position, .. } = light {
-                *position *= factor;
-            }
-        }
-        self.probes.iter_mut().for_each(|p| p.scale(factor));
-        self.impostors.iter_mut().for_each(|i| i.scale(factor));
-        self.area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
+        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p * factor);
+        paths.iter_mut().for_each(|p| p.scale(factor));
+        probes.iter_mut().for_each(|p| p.scale(factor));
+        impostors.iter_mut().for_each(|i| i.scale(factor));
+        area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
     }
 
     /// Moves everything that has a place.
     pub fn translate(&mut self, offset: Vec3) {
-        for mesh in &mut self.meshes {
-            for v in &mut mesh.vertices {
-                v.position = (Vec3::from(v.position) + offset).to_array();
-            }
-            mesh.bounds = Aabb::of(&mesh.vertices);
-        }
-        for view in &mut self.views {
-            view.eye += offset;
-            view.look_at += offset;
-        }
-        for light in &mut self.lights {
-            if let Light::Point { position, .. } = light {
-                *position += offset;
-            }
-        }
-        self.probes.iter_mut().for_each(|p| p.translate(offset));
-        self.impostors.iter_mut().for_each(|i| i.centre += offset);
-        self.area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
+        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p + offset);
+        paths.iter_mut().for_each(|p| p.translate(offset));
+        probes.iter_mut().for_each(|p| p.translate(offset));
+        impostors.iter_mut().for_each(|i| i.centre += offset);
+        area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
     }
 
-    /// Number of triangles.
+    /// Moves what has a place and no extent; gives what has an extent to the caller. Every field is named, so that a
+    /// new one cannot be forgotten.
+    fn move_points(&mut self, moved: impl Fn(Vec3) -> Vec3) -> Extended<'_> {
+        let Self {
+            name: _,
+            meshes,
+            materials: _,
+            textures: _,
+            lights,
+            probes,
+            impostors,
+            area_lights,
+            lens: _,
+            views,
+            paths,
+            warnings: _,
+        } = self;
+        for mesh in meshes {
+            let Mesh { name: _, vertices, indices: _, material: _, bounds } = mesh;
+            for v in vertices.iter_mut() {
+                v.position = moved(v.position.into()).to_array();
+            }
+            *bounds = Aabb::of(vertices);
+        }
+        for View { name: _, eye, look_at, lens: _, materials: _ } in views {
+            (*eye, *look_at) = (moved(*eye), moved(*look_at));
+        }
+        for light in lights {
+            match light {
+                Light::Point { position, energy: _ } => *position = moved(*position),
+                Light::Directional { direction: _, energy: _ } => {}
+            }
+        }
+        Extended { paths, probes, impostors, area_lights }
+    }
+
+    /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|m| m.indices.len() / 3).sum()
     }
 
-    /// The view of a name, or an error that lists the names there are.
+    /// Finds a view by name.
+    ///
+    /// # Errors
+    /// [`Usage`](crate::error::Error::Usage), which lists the scene's views, if there is none of this name.
     pub fn view(&self, name: &str) -> crate::error::Result<&View> {
         self.views.iter().find(|v| v.name == name).ok_or_else(|| {
             let names: Vec<_> = self.views.iter().map(|v| v.name.as_str()).collect();
@@ -305,7 +334,7 @@ impl Scene {
         })
     }
 
-    /// The materials as a view shows them.
+    /// The scene's materials with the changes that a view makes to them.
     pub fn materials_in(&self, view: &View) -> Vec<Material> {
         let mut materials = self.materials.clone();
         for (name, change) in &view.materials {

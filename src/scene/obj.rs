@@ -1,10 +1,9 @@
-//! Scenes from Wavefront OBJ files as they are found in the wild.
+//! Loads scenes from Wavefront OBJ files, including the irregular ones that exporters write.
 //!
-//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The
-//! submodules are the stages: `text` checks and normalises the statements (with line numbers), tobj
-//! sorts them into groups, `polygons` makes triangles with normals, `tangents` the tangent frames,
-//! `assemble` welds and splits meshes; `mtl` reads materials and `images` their textures; `viewpoint`
-//! looks for a place to look from.
+//! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules are
+//! the stages: `text` checks and normalises the statements (with line numbers), tobj sorts them into groups,
+//! `polygons` makes triangles with normals, `tangents` adds tangent frames, `assemble` welds and splits meshes,
+//! `mtl` reads materials, `images` reads their textures, and `viewpoint` chooses a default view.
 
 mod assemble;
 mod images;
@@ -25,23 +24,23 @@ pub(super) use viewpoint::default_view;
 /// The largest OBJ file that is read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// Which way the z axis of the files points.
+/// The handedness of the files: which way their z axis points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Handedness {
-    /// As OBJ has it: z is negated and the winding reversed on loading.
+    /// The convention of OBJ: z is negated and the winding reversed while loading.
     #[default]
     Right,
-    /// Already as the world has it: taken as it stands.
+    /// The convention of the world: coordinates are taken as they are.
     Left,
 }
 
-/// How OBJ files become a scene.
+/// Options for loading OBJ files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ObjOptions {
     /// The files' handedness.
     pub handedness: Handedness,
-    /// Metres per unit of the files, finite and > 0.
+    /// Metres per unit of length in the files; finite and > 0.
     pub scale: f32,
 }
 
@@ -54,9 +53,9 @@ impl Default for ObjOptions {
 /// One OBJ file of a scene.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ObjFile {
-    /// Where it lies; its MTL files and images are looked for beside it.
+    /// The path; MTL files and images are looked up relative to it.
     pub path: PathBuf,
-    /// What all its materials are to the reflections.
+    /// How all of the file's materials take part in reflections.
     pub surface: Surface,
 }
 
@@ -66,24 +65,25 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
     }
 }
 
-/// Loads OBJ files as one scene, named after the first.
+/// Loads OBJ files as one scene, named after the first file.
 ///
-/// - Polygons are triangulated (concave ones too); triangles without area, points and lines are left
-///   out; what is left out or replaced is told in [`Scene::warnings`].
-/// - Missing normals: inside a smoothing group (`s 1`) the mean over the faces of that group that meet
-///   in the position, weighted by their angles there; outside (`s off`, or no `s` at all, which the format defines as
-///   off) the normal of the face, so that boxes stay boxes.
-/// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are MikkTSpace's;
-///   without texture coordinates, any that are orthogonal to the normal.
-/// - A mesh is a group's triangles of one material; large ones are split in space.
-/// - Materials by MTL: `Kd`, `Ks`, `Pr` or else `Ns`, their maps, `map_d` and `bump`, by the table that
-///   opens `obj/mtl.rs`. Equal names in two files stay two materials; unused materials are dropped.
-/// - One view, `default`, that frames the bounds, one directional light, and one probe in the middle.
+/// - Polygons, concave ones included, are triangulated. Triangles without area, points and lines are left out.
+///   [`Scene::warnings`] lists what was left out or replaced.
+/// - Missing normals: inside a smoothing group (`s 1`), a vertex gets the mean normal of that group's faces at
+///   its position, weighted by their angles there. Outside one (`s off`, or no `s` at all, which the format
+///   defines as off), it gets the normal of its face, so that boxes keep their edges.
+/// - Texture coordinates get their origin at the top left (v' = 1 − v). Tangents are those of MikkTSpace;
+///   without texture coordinates, a tangent is any unit vector orthogonal to the normal.
+/// - A mesh holds the triangles of one group with one material; large meshes are split in space.
+/// - Materials come from MTL: `Kd`, `Ks`, `Pr` or else `Ns`, their maps, `map_d` and `bump`, as listed at the
+///   top of `obj/mtl.rs`. Materials of equal name in two files stay separate; unused ones are dropped.
+/// - The scene gets one view, `default`, that frames the bounds, one directional light, and one probe at the
+///   centre.
 ///
 /// # Errors
-/// [`Error::Io`] for a file that cannot be read; [`Error::Malformed`] with file and line for wrong
-/// statements, numbers that are not finite, indices that are out of range, and files without any
-/// triangle or beyond [`MAX_FILE_BYTES`]; [`Error::Usage`] for no files or a scale that is not > 0.
+/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements,
+/// numbers that are not finite, indices that are out of range, files without any triangle and files larger than
+/// [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given or the scale is not > 0.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_unlit(files, options)?;
     scene.views = vec![viewpoint::default_view(&scene)];
@@ -92,7 +92,7 @@ pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     Ok(scene)
 }
 
-/// As [`load`], without view, light and probe.
+/// Loads a scene as [`load`] does, but without view, light and probe.
 pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));
@@ -110,12 +110,13 @@ pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scen
     Ok(scene)
 }
 
-/// The light of a scene that has none: from above and behind the default view's left shoulder.
+/// The light of a scene that has none. It comes from above and behind, over the left shoulder of the default
+/// view.
 pub(super) fn default_light() -> Light {
     Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
-/// Reads one file and appends its meshes and used materials, with the images that these ask for.
+/// Reads one file and appends its meshes, the materials that they use, and the images of these materials.
 fn load_file(
     file: &ObjFile,
     options: &ObjOptions,
@@ -131,7 +132,7 @@ fn load_file(
     let parts = polygons::build(&file.path, statements, options, &mut scene.warnings)?;
 
     if statements_lack_library {
-        let message = "names materials but no MTL file; they are white";
+        let message = "uses materials but names no MTL file; the materials are white";
         scene.warnings.push(format!("{}: {message}", file.path.display()));
     }
     let mut scene_index: Vec<Option<usize>> = vec![None; names.len()];
@@ -140,9 +141,10 @@ fn load_file(
             let name = &names[part.material];
             let definition = definitions.get(name);
             if definition.is_none() && name != text::NO_MATERIAL && !definitions.is_empty() {
-                scene
-                    .warnings
-                    .push(format!("{}: material {name} is defined in no MTL file; it is white", file.path.display()));
+                scene.warnings.push(format!(
+                    "{}: material {name} is not defined in any MTL file; it is white",
+                    file.path.display()
+                ));
             }
             scene_index[part.material] = Some(scene.materials.len());
             scene.materials.push(definition.map_or_else(Default::default, mtl::Definition::material));
@@ -153,7 +155,7 @@ fn load_file(
             sources.push(definition.map(mtl::Definition::images).unwrap_or_default());
         }
     }
-    let material_of = |part: &polygons::Part| scene_index[part.material].unwrap_or_default();
+    let material_of = |part: &polygons::GroupPart| scene_index[part.material].unwrap_or_default();
     scene.meshes.extend(assemble::meshes(parts, material_of));
     Ok(())
 }

@@ -1,8 +1,8 @@
-//! Camera paths: key frames joined by a centripetal Catmull-Rom spline, which passes through every one
-//! of them and, unlike the uniform one, makes neither cusps nor loops where two of them lie close. A
-//! path is a file of its own (TOML), a section of a scene file, or made of a scene's views.
+//! Camera paths: key frames joined by a centripetal Catmull-Rom spline. The spline passes through every key
+//! frame and, unlike the uniform variant, has neither cusps nor loops where two key frames are close together.
+//! A path comes from a file of its own (TOML), from a section of a scene file, or from the views of a scene.
 
-use super::scene_file::{Source, read, stem};
+use super::scene_file::{SourceText, read, stem};
 use super::{MAX_COORDINATE_M, Scene};
 use crate::error::{Error, Result};
 use glam::Vec3;
@@ -11,43 +11,44 @@ use std::fmt::Write;
 use std::path::Path;
 use toml::Spanned;
 
-/// The name of the path that leads through a scene's views.
+/// The name of the path through a scene's views.
 pub const VIEWS: &str = "views";
 
-/// The longest time, in seconds: differences stay in f32.
+/// The greatest time of a key frame, in seconds; differences up to it stay exact enough in f32.
 const MAX_TIME_S: f32 = 1e9;
 
-/// A place on the way.
+/// A camera position on the path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KeyFrame {
-    /// Camera position, world, metres.
+    /// Camera position in world space, in metres.
     pub eye: Vec3,
-    /// A point in the middle of the image.
+    /// The world-space point in the middle of the image.
     pub look_at: Vec3,
-    /// When the camera is there, seconds; either all of a path's key frames have it, or none has.
+    /// When the camera is there, in seconds. Either all key frames of a path have a time, or none has.
     pub time_s: Option<f32>,
 }
 
-/// A way of the camera through at least two key frames.
+/// A camera path through at least two key frames.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPath {
-    /// What records call it.
+    /// The name that records use.
     pub name: String,
     keys: Vec<KeyFrame>,
-    /// When each key frame is passed: seconds, or metres of way where the key frames have no time.
+    /// For each key frame, the time in seconds or, if the key frames have no times, the distance travelled in
+    /// metres.
     times: Vec<f32>,
 }
 
-/// What is wrong with key frames: the index of the one at fault, if one is, and a sentence.
+/// What is wrong with key frames: the index of the faulty one, if there is one, and a sentence.
 type Fault = (Option<usize>, String);
 
 impl CameraPath {
-    /// Joins key frames. Without times, the camera moves evenly: the time between two of them is the
-    /// way of its eye and of what it looks at.
+    /// Joins key frames. If they have no times, the camera moves evenly: the time between two key frames is the
+    /// distance that its eye and the point it looks at travel.
     ///
     /// # Errors
-    /// [`Error::Usage`] with fewer than two key frames, for one that is not finite, looks at its own
-    /// eye or repeats the one before it, and for times that some have, or that don't increase.
+    /// [`Error::Usage`] if there are fewer than two key frames, if one is not finite, looks at its own eye or
+    /// repeats the previous one, if only some have a time, or if the times do not increase.
     pub fn new(name: impl Into<String>, keys: Vec<KeyFrame>) -> Result<Self> {
         let name = name.into();
         Self::joined(&name, keys).map_err(|(index, what)| {
@@ -94,45 +95,49 @@ impl CameraPath {
         Ok(Self { name: name.to_owned(), times: times.collect(), keys })
     }
 
-    /// Through a scene's views in their order.
+    /// The path through a scene's views in their order.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a scene with fewer than two different views.
+    /// [`Error::Usage`] if the scene has fewer than two different views.
     pub fn through_views(scene: &Scene) -> Result<Self> {
         let mut keys: Vec<KeyFrame> =
             scene.views.iter().map(|v| KeyFrame { eye: v.eye, look_at: v.look_at, time_s: None }).collect();
         keys.dedup();
         if keys.len() < 2 {
-            return Err(Error::Usage(format!("scene {} has one view, and a path through views needs two", scene.name)));
+            return Err(Error::Usage(format!(
+                "scene {} has only one view, but a path through its views needs two",
+                scene.name
+            )));
         }
         Self::new(VIEWS, keys)
     }
 
-    /// Reads a path file: an optional `name`, and `[[key]]` tables with `eye`, `look_at` and, in all of
-    /// them or in none, `time` in seconds.
+    /// Reads a path file: an optional `name`, and `[[key]]` tables with `eye`, `look_at` and, in all of them or
+    /// in none, `time` in seconds.
     ///
     /// # Errors
-    /// [`Error::Io`], or [`Error::Malformed`] with file and line.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
+    /// wrong.
     pub fn load(path: &Path) -> Result<Self> {
         Self::parse(&read(path, "a path file")?, path)
     }
 
-    /// As [`CameraPath::load`], of the text of a file that errors call `path`.
+    /// Parses the text of a path file. Errors call the file `path`.
     ///
     /// # Errors
     /// [`Error::Malformed`] with file and line.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
-        let source = Source { path, text };
+        let source = SourceText { path, text };
         let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
         source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
     }
 
-    /// The text of a path file.
+    /// The path as the text of a path file.
     pub fn to_toml(&self) -> String {
         let mut text = format!("name = {}\n", toml::Value::from(self.name.as_str()));
         for key in &self.keys {
             let [eye, look_at] = [key.eye, key.look_at].map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
-            // Writing to a string can't fail.
+            // Writing to a String cannot fail.
             let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
             if let Some(time) = key.time_s {
                 let _ = writeln!(text, "time = {time:?}");
@@ -141,7 +146,7 @@ impl CameraPath {
         text
     }
 
-    /// Its key frames.
+    /// The key frames.
     pub fn keys(&self) -> &[KeyFrame] {
         &self.keys
     }
@@ -157,6 +162,14 @@ impl CameraPath {
         }
     }
 
+    /// Moves every key frame.
+    pub fn translate(&mut self, offset: Vec3) {
+        for key in &mut self.keys {
+            key.eye += offset;
+            key.look_at += offset;
+        }
+    }
+
     /// Eye and look-at point after a share of the path's time, 0 (first key frame) to 1 (last).
     pub fn at(&self, share: f32) -> (Vec3, Vec3) {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
@@ -169,7 +182,8 @@ impl CameraPath {
         (spline(points.map(|p| p.0), knots, t), spline(points.map(|p| p.1), knots, t))
     }
 
-    /// The key frames at both ends of a segment and the ones beyond; at the path's ends, mirrored.
+    /// The key frames at both ends of a segment and the two beyond them; beyond the path's ends, these are
+    /// mirrored.
     fn around(&self, n: usize) -> [(Vec3, Vec3); 4] {
         let key = |n: usize| (self.keys[n].eye, self.keys[n].look_at);
         let mirrored = |at: (Vec3, Vec3), of: (Vec3, Vec3)| (2.0 * at.0 - of.0, 2.0 * at.1 - of.1);
@@ -180,19 +194,19 @@ impl CameraPath {
     }
 }
 
-/// How far two key frames are apart: eye and look-at point as one point of six coordinates, so that a
-/// camera that only turns moves too.
+/// The distance between two key frames. Eye and look-at point count as one point with six coordinates, so that
+/// a camera that only turns moves as well.
 fn distance(a: &KeyFrame, b: &KeyFrame) -> f32 {
     (a.eye.distance_squared(b.eye) + a.look_at.distance_squared(b.look_at)).sqrt()
 }
 
-/// Where `t` lies from `from` to `to`, as a share; 0 where both are equal, as a short way after a long one is
-/// by rounding.
+/// The position of `t` between `from` and `to`, as a share. It is 0 if both are equal, which rounding can make
+/// them if a short distance follows a long one.
 fn share_of(t: f32, from: f32, to: f32) -> f32 {
     if to > from { (t - from) / (to - from) } else { 0.0 }
 }
 
-/// Centripetal knots: each step is the root of the distance.
+/// Knots of the centripetal spline: each step is the square root of a distance.
 fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
     let mut knots = [0.0; 4];
     for n in 1..4 {
@@ -202,8 +216,7 @@ fn knots(points: &[(Vec3, Vec3); 4]) -> [f32; 4] {
     knots
 }
 
-/// Barry and Goldman's pyramid: the Catmull-Rom spline through the points 1 and 2 at `t` between their
-/// knots.
+/// The Catmull-Rom spline between points 1 and 2 at `t`, evaluated by Barry and Goldman's pyramid.
 fn spline(p: [Vec3; 4], knots: [f32; 4], t: f32) -> Vec3 {
     let mix = |a: Vec3, b: Vec3, from: usize, to: usize| a.lerp(b, share_of(t, knots[from], knots[to]));
     let a = [mix(p[0], p[1], 0, 1), mix(p[1], p[2], 1, 2), mix(p[2], p[3], 2, 3)];
@@ -236,8 +249,8 @@ pub(super) struct KeySection {
     time: Option<f32>,
 }
 
-impl Source<'_> {
-    /// A path of some sections; a fault is told with its line.
+impl SourceText<'_> {
+    /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
     pub(super) fn path(&self, name: &str, sections: &[Spanned<KeySection>], extra_scale: f32) -> Result<CameraPath> {
         let key = |section: &Spanned<KeySection>| {
             let KeySection { eye, look_at, time } = section.get_ref();
@@ -267,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn it_passes_its_key_frames_at_their_times() {
+    fn the_path_passes_its_key_frames_at_their_times() {
         let eyes = [[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [4.0, 2.0, 1.0]];
         let times = [2.0, 3.0, 7.0];
         let keys = eyes.iter().zip(times).map(|(e, t)| key(*e, Some(t))).collect();
@@ -278,13 +291,13 @@ mod tests {
         }
         assert_eq!(timed.at(-1.0), timed.at(0.0));
         assert_eq!(timed.at(2.0), timed.at(1.0));
-        // Without times the first segment takes its share of the way: √5 of √5 + √10.
+        // Without times, the first segment gets its share of the distance: √5 of √5 + √10.
         let share = 5_f32.sqrt() / (5_f32.sqrt() + 10_f32.sqrt());
         assert!(path(&eyes).at(share).0.distance(Vec3::from(eyes[1])) < 1e-4);
     }
 
     #[test]
-    fn a_straight_way_is_walked_straight_and_evenly() {
+    fn a_straight_path_is_followed_straight_and_evenly() {
         let line = path(&[[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [6.0, 0.0, 0.0], [9.0, 0.0, 0.0]]);
         for n in 0..=20 {
             let share = n as f32 / 20.0;
@@ -293,10 +306,10 @@ mod tests {
     }
 
     proptest! {
-        /// The centripetal spline stays near its chord: within the segment's own length (Yuksel et
-        /// al. 2011), where the uniform one overshoots by the length of the neighbours.
+        /// The centripetal spline stays within one segment length of its chord (Yuksel et al. 2011); the
+        /// uniform variant overshoots by the length of the neighbouring segments.
         #[test]
-        fn it_does_not_overshoot(points in prop::collection::vec(prop::array::uniform3(-5.0..5.0_f32), 4)) {
+        fn the_spline_does_not_overshoot(points in prop::collection::vec(prop::array::uniform3(-5.0..5.0_f32), 4)) {
             prop_assume!(points.windows(2).all(|p| Vec3::from(p[0]).distance(Vec3::from(p[1])) > 0.05));
             let path = path(&points);
             for n in 0..=60 {
@@ -312,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_what_was_written() {
+    fn a_written_file_reads_back_equal() {
         let keys = vec![key([0.1, -2.0, 1e-7], Some(0.0)), key([1.0, 2.0, 3.0], Some(1.5))];
         for keys in [keys.clone(), keys.into_iter().map(|k| KeyFrame { time_s: None, ..k }).collect()] {
             let path = CameraPath::new("a \"walk\"", keys).expect("a path");
@@ -323,7 +336,7 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_told_with_their_line() {
+    fn errors_name_the_line() {
         let two = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
         let cases = [
             ("", "at least two key frames, not 0"),

@@ -1,34 +1,35 @@
-//! Planes that a scene's triangles share: where a mirrored camera can show a reflection (thesis §3.1.2).
+//! Finds the planes in which many of a scene's triangles lie, where a mirrored camera can render a reflection
+//! (thesis §3.1.2).
 
 use super::{Scene, Surface};
 use glam::{DVec3, Vec3, Vec4};
 use std::collections::HashMap;
 
-/// How far from a plane a triangle may lie and still be of it, in metres.
+/// How far a triangle may be from a plane and still belong to it, in metres.
 pub const TOLERANCE_M: f32 = 5e-4;
-/// How far a triangle's unit normal may be from the plane's.
+/// How much a triangle's unit normal may differ from the plane's.
 const NORMAL_TOLERANCE: f64 = 1e-3;
-/// Groups below this area aren't worth a mirrored scene, in square metres.
+/// Groups smaller than this, in square metres, are not worth rendering a mirrored scene for.
 const AREA_MIN_M2: f32 = 0.01;
 
-/// Triangles of one material in one plane, all facing one side.
+/// Triangles of one material that lie in one plane and face the same side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoplanarGroup {
-    /// The plane in world space: the unit normal of the triangles' winding, and the offset w, so that
-    /// n · x + w is a point's distance before it.
+    /// The plane in world space: the unit normal given by the triangles' winding, and the offset w, so that n ·
+    /// x + w is the distance of a point in front of the plane.
     pub plane: Vec4,
     /// Index into [`Scene::materials`].
     pub material: usize,
-    /// Sum of the triangles' areas, square metres.
+    /// Sum of the triangles' areas in square metres.
     pub area_m2: f32,
-    /// Their corners in the world.
+    /// The triangles' corners in world space.
     pub triangles: Vec<[Vec3; 3]>,
 }
 
-/// The coplanar groups of a scene's lit meshes, the largest first; those below 0.01 m² are left out.
+/// Finds the coplanar groups of a scene's lit meshes, largest first. Groups below 0.01 m² are left out.
 ///
-/// Triangles are gathered by their plane rounded to the tolerances, so a plane on the border between two
-/// roundings may come as two groups; [`merged`] joins those.
+/// Triangles are grouped by their plane rounded to the tolerances. A plane that lies between two rounded values
+/// may therefore give two groups, which [`merged`] joins.
 pub fn coplanar_groups(scene: &Scene) -> Vec<CoplanarGroup> {
     let mut groups: HashMap<(usize, [i64; 4]), CoplanarGroup> = HashMap::new();
     let lit = |material: usize| scene.materials.get(material).is_none_or(|m| m.surface == Surface::Lit);
@@ -52,7 +53,7 @@ pub fn coplanar_groups(scene: &Scene) -> Vec<CoplanarGroup> {
     largest_first(groups.into_values().filter(|g| g.area_m2 >= AREA_MIN_M2).collect())
 }
 
-/// Joins groups of one plane, whatever their materials, and keeps the largest `count`, the largest first.
+/// Joins groups that lie in one plane, whatever their materials, and keeps the largest `count`, largest first.
 /// A joined group has the plane and the material of its largest part.
 pub fn merged<'a>(groups: impl Iterator<Item = &'a CoplanarGroup>, count: usize) -> Vec<CoplanarGroup> {
     let mut joined: Vec<CoplanarGroup> = Vec::new();
@@ -76,7 +77,7 @@ fn rounded(normal: DVec3, offset: f64) -> [i64; 4] {
     [n[0], n[1], n[2], cell(offset, f64::from(TOLERANCE_M))]
 }
 
-/// Whether the first triangle of a group lies in another's plane and faces its way.
+/// Whether the first triangle of `group` lies in the plane of `known` and faces the same way.
 fn is_same_plane(known: &CoplanarGroup, group: &CoplanarGroup) -> bool {
     let normal = known.plane.truncate();
     let near = |p: &Vec3| (normal.dot(*p) + known.plane.w).abs() <= 2.0 * TOLERANCE_M;
@@ -84,7 +85,7 @@ fn is_same_plane(known: &CoplanarGroup, group: &CoplanarGroup) -> bool {
     alike && group.triangles.first().is_some_and(|t| t.iter().all(near))
 }
 
-/// In an order that doesn't depend on the map's.
+/// Sorts by area; ties are broken so that the order does not depend on the hash map's.
 fn largest_first(mut groups: Vec<CoplanarGroup>) -> Vec<CoplanarGroup> {
     let key = |g: &CoplanarGroup| (g.material, g.plane.to_array().map(f32::to_bits));
     groups.sort_by(|a, b| b.area_m2.total_cmp(&a.area_m2).then_with(|| key(a).cmp(&key(b))));
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_of_one_plane_are_one_group_and_others_are_not() {
+    fn triangles_are_grouped_by_plane_side_and_material() {
         let floor = |x: f32, material| quad(Vec3::new(x, 0.0, 0.0), Vec3::Z * 2.0, Vec3::X, material);
         let scene = Scene {
             meshes: vec![
@@ -130,8 +131,9 @@ mod tests {
     }
 
     #[test]
-    fn a_rough_grid_of_a_turned_plane_is_joined() {
-        // Many small triangles of a plane that no axis helps, each rounded in f32 by itself.
+    fn triangles_of_a_tilted_plane_are_joined_despite_rounding() {
+        // Many small triangles of a plane that is parallel to no axis; each corner is rounded to f32
+        // separately.
         let (u, v) = (Vec3::new(0.8, 0.1, 0.3).normalize(), Vec3::new(-0.2, 0.9, 0.4).normalize());
         let at = |i: u32, j: u32| Vec3::new(7.0, -3.0, 11.0) + u * i as f32 * 0.1 + v * j as f32 * 0.1;
         let meshes = (0..1600).map(|k| quad(at(k % 40, k / 40), u * 0.1, v * 0.1, 0)).collect();

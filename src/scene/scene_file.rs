@@ -1,5 +1,5 @@
-//! `NAME.scene.toml`: which OBJ files make a scene, and what they do not say themselves: what
-//! reflects, lights, lenses and named views (DEFINITIONS, "Scene files").
+//! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
+//! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 mod proxies;
 
@@ -13,33 +13,33 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 
-/// The section and the name in a view's `materials` that stand for all materials not named.
+/// The name that stands for all materials that are not named, both as a section and in a view's `materials`.
 const DEFAULT: &str = "default";
 
-/// The largest scene file that is read, in bytes.
+/// The largest scene file that can be read, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Loads a scene file with the OBJ files that it names (relative to it).
+/// Loads a scene file and the OBJ files that it names; their paths are relative to it.
 ///
-/// `extra_scale` (1 for none, finite and > 0) enlarges the scene as a whole: it multiplies the file's
-/// `scale`, and what the file places in metres (views, point lights, probes, impostors, area lights)
-/// goes along with it; lenses and energies stay.
+/// `extra_scale` (finite and > 0; 1 for none) enlarges the whole scene: it multiplies the file's `scale` and
+/// everything that the file places in metres (views, point lights, probes, impostors, area lights). Lenses and
+/// energies are unchanged.
 ///
-/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, those of a bare OBJ
-/// stand in, and without a `[[probe]]` one in the middle of the bounds. A `[path.NAME]` with
-/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section replaces what the MTL
-/// file says; `[material.default]` speaks for all
-/// materials without a section of their own. A section for a material that no mesh has is a warning.
+/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of a bare OBJ
+/// file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
+/// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section overrides the MTL file;
+/// `[material.default]` applies to all materials without a section of their own. A section for a material that
+/// no mesh has adds a warning.
 ///
 /// # Errors
-/// As [`obj::load`]; and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
+/// The errors of [`obj::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
 /// numbers out of range.
 pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     if !(extra_scale.is_finite() && extra_scale > 0.0) {
         return Err(Error::Usage(format!("the scale must be a positive number, not {extra_scale}")));
     }
     let text = read(path, "a scene file")?;
-    let source = Source { path, text: &text };
+    let source = SourceText { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let scale = match &sections.scale {
         Some(scale) => source.positive("scale", scale)?,
@@ -169,13 +169,13 @@ struct ViewSection {
     materials: BTreeMap<String, ChangeSection>,
 }
 
-/// The text of a scene file, for errors that name the line.
-pub(super) struct Source<'a> {
+/// The text of a scene file and its path, for errors that name the line.
+pub(super) struct SourceText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     /// An error at a byte range of the text.
     pub(super) fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
         let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
@@ -216,7 +216,7 @@ impl Source<'_> {
         Err(self.error(value.span(), format!("{what} must have three finite numbers, not {vector}")))
     }
 
-    /// A place in metres, scaled.
+    /// A position in metres, scaled and checked against [`MAX_COORDINATE_M`].
     pub(super) fn place(&self, what: &str, value: &Spanned<[f32; 3]>, scale: f32) -> Result<Vec3> {
         let place = self.vector(what, value)? * scale;
         if place.abs().max_element() <= MAX_COORDINATE_M {
@@ -226,7 +226,7 @@ impl Source<'_> {
         Err(self.error(value.span(), message))
     }
 
-    /// The lens that a section makes of `base`; `at` is where the whole stands.
+    /// The lens `base` with the changes of a section. `at` is the section's place in the file, for errors.
     fn lens(&self, section: &LensSection, base: Lens, at: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
         if let Some(fov) = &section.fov_y_deg {
@@ -251,7 +251,9 @@ impl Source<'_> {
         if !Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0).is_sound() {
             let Lens { fov_y_radians, near_m, far_m } = lens;
             let fov = fov_y_radians.to_degrees();
-            let message = format!("a lens of fov_y_deg {fov}, near {near_m}, far {far_m} can't be computed with");
+            let message = format!(
+                "a lens with fov_y_deg {fov}, near {near_m} and far {far_m} is beyond the precision of the projection"
+            );
             return Err(self.error(at, message));
         }
         Ok(lens)
@@ -279,7 +281,7 @@ impl Source<'_> {
         }
     }
 
-    /// The views in the order of the file.
+    /// The views, in the order of the file.
     fn views(
         &self,
         sections: BTreeMap<String, Spanned<ViewSection>>,
@@ -327,7 +329,7 @@ impl Source<'_> {
         let file = |section: MeshSection| {
             let name = section.file.get_ref();
             let Some(path) = obj::resolve(folder, name) else {
-                return Err(self.error(section.file.span(), format!("there is no file {name:?} here")));
+                return Err(self.error(section.file.span(), format!("there is no file {name:?}")));
             };
             let surface = match section.surface {
                 SurfaceName::Lit => Surface::Lit,
@@ -339,8 +341,8 @@ impl Source<'_> {
     }
 }
 
-/// Applies the file's material sections to the scene, spells out what `default` means in the views,
-/// and warns of names that no material has.
+/// Applies the file's material sections to the scene, expands `default` in the views to the materials it stands
+/// for, and warns of names that no material has.
 fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene: &mut Scene) {
     for material in &mut scene.materials {
         if let Some(change) = changes.get(&material.name).or(changes.get(DEFAULT)) {
@@ -369,7 +371,7 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
     }
 }
 
-/// The text of a file; `what` says in errors what it should be.
+/// Reads a text file. `what` names the expected content in errors, as in "a scene file".
 pub(super) fn read(path: &Path, what: &str) -> Result<String> {
     let bytes = bounded::read(path, what, MAX_FILE_BYTES)?;
     String::from_utf8(bytes).map_err(|e| {

@@ -1,14 +1,14 @@
-//! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as
-//! a cube map in Vulkan's layout. Windows show it, and rays that leave the scene may see it.
+//! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as a cube map in
+//! Vulkan's layout. Sky surfaces (windows) show it, and rays that leave the scene may return it.
 
 use super::pattern::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
-/// Where the sun stands; unit length. The atrium's light comes from there.
+/// Unit vector towards the sun. The light of the atrium comes from this direction.
 pub const SUN: Vec3 = Vec3::new(0.279_448, 0.931_493_4, -0.232_873_4);
 
-/// Linear radiance from a direction (any length but zero), each channel in 0…1.
+/// The linear radiance from a direction (of any length but zero); each channel is in 0…1.
 pub fn radiance(direction: Vec3) -> Vec3 {
     let d = direction.normalize_or(Vec3::Y);
     let azimuth = d.z.atan2(d.x) / std::f32::consts::TAU + 0.5;
@@ -43,11 +43,11 @@ fn ground(d: Vec3, ridge: f32) -> Vec3 {
     meadow.lerp(haze, smoothstep(-0.25, ridge, d.y) * 0.75)
 }
 
-/// The direction (not of unit length: its greatest component is ±1) of a point of a cube map face.
+/// The direction of a point on a face of a cube map. It is not normalised: its greatest component is ±1.
 ///
-/// `face` counts in Vulkan's order +x −x +y −y +z −z, from 0 to 5; u and v run 0…1 from the face's
-/// top left. Inverse of the Vulkan specification's table "Cube map face and coordinate selection":
-/// u = ½ + ½ s_c/|r|, v = ½ + ½ t_c/|r|.
+/// `face` is 0 to 5 in Vulkan's order +x −x +y −y +z −z; u and v run 0…1 from the face's top left. This is the
+/// inverse of the Vulkan specification's table "Cube map face and coordinate selection": u = ½ + ½ s_c/|r|, v =
+/// ½ + ½ t_c/|r|.
 pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
     let (s, t) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     match face {
@@ -60,7 +60,7 @@ pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
     }
 }
 
-/// The sky as a cube map: six faces in Vulkan's order, `size` × `size` texels of linear RGBA with
+/// The sky as a cube map: six faces in Vulkan's order, each with `size` × `size` texels of linear RGBA with
 /// alpha 1, rows from the top.
 pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
     std::array::from_fn(|face| {
@@ -79,7 +79,8 @@ pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
 mod tests {
     use super::*;
 
-    /// The Vulkan specification's table, forwards: the face of a direction, and s, t on it.
+    /// The table of the Vulkan specification, in its own direction: the face that a direction selects, and s
+    /// and t on it.
     fn selected(r: Vec3) -> (usize, f32, f32) {
         let a = r.abs();
         let (face, sc, tc, ma) = if a.z >= a.x && a.z >= a.y {
@@ -110,7 +111,7 @@ mod tests {
 
     #[test]
     fn the_forward_face_shows_the_world_as_the_camera_does() {
-        // Left-handed: looking along +z, +x is on the right and +y above.
+        // The world is left-handed: looking along +z, +x is on the right and +y at the top.
         assert_eq!(face_direction(4, 1.0, 0.5), Vec3::new(1.0, 0.0, 1.0));
         assert_eq!(face_direction(4, 0.5, 0.0), Vec3::new(0.0, 1.0, 1.0));
     }
@@ -128,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sky_joins_round_the_compass() {
+    fn the_sky_has_no_seam_around_the_horizon() {
         for elevation in [-0.5_f32, 0.02, 0.05, 0.4] {
             let west = radiance(Vec3::new(-1.0, elevation, 1e-5));
             let also_west = radiance(Vec3::new(-1.0, elevation, -1e-5));

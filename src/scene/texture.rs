@@ -1,5 +1,5 @@
-//! Images of materials: the type, decoding from files with limits, and the conversions that a loaded
-//! material needs (masks, reflectivity, normal maps from height fields).
+//! Images of materials: the type, decoding from files within limits, and the conversions to masks, reflectivity
+//! maps and normal maps (also from height fields).
 
 use super::bounded;
 use crate::error::{Error, Result};
@@ -8,35 +8,35 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
 
-/// The widest and highest image that is read, in texels: what every Vulkan device of interest takes.
+/// The greatest width and height of an image, in texels; every desktop Vulkan device supports it.
 pub const MAX_EXTENT: u32 = 16384;
 
-/// The largest image file that is read, in bytes.
+/// The largest image file that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
 
-/// What any image may take when it is unpacked, in bytes; beyond that its file must be long enough.
+/// Any image may unpack to this many bytes; for more, its file must be long enough.
 const FREE_BYTES: u64 = 1 << 20;
 
-/// The depth of a height field without a factor, in texels (see [`normal_map_from_height`]).
+/// The depth of a height field without a bump multiplier, in texels (see [`normal_map_from_height`]).
 pub const RELIEF_TEXELS: f32 = 2.0;
 
-/// Below this correlation the green of a normal map points down. Maps with green up lie above 0, the
-/// ones of Crytek's Sponza (down) mostly below −0.2; what is between says too little to act on.
+/// If the correlation is below this, the normal map's green points down. Maps with green up are above 0, and
+/// those of Crytek's Sponza (green down) mostly below −0.2; values in between are too weak to act on.
 const GREEN_DOWN: f64 = -0.15;
 
-/// How the bytes of a texture stand for numbers.
+/// How the bytes of a texture encode numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
-    /// Colour: decoded from sRGB on sampling.
+    /// Colour; it is decoded from sRGB when it is sampled.
     Srgb,
-    /// Data: normals, masks, reflectivity.
+    /// Data such as normals, masks and reflectivity.
     Linear,
 }
 
-/// An RGBA image, 8 bits a channel, rows from the top.
+/// An RGBA image with 8 bits per channel, rows from the top.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Texture {
-    /// File name or the generator's name, for labels.
+    /// The file name or the generator's name, for labels.
     pub name: String,
     /// Width in texels, ≥ 1.
     pub width: u32,
@@ -44,7 +44,7 @@ pub struct Texture {
     pub height: u32,
     /// 4 · width · height bytes.
     pub rgba: Vec<u8>,
-    /// What the bytes mean.
+    /// How the bytes encode numbers.
     pub encoding: Encoding,
 }
 
@@ -55,20 +55,22 @@ impl std::fmt::Debug for Texture {
 }
 
 impl Texture {
-    /// Decodes a PNG, JPEG, TGA or BMP file. The content decides the format, else the file name.
+    /// Decodes a PNG, JPEG, TGA or BMP file. The format is recognised by the content or, failing that, by the
+    /// file name.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be opened; else as [`Texture::from_bytes`], and for files of more
-    /// than [`MAX_FILE_BYTES`].
+    /// [`Error::Io`] if the file cannot be opened; [`Error::Malformed`] if it is larger than [`MAX_FILE_BYTES`]
+    /// or for the reasons that [`Texture::from_bytes`] lists.
     pub fn decode(path: &Path, encoding: Encoding) -> Result<Self> {
         Self::from_bytes(&bounded::read(path, "an image", MAX_FILE_BYTES)?, path, encoding)
     }
 
-    /// As [`Texture::decode`], of the bytes of a file that errors call `path`.
+    /// Decodes the bytes of an image file. Errors call the file `path`.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if it is no such image, is larger than [`MAX_EXTENT`] on a side, or claims more
-    /// texels than so few bytes can hold. All of it is found out before memory is taken for the image.
+    /// [`Error::Malformed`] if the bytes are not an image of a supported format, if the image is larger than
+    /// [`MAX_EXTENT`] on a side, or if it claims more texels than that many bytes can hold. All this is checked
+    /// before memory is allocated for the image.
     pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Self> {
         let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
         let mut reader = ImageReader::new(Cursor::new(bytes));
@@ -79,17 +81,17 @@ impl Texture {
         let mut limits = Limits::default();
         limits.max_image_width = Some(MAX_EXTENT);
         limits.max_image_height = Some(MAX_EXTENT);
-        // 16 bits a channel at the largest extent.
+        // Allows 16 bits per channel at the largest extent.
         limits.max_alloc = Some(8 * u64::from(MAX_EXTENT) * u64::from(MAX_EXTENT));
         reader.limits(limits);
         let decoder = reader.into_decoder().map_err(malformed)?;
         let (width, height) = decoder.dimensions();
         if width == 0 || height == 0 || width > MAX_EXTENT || height > MAX_EXTENT {
-            let message = format!("an image of {width} x {height} texels is not within 1 to {MAX_EXTENT}");
+            let message = format!("the image has {width} x {height} texels; each side must be 1 to {MAX_EXTENT}");
             return Err(Error::malformed(path, None, message));
         }
         if !bounded::may_unpack(bytes.len(), decoder.total_bytes(), FREE_BYTES) {
-            let message = format!("an image of {width} x {height} texels does not fit into {} bytes", bytes.len());
+            let message = format!("an image of {width} x {height} texels cannot come from only {} bytes", bytes.len());
             return Err(Error::malformed(path, None, message));
         }
         let rgba = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgba8().into_raw();
@@ -97,24 +99,25 @@ impl Texture {
         Ok(Self { name, width, height, rgba, encoding })
     }
 
-    /// The image as an alpha mask: its alpha channel where that says anything, else its luminance,
-    /// in all channels.
+    /// Converts the image to an alpha mask. All channels get its alpha channel or, if that is constant, its
+    /// luminance.
     pub fn into_mask(self) -> Self {
         let has_alpha = self.rgba.chunks_exact(4).any(|t| t[3] < 255);
         self.map_to_grey(|t| if has_alpha { t[3] } else { to_byte(encoded_luminance(t)) })
     }
 
-    /// The image as a factor on the reflectivity: the luminance of its decoded colour, stored
-    /// linearly in all channels.
+    /// Converts the image to a factor on the reflectivity. All channels get the luminance of the decoded
+    /// colour, stored linearly.
     pub fn into_reflectivity(self) -> Self {
         self.map_to_grey(|t| to_byte(luminance(srgb_to_linear(t))))
     }
 
-    /// The image as a tangent-space normal map, green up, linear, whose tilt is times `tilt`.
+    /// Converts the image to a tangent-space normal map (green up, linear), with its slopes multiplied by
+    /// `tilt`.
     ///
-    /// An image that is one by its content ([`Texture::is_normal_map`]) is kept: its unused black
-    /// texels become flat, and green is turned over if it points down. Any other image counts as a
-    /// height field of [`RELIEF_TEXELS`] · `tilt`.
+    /// If the content is a normal map ([`Texture::is_normal_map`]), it is kept; its unused black texels become
+    /// flat, and green is inverted if it points down. Any other image is treated as a height field of depth
+    /// [`RELIEF_TEXELS`] · `tilt`.
     pub fn into_normal_map(mut self, tilt: f32) -> Self {
         if !self.is_normal_map() {
             return normal_map_from_height(&self, RELIEF_TEXELS * tilt);
@@ -133,9 +136,9 @@ impl Texture {
         self
     }
 
-    /// Whether this is a normal map by its content rather than a height field or a colour: of the
-    /// texels that are not black (unused), nine in ten decode to vectors of length 1 ± 0.2 with z > 0,
-    /// and their sum leans to the z axis, which that of no grey image does.
+    /// Whether the content is a normal map rather than a height field or a colour: nine tenths of the texels
+    /// that are not black (unused) decode to vectors of length 1 ± 0.2 with z > 0, and the sum of these vectors
+    /// is close to the z axis, which it never is for a grey image.
     pub fn is_normal_map(&self) -> bool {
         let (mut sum, mut fitting, mut used) = (Vec3::ZERO, 0_usize, 0_usize);
         for vector in self.rgba.chunks_exact(4).filter(|t| !is_unused(t)).map(decode_vector) {
@@ -146,10 +149,10 @@ impl Texture {
         used > 0 && fitting * 10 >= used * 9 && sum.z > 2.0 * sum.x.abs().max(sum.y.abs())
     }
 
-    /// Which way green points in a normal map, −1 (down) to 1 (up); about 0 says nothing.
+    /// Which way green points in a normal map, from −1 (down) to 1 (up); values near 0 are inconclusive.
     ///
-    /// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. This is the correlation of
-    /// both sides, with green taken as up.
+    /// The slopes of a surface have no curl: ∂(∂h/∂x)/∂y = ∂(∂h/∂y)/∂x. This is the correlation of both sides
+    /// if green is taken as up.
     fn green_correlation(&self) -> f64 {
         let (width, height) = (self.width as usize, self.height as usize);
         let texel = |x: usize, y: usize| &self.rgba[4 * (y * width + x)..][..4];
@@ -184,9 +187,9 @@ impl Texture {
     }
 }
 
-/// A tangent-space normal map (green up, linear) of a height field, which is the luminance of the
-/// image's bytes; it wraps round. White lies `depth_texels` texel widths above black: 2 makes a
-/// modest relief, negative values turn it inside out.
+/// Computes a tangent-space normal map (green up, linear) from a height field, which is the luminance of the
+/// image's bytes and wraps around. White is `depth_texels` texel widths above black: 2 gives a modest relief,
+/// and negative values invert it.
 pub fn normal_map_from_height(image: &Texture, depth_texels: f32) -> Texture {
     let (width, height) = (image.width as usize, image.height as usize);
     let heights: Vec<f32> = image.rgba.chunks_exact(4).map(encoded_luminance).collect();
@@ -210,7 +213,7 @@ pub fn luminance(linear: Vec3) -> f32 {
     linear.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Luminance weights on the bytes as they stand, 0…1: for heights and masks, which are data.
+/// Luminance of the raw bytes, 0…1, for heights and masks, which are data.
 fn encoded_luminance(texel: &[u8]) -> f32 {
     luminance(Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 255.0)
 }
@@ -231,7 +234,7 @@ fn decode_vector(texel: &[u8]) -> Vec3 {
     Vec3::new(texel[0].into(), texel[1].into(), texel[2].into()) / 127.5 - 1.0
 }
 
-/// Black: what the unused parts of a normal map are filled with; it decodes to no direction.
+/// Whether a texel is black. Unused parts of normal maps are black, which decodes to no direction.
 fn is_unused(texel: &[u8]) -> bool {
     texel[..3].iter().all(|&byte| byte <= 8)
 }
@@ -266,7 +269,7 @@ mod tests {
     fn slopes_lean_away_from_the_rise() {
         let rises_right = normal_map_from_height(&grey(8, 8, |x, _| (x * 30) as u8), 4.0);
         assert!(normal_at(&rises_right, 4, 4).x < -0.2);
-        // Row 0 is the top: rising downwards means that the normal leans up, and green is up.
+        // Row 0 is the top. Where heights rise downwards, the normal leans up, and green is up.
         let rises_down = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), 4.0);
         assert!(normal_at(&rises_down, 4, 4).y > 0.2);
         let inverted = normal_map_from_height(&grey(8, 8, |_, y| (y * 30) as u8), -4.0);
@@ -274,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn no_grey_is_a_normal_map_and_a_derived_map_is() {
+    fn grey_images_are_not_normal_maps_but_derived_maps_are() {
         for value in 0..=255 {
             assert!(!grey(2, 2, |_, _| value).is_normal_map(), "grey {value}");
         }
@@ -289,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn a_factor_on_the_tilt_flattens_or_steepens() {
+    fn the_tilt_factor_flattens_or_steepens_the_slopes() {
         let map = normal_map_from_height(&bumps(), 4.0);
         let tilt = |m: &Texture| (0..32).map(|i| normal_at(m, i, 7).x.abs()).sum::<f32>();
         assert_eq!(map.clone().into_normal_map(1.0), map);
@@ -299,7 +302,7 @@ mod tests {
     }
 
     #[test]
-    fn green_down_is_turned_over_and_black_is_flattened() {
+    fn green_down_is_inverted_and_black_is_flattened() {
         let map = normal_map_from_height(&bumps(), 4.0);
         assert!(map.green_correlation() > 0.5, "{}", map.green_correlation());
         let mut down = map.clone();
@@ -320,7 +323,7 @@ mod tests {
         assert_eq!(image.clone().into_mask().rgba, [188, 188, 188, 255].repeat(2));
         image.rgba[3] = 0;
         assert_eq!(image.clone().into_mask().rgba, [0, 0, 0, 255, 255, 255, 255, 255]);
-        // sRGB 188 is half of the light.
+        // sRGB 188 is half of the linear range.
         assert!(image.into_reflectivity().rgba[0].abs_diff(128) <= 1);
     }
 }

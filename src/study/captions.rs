@@ -1,9 +1,8 @@
 //! The times that stand under the thesis's figures 5.2 to 5.9, and what they are here. What carries
 //! over between machines is the ratio of a figure's two times.
 
-use super::record::Head;
+use super::record::{Head, Of};
 use super::stage::Globals;
-use super::timing::camera;
 use super::{Stats, TimeRecord};
 use crate::gpu::Gpu;
 use crate::methods::Setup;
@@ -83,14 +82,15 @@ pub fn time_reference(
 ) -> ReferenceTime {
     let materials = globals.materials(scene, view);
     let world = World::new(scene, &materials);
-    let camera = camera(scene, view, extent);
+    let camera = view.camera(scene, extent);
     let start = Instant::now();
     let first_hits = FirstHits::trace(&world, &camera, extent);
     let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
     let mut state = reference.start();
     reference.add(&mut state, rays);
+    let of = Of::Other { name: REFERENCE, method: None };
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-    let head = Head::new("reference", scene, view, REFERENCE, &Setup::new(extent), globals, gpu);
+    let head = Head::new("reference", gpu, (scene, view), of, &Setup::new(extent), globals);
     ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
 }
 

@@ -1,14 +1,15 @@
-//! Two runs of the time study, or two images, beside each other (DEFINITIONS, "Time" and "Image
+//! Two runs of the time study, or two images, beside each other (docs/definitions.md, "Time" and "Image
 //! error"). Times are compared pass by pass from their raw samples.
 
 use super::error::display;
-use super::record::{DEFINITIONS, Head, Stats};
+use super::record::{DEFINITIONS, Provenance, Stats};
 use crate::gpu::DeviceInfo;
-use crate::math::OracleVersion;
 use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES, Verdict, ratio_of_medians};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
-use serde::{Deserialize, Serialize};
+use serde::{Serialize, Serializer};
+use serde_json::Value as Json;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";
@@ -16,40 +17,55 @@ pub const TOTAL: &str = "total";
 /// Seed of every interval's resamples.
 pub const SEED: u64 = 1;
 
+/// What a frame was of: scene, view, method and everything that was set, by name. What the method does not have, and what
+/// a file does not say, is not there.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Subject(pub BTreeMap<String, String>);
+
+impl Subject {
+    /// A value as its file has it; nothing where it is null or not known.
+    pub fn get(&self, name: &str) -> &str {
+        self.0.get(name).map_or("", String::as_str)
+    }
+
+    /// Whether two are of the same scene, view and method.
+    fn is_like(&self, other: &Self) -> bool {
+        LIKE.iter().all(|name| self.get(name) == other.get(name))
+    }
+
+    /// In what two differ, as "cone_samples 7 in A, 3 in B".
+    fn differences(&self, b: &Self) -> Vec<String> {
+        let value = |of: &Self, name: &str| match of.get(name) {
+            "" => "not set".to_owned(),
+            value => value.to_owned(),
+        };
+        let names: BTreeSet<&String> = self.0.keys().chain(b.0.keys()).collect();
+        let differ = names.into_iter().filter(|name| self.get(name) != b.get(name));
+        differ.map(|name| format!("{name} {} in A, {} in B", value(self, name), value(b, name))).collect()
+    }
+}
+
+/// What makes two subjects alike enough to say in what they differ.
+const LIKE: [&str; 3] = ["scene", "view", "method"];
+
+/// Each value as what it looks like: a number, a truth value, null for nothing, else text.
+impl Serialize for Subject {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let value = |text: &str| match text {
+            "" => Json::Null,
+            "true" | "false" => Json::Bool(text == "true"),
+            _ => serde_json::from_str::<serde_json::Number>(text).map_or_else(|_| text.into(), Json::Number),
+        };
+        serializer.collect_map(self.0.iter().map(|(name, text)| (name, value(text))))
+    }
+}
+
 /// A row of raw samples: the time of one pass in one frame.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TimeSample {
-    /// Scene name.
-    pub scene: String,
-    /// View name.
-    pub view: String,
-    /// Method name.
-    pub method: String,
-    /// Preset's name.
-    pub preset: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Global roughness; none where the materials keep theirs.
-    pub roughness: Option<f32>,
-    /// Global normal deviation; none where the materials keep theirs. A file from before there were this and the next
-    /// three columns has none of them, and every later one says whether it is `split`.
-    #[serde(default)]
-    pub normal_deviation: Option<f32>,
-    /// Traced pixels a side over pixels.
-    #[serde(default)]
-    pub resolution_scale: Option<f32>,
-    /// Whether ray trace and cone trace were two passes.
-    #[serde(default)]
-    pub split: Option<bool>,
-    /// What is behind the method; "none" for nothing.
-    #[serde(default)]
-    pub fallback: Option<String>,
-    /// Version of the oracle that says what `unified` hits; 1 in a file that does not say.
-    #[serde(default)]
-    pub oracle: OracleVersion,
-    /// Number of the frame among those of its method, size and roughness.
+    /// What the frame was of.
+    pub subject: Subject,
+    /// Number of the frame among those of its subject.
     pub sample: u64,
     /// Label.
     pub pass: String,
@@ -57,66 +73,6 @@ pub struct TimeSample {
     pub counted: bool,
     /// Milliseconds, finite and ≥ 0.
     pub ms: f64,
-}
-
-/// What a frame was of.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Subject {
-    /// Scene name.
-    pub scene: String,
-    /// View name.
-    pub view: String,
-    /// Method name.
-    pub method: String,
-    /// Preset's name.
-    pub preset: String,
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Global roughness; null where the materials keep theirs.
-    pub roughness: Option<f32>,
-    /// Global normal deviation; null where the materials keep theirs, or this and the next three are not known.
-    pub normal_deviation: Option<f32>,
-    /// Traced pixels a side over pixels.
-    pub resolution_scale: Option<f32>,
-    /// Whether ray trace and cone trace were two passes.
-    pub split: Option<bool>,
-    /// What is behind the method; "none" for nothing.
-    pub fallback: Option<String>,
-    /// Version of the oracle that says what `unified` hits.
-    pub oracle: OracleVersion,
-}
-
-impl TimeSample {
-    fn is_of(&self, s: &Subject) -> bool {
-        (&self.scene, &self.view, &self.method, &self.preset) == (&s.scene, &s.view, &s.method, &s.preset)
-            && (self.width, self.height, self.roughness) == (s.width, s.height, s.roughness)
-            && (self.normal_deviation, self.resolution_scale) == (s.normal_deviation, s.resolution_scale)
-            && (self.split, &self.fallback, self.oracle) == (s.split, &s.fallback, s.oracle)
-    }
-
-    fn subject(&self) -> Subject {
-        Subject {
-            scene: self.scene.clone(),
-            view: self.view.clone(),
-            method: self.method.clone(),
-            preset: self.preset.clone(),
-            width: self.width,
-            height: self.height,
-            roughness: self.roughness,
-            normal_deviation: self.normal_deviation,
-            resolution_scale: self.resolution_scale,
-            split: self.split,
-            fallback: self.fallback.clone(),
-            oracle: self.oracle,
-        }
-    }
-
-    /// Without what older files don't say.
-    fn bare(&self) -> Self {
-        Self { normal_deviation: None, resolution_scale: None, split: None, fallback: None, ..self.clone() }
-    }
 }
 
 /// A run of the time study, as its files tell it.
@@ -131,9 +87,37 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether its file has the columns that older ones lack.
-    fn tells_settings(&self) -> bool {
-        self.samples.iter().all(|s| s.split.is_some())
+    /// The names of what its file says of a method's frames; `None` if it has none.
+    fn told(&self, method: &str) -> Option<BTreeSet<&String>> {
+        let of = |s: &&TimeSample| s.subject.get("method") == method;
+        self.samples
+            .iter()
+            .any(|s| of(&s))
+            .then(|| self.samples.iter().filter(of).flat_map(|s| s.subject.0.keys()).collect())
+    }
+
+    /// Its samples, of each method with what both this and another run's file say.
+    fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
+        let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
+        let mut samples = self.samples.clone();
+        for s in &mut samples {
+            let method = s.subject.get("method").to_owned();
+            let told = known.entry(method).or_insert_with_key(|method| other.told(method));
+            if let Some(told) = told {
+                s.subject.0.retain(|name, _| told.contains(name));
+            }
+        }
+        samples
+    }
+
+    /// What another run's file says of the methods that both have, and this one's does not.
+    fn untold(&self, other: &Self) -> BTreeSet<String> {
+        let methods: BTreeSet<&str> = self.samples.iter().map(|s| s.subject.get("method")).collect();
+        let of = |method: &&str| {
+            let (mine, theirs) = (self.told(method)?, other.told(method)?);
+            Some(theirs.difference(&mine).map(|name| (*name).clone()).collect::<Vec<_>>())
+        };
+        methods.iter().filter_map(of).flatten().collect()
     }
 }
 
@@ -178,7 +162,7 @@ pub struct CompareHead {
 
 impl CompareHead {
     fn new(kind: &'static str, a: &str, b: &str) -> Self {
-        let (version, commit) = (Head::VERSION, Head::COMMIT);
+        let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
         Self { kind, definitions: DEFINITIONS, version, commit, a: a.to_owned(), b: b.to_owned() }
     }
 }
@@ -198,6 +182,8 @@ pub struct TimeComparison {
     pub counted: bool,
     /// The run that has it, if only one has.
     pub only_in: Option<Side>,
+    /// If only one has it: in what the other's frames of the same scene, view and method differ, if it has any.
+    pub differs: Option<String>,
     /// Samples.
     pub samples_a: usize,
     /// Samples.
@@ -236,14 +222,12 @@ struct Samples {
 type Group = (Subject, Vec<Samples>);
 
 /// Compares every pass and total, in A's order; what only B has comes last. Threshold: 0 ≤ t < 1.
-/// Where a run's file has no columns for a setting, frames of both are matched without them, and the warning says so.
+/// Frames are a pair only if everything that was set is the same. What one run's file does not say is left out of account,
+/// and the warning names it.
 pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
     let warning = warning(a, b);
     let judgement = Judgement { threshold, confidence: CONFIDENCE, resamples: RESAMPLES, seed: SEED };
-    let told = [a, b].iter().all(|run| run.tells_settings());
-    let [groups_a, groups_b] = [a, b].map(|run| {
-        if told { groups(&run.samples) } else { groups(&run.samples.iter().map(TimeSample::bare).collect::<Vec<_>>()) }
-    });
+    let [groups_a, groups_b] = [(a, b), (b, a)].map(|(run, other)| groups(&run.told_by_both(other)));
     let compared = |subject: &Subject, of_a: Option<&Samples>, of_b: Option<&Samples>| {
         let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
@@ -257,6 +241,11 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
             only_in: match (of_a, of_b) {
                 (Some(_), None) => Some(Side::A),
                 (None, Some(_)) => Some(Side::B),
+                _ => None,
+            },
+            differs: match (of_a, of_b) {
+                (Some(_), None) => nearest(&groups_b, subject).map(|b| subject.differences(b).join("; ")),
+                (None, Some(_)) => nearest(&groups_a, subject).map(|a| a.differences(subject).join("; ")),
                 _ => None,
             },
             samples_a: ms_a.len(),
@@ -296,13 +285,20 @@ fn warning(a: &Run, b: &Run) -> Option<String> {
         (None, _) => Some(format!("no time.json says on which device A ran: {only}")),
         (_, None) => Some(format!("no time.json says on which device B ran: {only}")),
     };
-    let untold: Vec<_> = [("A", a), ("B", b)].into_iter().filter(|(_, run)| !run.tells_settings()).collect();
-    let settings = untold.first().map(|(name, _)| {
-        let who = if untold.len() == 2 { "A's and B's samples do" } else { &format!("{name}'s samples do") };
-        format!("{who} not say normal deviation, resolution scale, split and fallback: these are not told apart")
+    let untold = [("A", a.untold(b)), ("B", b.untold(a))].into_iter().filter(|(_, names)| !names.is_empty());
+    let settings = untold.map(|(run, names)| {
+        let names: Vec<_> = names.into_iter().collect();
+        format!("{run}'s samples do not say {}, which is left out of account", names.join(", "))
     });
     let all: Vec<_> = device.into_iter().chain(settings).collect();
     (!all.is_empty()).then(|| all.join("; "))
+}
+
+/// The subject like a given one that differs from it in the fewest values; `None` if it is there itself, and lacks no more
+/// than a pass, or if there is none like it.
+fn nearest<'g>(groups: &'g [Group], subject: &Subject) -> Option<&'g Subject> {
+    let like = groups.iter().map(|(s, _)| s).filter(|s| s.is_like(subject));
+    like.min_by_key(|s| s.differences(subject).len()).filter(|s| *s != subject)
 }
 
 fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Samples> {
@@ -314,10 +310,10 @@ fn find<'g>(groups: &'g [Group], subject: &Subject, pass: &str) -> Option<&'g Sa
 /// that follow each other are one frame; its counted passes add up to a sample of the total.
 fn groups(rows: &[TimeSample]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    for frame in rows.chunk_by(|a, b| a.sample == b.sample && b.is_of(&a.subject())) {
+    for frame in rows.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
         let Some(first) = frame.first() else { continue };
-        let at = groups.iter().rposition(|(s, _)| first.is_of(s)).unwrap_or_else(|| {
-            groups.push((first.subject(), Vec::new()));
+        let at = groups.iter().rposition(|(s, _)| *s == first.subject).unwrap_or_else(|| {
+            groups.push((first.subject.clone(), Vec::new()));
             groups.len() - 1
         });
         let passes = &mut groups[at].1;

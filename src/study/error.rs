@@ -1,30 +1,26 @@
 //! Run time against error: some variants of methods on one view, size and roughness, timed in turn
-//! and held against three references on the very same G-buffer (DEFINITIONS, "Oracle", "Image error").
+//! and held against three references on the very same G-buffer (docs/definitions.md, "Oracle", "Image error").
 
 mod truth;
 
 use self::truth::{Reference, Truth, truth};
 use super::gbuffer;
+use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
-use super::record::{Head, Stats};
+use super::record::{Head, Of, Stats};
 use super::stage::{Globals, Shot, Stage};
-use super::timing::camera;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{OracleVersion, display_byte};
-use crate::methods::ssct::ThesisMethod;
-use crate::methods::{Fallback, MethodInfo, Setup, Tuning};
+use crate::methods::ssct::{self, ThesisMethod};
+use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use crate::metrics::world;
-use crate::passes::billboard::Billboards;
-use crate::passes::color_chain::ChainFilter;
+use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
-use crate::passes::linear_trace::March;
-use crate::passes::planar::Mirrors;
-use crate::passes::{Hits, PosterFilter};
 use crate::reference::world::Escape;
 use crate::scene::{Scene, View};
 use serde::{Deserialize, Serialize};
@@ -43,38 +39,12 @@ impl Variant {
     /// What an escaped ray brings in the world that the variant is held against: the environment where
     /// a fallback shows it, or the method itself, which sees more than the screen.
     pub fn escape(&self) -> Escape {
-        if self.setup.fallback.is_none() && self.method.is_screen_space() { Escape::Black } else { Escape::Environment }
+        if self.setup.effect().fallback == Fallback::None && self.method.is_screen_space() {
+            Escape::Black
+        } else {
+            Escape::Environment
+        }
     }
-}
-
-/// The parameters of a variant, as records show them.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Params {
-    /// How the colour chain is filtered.
-    pub chain_filter: ChainFilter,
-    /// Which listing `linear` marches by.
-    #[serde(default)]
-    pub march: March,
-    /// How `poster` pre-filters the G-buffer.
-    #[serde(default)]
-    pub poster_filter: PosterFilter,
-    /// What is behind the method, if anything is.
-    #[serde(default, skip_serializing_if = "Fallback::is_none")]
-    pub fallback: Fallback,
-    /// How billboards are traced; left out where they are as published.
-    #[serde(flatten, skip_serializing_if = "is_default")]
-    pub billboards: Billboards,
-    /// Which planes are mirrors; left out where they are as by default.
-    #[serde(flatten, skip_serializing_if = "is_default")]
-    pub mirrors: Mirrors,
-    /// What replaces the preset's numbers.
-    #[serde(flatten)]
-    pub tuning: Tuning,
-}
-
-/// Whether a parameter is as it is without a flag.
-fn is_default<T: Default + PartialEq>(value: &T) -> bool {
-    *value == T::default()
 }
 
 /// What a figure is held against.
@@ -97,8 +67,6 @@ pub struct ErrorRecord {
     /// What it is of.
     #[serde(flatten)]
     pub head: Head,
-    /// The variant's parameters.
-    pub params: Params,
     /// Median of the method's total; null for what is no method.
     pub time_ms: Option<f64>,
     /// The reference.
@@ -136,7 +104,7 @@ pub struct ErrorMaps {
 }
 
 /// What a cell gives.
-pub struct Cell {
+pub struct MeasuredCell {
     /// Width and height in pixels.
     pub extent: [u32; 2],
     /// Records of every variant against every reference.
@@ -172,9 +140,10 @@ pub struct ErrorSpec<'a> {
 impl ErrorSpec<'_> {
     /// Everything that the cell depends on, but for how often it is sampled.
     pub fn digest(&self) -> String {
-        let variants: Vec<_> = self.variants.iter().map(|v| json!([v.method.name, v.setup])).collect();
-        let what = format!("{:?} {:?}", self.view, self.globals);
-        digest(self.gpu, &json!([self.scene_digest, what, self.extent, variants, self.warmup]))
+        let recorded = |v: &Variant| json!([v.method.name, v.setup.at(self.extent).recorded(Some(v.method))]);
+        let variants: Vec<_> = self.variants.iter().map(recorded).collect();
+        let view = format!("{:?}", self.view);
+        digest(self.gpu, &json!([self.scene_digest, view, self.globals, variants, self.warmup]))
     }
 }
 
@@ -185,18 +154,17 @@ pub fn measure(
     stage: &mut Stage,
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
-) -> Result<Cell> {
-    let camera = camera(spec.scene, spec.view, spec.extent);
+) -> Result<MeasuredCell> {
+    let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
-    let shot = |stage: &mut Stage, setup: &Setup, method: &MethodInfo| {
-        let setup = Setup { extent: spec.extent, ..*setup };
-        Shot::new(stage, method, &setup, camera, materials.clone())
+    let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
+        Shot::new(stage, method, &setup.at(spec.extent), wants, camera, materials.clone())
     };
-    // Timed without a reflection of its own, as `ssct time` does.
-    let timed = |v: &Variant| Setup { reflection: false, ..v.setup };
-    let shots = spec.variants.iter().map(|v| shot(stage, &timed(v), v.method)).collect::<Result<Vec<_>>>()?;
-    let times = totals(spec, stage, &shots, journal, go_on)?;
-    let mut cell = Cell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
+    // Timed without a reflection of its own, as the time study does.
+    let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
+    let mut shots = made.collect::<Result<Vec<_>>>()?;
+    let times = totals(spec, stage, &mut shots, journal, go_on)?;
+    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
     let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment, go_on)?;
@@ -211,38 +179,44 @@ pub fn measure(
     }
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         go_on()?;
-        let (_, _, output) = stage.output(timed)?;
-        let color = if output.traced.reflection.is_some() {
-            colors(&gbuffer::reflection(&mut stage.context, &output)?)
-        } else {
-            let seen = shot(stage, &variant.setup, variant.method)?;
-            let (_, _, output) = stage.output(&seen)?;
-            colors(&gbuffer::reflection(&mut stage.context, &output)?)
+        let color = {
+            let (_, _, output) = stage.output(timed)?;
+            let made = output.traced.reflection.is_some();
+            made.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
         };
-        // The hits exist only where ray trace and cone trace are two passes; the rays are the same.
+        let color = match color {
+            Some(pixels) => colors(&pixels),
+            None => {
+                let seen = shot(stage, &variant.setup, Wants::REFLECTION, variant.method)?;
+                let (_, _, output) = stage.output(&seen)?;
+                colors(&gbuffer::reflection(&mut stage.context, &output)?)
+            }
+        };
+        // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
         if variant.method.is_screen_space() {
-            let setup = Setup { split: true, fallback: Fallback::None, ..variant.setup };
-            let split = shot(stage, &setup, variant.method)?;
-            let (_, _, output) = stage.output(&split)?;
+            let setup = alone(&variant.setup);
+            let traced = shot(stage, &setup, Wants::HITS, variant.method)?;
+            let (_, _, output) = stage.output(&traced)?;
             let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
             hits = image.map(|p| gbuffer::hit_positions(&p));
         }
-        let head = Record::new(spec, variant.method.name, &variant.setup, Some(time.median_ms));
+        let head = Record::new(spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_deref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
-        let setup = Setup { fallback: Fallback::None, ..variant.setup };
+        let setup = alone(&variant.setup);
         let color = exact_hits_with_cone(spec, &truth, &setup)?;
-        let head = Record::new(spec, EXACT_HITS, &setup, None);
+        let of = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
+        let head = Record::new(spec, of, &setup, None);
         cell.records.extend(head.against_all(&truth, Escape::Black, &color, None));
-        let exact = Variant { setup, ..variant.clone() };
+        let exact = Variant { setup: setup.clone(), ..variant.clone() };
         cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
         for screen in &truth.screens {
-            let setup = Setup { oracle: screen.version, ..setup };
-            let head = Record::new(spec, SCREEN_REFERENCE, &setup, None);
+            let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
+            let head = Record::new(spec, Of::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
             cell.records.push(head.image(Against::World, &truth, &truth.world, &screen.image.color));
         }
     }
@@ -259,31 +233,28 @@ pub const WORLD_REFERENCE: &str = "world-reference";
 pub const WORLD_AND_ENVIRONMENT: &str = "world-reference-environment";
 
 /// The fields that a variant's records share.
-struct Record(ErrorRecord);
+struct Record {
+    record: ErrorRecord,
+    oracle: OracleVersion,
+}
 
 impl Record {
-    fn new(spec: &ErrorSpec, method: &str, setup: &Setup, time_ms: Option<f64>) -> Self {
-        let setup = Setup { extent: spec.extent, ..*setup };
-        let head = Head::new("error", spec.scene, spec.view, method, &setup, &spec.globals, spec.gpu);
-        Self(ErrorRecord {
-            head,
-            params: Params {
-                chain_filter: setup.chain_filter,
-                march: setup.march,
-                poster_filter: setup.poster_filter,
-                fallback: setup.fallback,
-                billboards: setup.billboards,
-                mirrors: setup.mirrors,
-                tuning: setup.tuning,
+    fn new(spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
+        let setup = setup.at(spec.extent);
+        let head = Head::new("error", spec.gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
+        Self {
+            oracle: setup.effect().oracle,
+            record: ErrorRecord {
+                head,
+                time_ms,
+                against: Against::Screen,
+                hits: HitAgreement::default(),
+                rmse: None,
+                rel_mse: None,
+                flip: None,
+                standard_error: None,
             },
-            time_ms,
-            against: Against::Screen,
-            hits: HitAgreement::default(),
-            rmse: None,
-            rel_mse: None,
-            flip: None,
-            standard_error: None,
-        })
+        }
     }
 
     fn image(&self, against: Against, truth: &Truth, reference: &Reference, color: &[[f32; 3]]) -> ErrorRecord {
@@ -294,7 +265,7 @@ impl Record {
             rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
             flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
             standard_error: Some(reference.standard_error),
-            ..self.0.clone()
+            ..self.record.clone()
         }
     }
 
@@ -306,12 +277,12 @@ impl Record {
         hits: Option<&[Option<[f64; 2]>]>,
     ) -> Vec<ErrorRecord> {
         let hits = hits.filter(|_| truth.mirrors);
-        let screen = truth.screen(self.0.head.oracle);
+        let screen = truth.screen(self.oracle);
         let mut records = Vec::new();
         if let Some(hits) = hits {
             let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
             let hits = HitAgreement::new(&truth.mask, hits, &oracle);
-            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.0.clone() });
+            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
         }
         if escape == Escape::Black {
             records.push(self.image(Against::Screen, truth, &screen.image, color));
@@ -339,7 +310,7 @@ fn strip_name(name: &str, version: OracleVersion) -> String {
 }
 
 fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [width, height]: [u32; 2]) -> Strip {
-    let (escape, version) = (of.escape(), of.setup.oracle);
+    let (escape, version) = (of.escape(), of.setup.effect().oracle);
     let reference = if escape == Escape::Black { &truth.screen(version).image } else { truth.world(escape) };
     let error = ErrorMaps {
         rmse: error_map(&reference.color, color, &truth.mask),
@@ -354,7 +325,7 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
     let mut context = FrameContext::new(spec.gpu)?;
     let images = GBufferImages::upload(&mut context, &truth.data)?;
     let texels: Vec<[f32; 4]> = truth
-        .screen(setup.oracle)
+        .screen(setup.effect().oracle)
         .hits
         .iter()
         .map(|p| match p {
@@ -363,7 +334,7 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
         })
         .collect();
     let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
-    let method = ThesisMethod::new(spec.gpu, &Setup { extent: spec.extent, split: true, ..*setup }, true)?;
+    let method = ThesisMethod::cone_alone(spec.gpu, &setup.at(spec.extent))?;
     let mut frame = context.begin(Mode::Plain)?;
     let reflection = method.record_cone(&mut frame, &images.gbuffer(), &truth.data.camera, Hits(&hits))?;
     frame.finish()?;
@@ -374,33 +345,21 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
 fn totals(
     spec: &ErrorSpec,
     stage: &mut Stage,
-    shots: &[Shot],
+    shots: &mut [Shot],
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<Stats>> {
     let cell = spec.digest();
-    let key = |shot: usize, sample: usize| format!("total {cell} {shot} {sample}");
-    let lacking: Vec<usize> =
-        (0..shots.len()).filter(|m| (0..spec.samples).any(|n| !journal.has(&key(*m, n)))).collect();
-    for _ in 0..spec.warmup {
-        for &m in &lacking {
-            stage.run(&shots[m], Mode::Timed)?;
-            go_on()?;
-        }
-    }
-    for n in 0..spec.samples {
-        for &m in &lacking {
-            if journal.has(&key(m, n)) {
-                continue;
-            }
-            let (report, _) = stage.run(&shots[m], Mode::Timed)?;
-            let total: f64 = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
-            journal.put(key(m, n), &total)?;
-            go_on()?;
-        }
-    }
-    let all = |m: usize| (0..spec.samples).filter_map(|n| journal.get::<f64>(&key(m, n))).collect::<Vec<_>>();
+    let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
+    interleave(stage, shots, &Round::timed(spec.warmup, spec.samples), &key, journal, go_on)?;
+    let total = |m: usize, n: usize| journal.get::<Sample>(&key(m, &n.to_string())).map(|s| s.effect_ms());
+    let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())
+}
+
+/// A method without what lies behind it.
+fn alone(setup: &Setup) -> Setup {
+    setup.with(|p: &mut EffectParams| p.fallback = Fallback::None)
 }
 
 /// The display image: 3 bytes a pixel.

@@ -4,7 +4,7 @@ use super::stage::Shot;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::passes::gbuffer::GBufferImages;
 use crate::passes::{GBuffer, PathCode};
 use crate::scene::{Camera, GBufferData};
@@ -43,8 +43,8 @@ pub struct Reflected {
 pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> Result<Reflected> {
     let mut context = FrameContext::new(gpu)?;
     let images = GBufferImages::upload(&mut context, data)?;
-    let setup = Setup { extent: [data.width, data.height], ..*setup };
-    let effect = Effect::new(&mut context, method, &setup, None)?;
+    let setup = setup.at([data.width, data.height]);
+    let effect = Effect::new(&mut context, method, &setup, Wants::REFLECTION, None)?;
     let mut frame = context.begin(Mode::Plain)?;
     frame.begin_effect();
     let output = effect.record(&mut frame, &Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None })?;

@@ -41,8 +41,8 @@ pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
     all
 }
 
-/// Renders a shot and reads it back. With `dump`, intermediates too; a method that gives its hits
-/// only when split should be made so.
+/// Renders a shot and reads it back. With `dump`, intermediates too, among them the hits if the shot was made with
+/// them.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
     let (report, drawn, output) = stage.output(shot)?;
     let composite = stage.context.read(output.composite.level(0))?;

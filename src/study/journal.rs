@@ -1,7 +1,7 @@
 //! What a study has measured so far, so that whatever ends it, nothing is lost or measured twice. A
 //! study asks the journal before it measures and tells it after; where the lines go is the caller's.
 
-use super::record::{DEFINITIONS, Head};
+use super::record::Provenance;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::scene::Scene;
@@ -42,6 +42,23 @@ impl Journal {
         self.known.contains_key(key)
     }
 
+    /// A result that is known, or else measured now and kept.
+    ///
+    /// # Errors
+    /// Those of the measurement and of the sink.
+    pub fn get_or<T: Serialize + DeserializeOwned>(
+        &mut self,
+        key: &str,
+        measure: impl FnOnce(&mut Self) -> Result<T>,
+    ) -> Result<T> {
+        if let Some(known) = self.get(key) {
+            return Ok(known);
+        }
+        let result = measure(self)?;
+        self.put(key.to_owned(), &result)?;
+        Ok(result)
+    }
+
     /// Keeps a result.
     ///
     /// # Errors
@@ -59,10 +76,8 @@ impl Journal {
 /// A short name for everything that a result depends on: program, device, and settings, of which the
 /// scene's may be one. Two that differ in any of it have different names.
 pub fn digest(gpu: &Gpu, settings: &Value) -> String {
-    let program =
-        json!({ "definitions": DEFINITIONS, "version": Head::VERSION, "commit": Head::COMMIT, "device": gpu.info() });
     let mut hash = Sha256::new();
-    hash.update(program.to_string());
+    hash.update(json!(Provenance::on(gpu)).to_string());
     hash.update(settings.to_string());
     name(hash)
 }

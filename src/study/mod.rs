@@ -5,6 +5,7 @@ pub mod compare;
 pub mod error;
 pub mod gbuffer;
 pub mod image;
+pub mod interleave;
 pub mod journal;
 pub mod path;
 pub mod precision;

@@ -1,14 +1,14 @@
 //! The camera on its way: methods interleaved frame by frame along a path, and the frames per second of
 //! each (what Schmidt's figures 42 and 52 plot, 2013, sections 5.3.2 and 5.4.2).
 
+use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
-use super::record::{Head, Stats};
+use super::record::{Head, Of, Stats};
 use super::stage::{Globals, Shot, Stage};
-use super::timing::camera;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
-use crate::methods::{MethodInfo, Setup};
+use crate::methods::{MethodInfo, Setup, Wants};
 use crate::scene::{CameraPath, Scene, View};
 use serde::Serialize;
 use serde_json::json;
@@ -27,7 +27,7 @@ pub struct PathSpec<'a> {
     pub sizes: Vec<[u32; 2]>,
     /// Global factors.
     pub globals: Globals,
-    /// Preset and options; the size is each of `sizes`.
+    /// How the methods are set up; the size is each of `sizes`.
     pub setup: Setup,
     /// Frames at the first place that don't count.
     pub warmup: usize,
@@ -36,7 +36,7 @@ pub struct PathSpec<'a> {
 }
 
 /// A frame on the way.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PathFrame {
     /// Milliseconds on the device from the frame's first timestamp to its last, scene passes included.
     pub frame_ms: f64,
@@ -94,13 +94,13 @@ impl PathSpec<'_> {
 
     /// What every frame depends on.
     fn digest(&self) -> String {
-        let methods: Vec<_> = self.methods.iter().map(|m| m.name).collect();
-        let what = format!("{:?} {:?}", self.path, self.globals);
-        digest(self.gpu, &json!([scene_digest(self.scene), what, self.setup, methods, self.warmup, self.frames]))
+        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
+        let (scene, path) = (scene_digest(self.scene), format!("{:?}", self.path));
+        digest(self.gpu, &json!([scene, path, self.globals, methods, self.warmup, self.frames]))
     }
 
     /// Where the journal keeps a frame.
-    fn key(&self, digest: &str, method: &MethodInfo, [width, height]: [u32; 2], frame: usize) -> String {
+    fn key(&self, digest: &str, method: &MethodInfo, [width, height]: [u32; 2], frame: &str) -> String {
         let (scene, path) = (&self.scene.name, &self.path.name);
         format!("path {scene} {path} {width}x{height} {digest} {} {frame}", method.name)
     }
@@ -119,33 +119,23 @@ pub fn measure(spec: &PathSpec, journal: &mut Journal, progress: &mut dyn FnMut(
     let materials = spec.globals.materials(spec.scene, &start);
     let digest = spec.digest();
     for &extent in &spec.sizes {
-        let all = (0..spec.frames).flat_map(|n| spec.methods.iter().map(move |m| (m, n)));
-        if all.into_iter().all(|(m, n)| journal.has(&spec.key(&digest, m, extent, n))) {
+        let key = |method: usize, frame: &str| spec.key(&digest, spec.methods[method], extent, frame);
+        let all = (0..spec.frames).flat_map(|n| (0..spec.methods.len()).map(move |m| (m, n)));
+        if all.into_iter().all(|(m, n)| journal.has(&key(m, &n.to_string()))) {
             continue;
         }
-        let setup = Setup { extent, reflection: false, ..spec.setup };
-        let first = camera(spec.scene, &start, extent);
-        let made = spec.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, first, materials.clone()));
+        let (setup, first) = (spec.setup.at(extent), start.camera(spec.scene, extent));
+        let made =
+            spec.methods.iter().map(|m| Shot::new(&mut stage, m, &setup, Wants::IMAGE, first, materials.clone()));
         let mut shots = made.collect::<Result<Vec<_>>>()?;
-        for n in 0..spec.warmup + spec.frames {
-            let counts = n.checked_sub(spec.warmup);
-            let camera = camera(spec.scene, &spec.view(counts.unwrap_or(0)), extent);
-            // Whoever comes first at a new place may find colder caches: each method does in its turn.
-            for turn in 0..shots.len() {
-                let m = (n + turn) % shots.len();
-                let key = counts.map(|n| spec.key(&digest, spec.methods[m], extent, n));
-                if key.as_ref().is_none_or(|key| !journal.has(key)) {
-                    shots[m].camera = camera;
-                    let (report, _) = stage.run(&shots[m], Mode::Timed)?;
-                    if let Some(key) = key {
-                        let effect_ms = report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum();
-                        let (frame_ms, fps) = (report.frame_ms, 1000.0 / report.frame_ms.max(1e-6));
-                        journal.put(key, &PathFrame { frame_ms, effect_ms, fps })?;
-                    }
-                }
-                progress()?;
-            }
-        }
+        let rounds: Vec<Round> = (0..spec.warmup + spec.frames)
+            .map(|n| {
+                let counts = n.checked_sub(spec.warmup);
+                let camera = spec.view(counts.unwrap_or(0)).camera(spec.scene, extent);
+                Round { label: counts.map(|n| n.to_string()), mode: Mode::Timed, camera: Some(camera) }
+            })
+            .collect();
+        interleave(&mut stage, &mut shots, &rounds, &key, journal, progress)?;
     }
     Ok(())
 }
@@ -155,14 +145,18 @@ pub fn records(spec: &PathSpec, journal: &Journal) -> Vec<PathRecord> {
     let (start, digest) = (spec.view(0), spec.digest());
     let mut records = Vec::new();
     for &extent in &spec.sizes {
-        let setup = Setup { extent, ..spec.setup };
+        let setup = spec.setup.at(extent);
         for method in &spec.methods {
-            let frames: Vec<PathFrame> =
-                (0..spec.frames).filter_map(|n| journal.get(&spec.key(&digest, method, extent, n))).collect();
+            let frame = |n: usize| {
+                let sample: Sample = journal.get(&spec.key(&digest, method, extent, &n.to_string()))?;
+                let frame_ms = sample.report.frame_ms;
+                Some(PathFrame { frame_ms, effect_ms: sample.effect_ms(), fps: 1000.0 / frame_ms.max(1e-6) })
+            };
+            let frames: Vec<PathFrame> = (0..spec.frames).filter_map(frame).collect();
             if frames.is_empty() {
                 continue;
             }
-            let head = Head::new("path", spec.scene, &start, method.name, &setup, &spec.globals, spec.gpu);
+            let head = Head::new("path", spec.gpu, (spec.scene, &start), Of::Method(method), &setup, &spec.globals);
             let whole: Vec<f64> = frames.iter().map(|f| f.frame_ms).collect();
             let effect: Vec<f64> = frames.iter().map(|f| f.effect_ms).collect();
             let fps = Fps::of(&whole);

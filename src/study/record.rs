@@ -1,16 +1,17 @@
-//! Records: what a measurement was of, and what it found. One is one JSON object (DESIGN,
-//! "Command line").
+//! Records: what a measurement was of, and what it found. One is one JSON object (docs/definitions.md,
+//! "Records").
 
 use super::stage::Globals;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{DeviceInfo, Gpu, Skipped};
-use crate::math::OracleVersion;
-use crate::methods::{Fallback, Preset, Setup};
+use crate::methods::{self, EffectParams, MethodInfo, Setup};
+use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
 use crate::passes::gbuffer::Drawn;
-use crate::scene::{Scene, View};
+use crate::scene::{Lens, Scene, View};
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json};
 
-/// The version of DEFINITIONS that the figures are of.
+/// The version of docs/definitions.md that the figures are of.
 pub const DEFINITIONS: u32 = 1;
 
 /// Median, minimum, 95th percentile and number of some samples, in milliseconds.
@@ -60,17 +61,78 @@ pub struct PassRecord {
     pub work: Option<PassWork>,
 }
 
-/// What every record begins with.
+/// Which program measured, by which definitions, on which device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Head {
-    /// "time", "error", …
-    pub kind: String,
+pub struct Provenance {
     /// [`DEFINITIONS`].
     pub definitions: u32,
     /// Of this program.
     pub version: String,
     /// Of its source; "unknown" outside a repository.
     pub commit: String,
+    /// Device.
+    pub device: DeviceInfo,
+}
+
+impl Provenance {
+    /// This program's version.
+    pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    /// The commit it was built from.
+    pub const COMMIT: &'static str = env!("SSCT_COMMIT");
+
+    /// This program on a device.
+    pub fn on(gpu: &Gpu) -> Self {
+        Self {
+            definitions: DEFINITIONS,
+            version: Self::VERSION.to_owned(),
+            commit: Self::COMMIT.to_owned(),
+            device: gpu.info().clone(),
+        }
+    }
+}
+
+/// Everything that was set for a measurement, by name: size, lens, the global factors, the preset, and every parameter
+/// of the effect and of the method. What is not set (a roughness that the materials keep) is null.
+pub type RecordedSetup = Map<String, Json>;
+
+/// The setup of a method seen through a lens.
+pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
+    let mut all = setup.recorded(method);
+    let factors = [
+        ("fov_degrees", Some(lens.fov_y_radians.to_degrees())),
+        ("near_m", Some(lens.near_m)),
+        ("far_m", Some(lens.far_m)),
+        ("roughness", globals.roughness),
+        ("reflectivity", Some(globals.reflectivity)),
+        ("normal_deviation", globals.normal_deviation),
+    ];
+    all.extend(factors.map(|(name, value)| (name.to_owned(), decimal(value))));
+    all
+}
+
+/// A number by its decimal, as records show it.
+fn decimal(value: Option<f32>) -> Json {
+    value.and_then(|v| v.to_string().parse::<f64>().ok()).map_or(Json::Null, Json::from)
+}
+
+/// A value of a [`RecordedSetup`] as text: nothing for null.
+pub fn cell(value: &Json) -> String {
+    match value {
+        Json::Null => String::new(),
+        Json::String(text) => text.clone(),
+        Json::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |n| n.to_string()),
+        other => other.to_string(),
+    }
+}
+
+/// What every record of a scene's view begins with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// "time", "error", …
+    pub kind: String,
+    /// Which program measured on what.
+    #[serde(flatten)]
+    pub program: Provenance,
     /// Scene name.
     pub scene: String,
     /// View name.
@@ -83,59 +145,96 @@ pub struct Head {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Traced pixels a side over pixels.
-    #[serde(default = "full_resolution")]
-    pub resolution_scale: f32,
-    /// What `unified` hits, and what hits and the screen reference are of; left out where it is 1.
-    #[serde(default, skip_serializing_if = "OracleVersion::is_first")]
-    pub oracle: OracleVersion,
     /// Global roughness; null where the materials keep theirs.
     pub roughness: Option<f32>,
-    /// Global normal deviation; null where the materials keep theirs.
-    pub normal_deviation: Option<f32>,
-    /// Device.
-    pub device: DeviceInfo,
-}
-
-/// What records from before there was a choice were made at.
-fn full_resolution() -> f32 {
-    1.0
+    /// All that was set.
+    pub setup: RecordedSetup,
 }
 
 impl Head {
-    /// The head of a measurement by this program. Method, size and factors are the caller's.
-    pub fn new(
-        kind: &str,
-        scene: &Scene,
-        view: &View,
-        method: &str,
-        setup: &Setup,
-        globals: &Globals,
-        gpu: &Gpu,
-    ) -> Self {
+    /// The head of a measurement by this program. What is of no method, such as a reference, is called by a name of its
+    /// own.
+    pub fn new(kind: &str, gpu: &Gpu, place: (&Scene, &View), of: Of, setup: &Setup, globals: &Globals) -> Self {
+        let (scene, view) = place;
+        let (name, method) = match of {
+            Of::Method(method) => (method.name, Some(method)),
+            Of::Other { name, method } => (name, method),
+        };
         Self {
             kind: kind.to_owned(),
-            definitions: DEFINITIONS,
-            version: Self::VERSION.to_owned(),
-            commit: Self::COMMIT.to_owned(),
+            program: Provenance::on(gpu),
             scene: scene.name.clone(),
             view: view.name.clone(),
-            method: method.to_owned(),
-            preset: setup.preset,
+            method: name.to_owned(),
+            preset: setup.values.preset,
             width: setup.extent[0],
             height: setup.extent[1],
-            resolution_scale: setup.resolution_scale(),
-            oracle: setup.oracle,
             roughness: globals.roughness,
-            normal_deviation: globals.normal_deviation,
-            device: gpu.info().clone(),
+            setup: recorded(setup, method, &view.lens.unwrap_or(scene.lens), globals),
         }
     }
 
-    /// This program's version.
-    pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
-    /// The commit it was built from.
-    pub const COMMIT: &'static str = env!("SSCT_COMMIT");
+    /// A value of the setup as text; nothing for what is null or not there.
+    pub fn setting(&self, name: &str) -> String {
+        self.setup.get(name).map(cell).unwrap_or_default()
+    }
+
+    /// The method and what is behind it, if anything is.
+    pub fn method_and_fallback(&self) -> String {
+        match self.setting("fallback").as_str() {
+            "" | "none" => self.method.clone(),
+            behind => format!("{} + {behind}", self.method),
+        }
+    }
+
+    /// What a variant of a method is called: method, fallback, preset, and the parameters that differ from the preset's
+    /// values.
+    pub fn variant(&self) -> String {
+        let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::read);
+        let has_presets = rows.iter().any(|row| row.author != row.published);
+        let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
+        let fallback = |row: &&Parameter| row.name != "fallback";
+        let differs =
+            rows.iter().filter(fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
+        let words = preset.map(str::to_owned).into_iter().chain(differs);
+        words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
+    }
+}
+
+/// A parameter's value as [`cell`] shows the recorded one.
+fn value_cell(value: Value) -> String {
+    match value {
+        Value::Switch(on) => on.to_string(),
+        other => other.to_string(),
+    }
+}
+
+/// A parameter's value in a few words, if it is not the preset's; `text` is the value as a record has it. `None` also if a
+/// record does not say it: it is of a time before there was the parameter.
+pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
+    if text.is_empty() || text == value_cell(row.of(preset)) {
+        return None;
+    }
+    Some(match row.domain {
+        Domain::Switch if text == "true" => row.typed_name(),
+        Domain::Switch => format!("no {}", row.typed_name()),
+        Domain::Choices(_) if row.name != "fallback" => text.to_owned(),
+        _ => format!("{} {text}", row.typed_name()),
+    })
+}
+
+/// What a record is of.
+#[derive(Clone, Copy)]
+pub enum Of<'a> {
+    /// A method.
+    Method(&'a MethodInfo),
+    /// Something else, with the method whose parameters it uses, if it uses any.
+    Other {
+        /// Its name in records.
+        name: &'a str,
+        /// The method.
+        method: Option<&'a MethodInfo>,
+    },
 }
 
 /// Times of one method on one view, size and roughness.
@@ -144,11 +243,6 @@ pub struct TimeRecord {
     /// What it is of.
     #[serde(flatten)]
     pub head: Head,
-    /// Whether ray trace and cone trace were two passes.
-    pub split: bool,
-    /// What is behind the method, if anything is.
-    #[serde(skip_serializing_if = "Fallback::is_none")]
-    pub fallback: Fallback,
     /// Every pass of the frame, in order.
     pub passes: Vec<PassRecord>,
     /// Sum of the counted passes, sample by sample.

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
-use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
@@ -11,8 +11,8 @@ use crate::passes::scene_data::SceneData;
 use crate::scene::{Camera, Material, Scene, View};
 
 /// The global factors of the command line; they replace or scale every material's values
-/// (DEFINITIONS, "Surfaces").
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// (docs/definitions.md, "Surfaces").
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Globals {
     /// Replaces every roughness.
     pub roughness: Option<f32>,
@@ -114,12 +114,13 @@ impl Shot {
         stage: &mut Stage,
         method: &MethodInfo,
         setup: &Setup,
+        wants: Wants,
         camera: Camera,
         materials: Vec<Material>,
     ) -> Result<Self> {
         let Stage { context, data } = stage;
         let scene = SceneInput { data, materials: &materials };
-        let effect = Effect::new(context, method, setup, Some(&scene))?;
+        let effect = Effect::new(context, method, setup, wants, Some(&scene))?;
         let gpu = context.gpu();
         Ok(Self {
             gbuffer: GBufferPass::new(gpu, setup.extent)?,

@@ -2,87 +2,20 @@
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
-use crate::math::OracleVersion;
-use crate::methods::{MethodInfo, Preset, Setup};
+use crate::methods::{MethodInfo, Setup};
 use crate::metrics::pareto;
-use crate::passes::PosterFilter;
-use crate::passes::billboard::{Occlusion, Order};
-use crate::passes::color_chain::ChainFilter;
-use crate::passes::linear_trace::March;
-use crate::passes::planar::Variant as Planar;
 use std::collections::BTreeMap;
 
 /// The roughness values of the study.
 pub const ROUGHNESS: [f32; 5] = [0.0, 0.05, 0.1, 0.3, 0.6];
 
-/// Every variant of some methods: the settings that each names, around a base.
-pub fn variants(methods: &[&'static MethodInfo], base: Setup) -> Vec<Variant> {
+/// Every variant of some methods: what each of them sweeps, around a base.
+pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     let of = |method: &&'static MethodInfo| {
         let method = *method;
-        (method.settings)(base).into_iter().map(move |setup| Variant { method, setup })
+        method.sweep(base).into_iter().map(move |setup| Variant { method, setup })
     };
     methods.iter().flat_map(of).collect()
-}
-
-/// A record's method with what is behind it.
-fn method_name(record: &ErrorRecord) -> String {
-    let method = &record.head.method;
-    match record.params.fallback.method() {
-        Some(behind) => format!("{method} + {}", behind.name),
-        None => method.clone(),
-    }
-}
-
-/// What a record's variant is called: method, preset, and the parameters that differ from it.
-pub fn name(record: &ErrorRecord) -> String {
-    let mut name = method_name(record);
-    if record.head.preset == Preset::Author {
-        name += " author";
-    }
-    if record.params.chain_filter == ChainFilter::Gaussian {
-        name += " gaussian";
-    }
-    if record.params.march == March::Fixed {
-        name += " fixed";
-    }
-    if record.params.poster_filter == PosterFilter::Volume {
-        name += " volume";
-    }
-    if record.head.resolution_scale != 1.0 {
-        name += &format!(" scale {}", record.head.resolution_scale);
-    }
-    if record.head.oracle == OracleVersion::V2 {
-        name += " oracle 2";
-    }
-    match record.params.billboards.order {
-        Order::Printed => {}
-        Order::Unbroken => name += " unbroken",
-        Order::Nearest => name += " nearest",
-    }
-    if record.params.billboards.occlusion == Occlusion::Depth {
-        name += " occluded";
-    }
-    if record.params.mirrors.variant == Planar::Target {
-        name += " target";
-    }
-    if record.params.mirrors.planes != 1 {
-        name += &format!(" planes {}", record.params.mirrors.planes);
-    }
-    let t = record.params.tuning;
-    for (label, value) in
-        [("iterations", t.iterations), ("start", t.start_level), ("cone", t.cone_samples), ("step", t.pixel_step)]
-    {
-        if let Some(value) = value {
-            name += &format!(" {label} {value}");
-        }
-    }
-    if let Some(stride) = t.march_stride {
-        name += &format!(" stride {stride}");
-    }
-    if t.distance_blur {
-        name += " blur";
-    }
-    name
 }
 
 /// A variant over all cells.
@@ -112,7 +45,7 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
     let mut all: Vec<(String, Vec<f64>, Vec<f64>)> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
-        let name = name(r);
+        let name = r.head.variant();
         match all.iter_mut().find(|(n, ..)| *n == name) {
             Some((_, times, errors)) => {
                 times.push(time);
@@ -152,9 +85,9 @@ pub struct Sources {
 pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let mut bases = BTreeMap::new();
     for r in records {
-        bases.entry(method_name(r)).or_insert_with(|| name(r));
+        bases.entry(r.head.method_and_fallback()).or_insert_with(|| r.head.variant());
     }
-    let base = |r: &&ErrorRecord| bases.get(&method_name(r)) == Some(&name(r));
+    let base = |r: &&ErrorRecord| bases.get(&r.head.method_and_fallback()) == Some(&r.head.variant());
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
         if !found.iter().any(|s| s.roughness == r.head.roughness) {
@@ -164,12 +97,12 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     for source in &mut found {
         let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
         for r in &here {
-            let name = method_name(r);
+            let name = r.head.method_and_fallback();
             let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);
             if known || r.rmse.is_none() {
                 continue;
             }
-            let same = here.iter().filter(|o| method_name(o) == name && o.against == r.against);
+            let same = here.iter().filter(|o| o.head.method_and_fallback() == name && o.against == r.against);
             let values: Vec<f64> = same.filter_map(|o| o.rmse).collect();
             source.rmse.push((name, r.against, Stats::of(&values).median_ms));
         }

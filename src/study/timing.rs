@@ -1,16 +1,15 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
 //! sample in the journal as soon as it is there.
 
+use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
-use super::record::{Head, PassRecord, Stats, TimeRecord};
+use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
-use crate::gpu::{FrameReport, Gpu};
-use crate::methods::{MethodInfo, Setup};
-use crate::passes::gbuffer::Drawn;
-use crate::scene::{Camera, Lens, Scene, View};
-use serde::{Deserialize, Serialize};
+use crate::methods::{MethodInfo, Setup, Wants};
+use crate::scene::{Scene, View};
 use serde_json::json;
 use std::fmt::Display;
 
@@ -28,7 +27,7 @@ pub struct TimeSpec<'a> {
     pub sizes: Vec<[u32; 2]>,
     /// Global factors of each run.
     pub globals: Vec<Globals>,
-    /// Preset, split, filter and fade; the size is each of `sizes`.
+    /// How the methods are set up; the size is each of `sizes`.
     pub setup: Setup,
     /// Frames before the first that counts.
     pub warmup: usize,
@@ -41,19 +40,6 @@ impl TimeSpec<'_> {
     pub fn frames(&self) -> usize {
         self.methods.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
     }
-}
-
-/// The lens and camera of a view at a size.
-pub fn camera(scene: &Scene, view: &View, extent: [u32; 2]) -> Camera {
-    let lens: Lens = view.lens.unwrap_or(scene.lens);
-    Camera::new(view.eye, view.look_at, lens, extent[0] as f32 / extent[1] as f32)
-}
-
-/// A sample as the journal keeps it.
-#[derive(Serialize, Deserialize)]
-struct Sample {
-    report: FrameReport,
-    drawn: Drawn,
 }
 
 /// The samples of one size with one of the global factors: where the journal keeps them.
@@ -71,10 +57,10 @@ impl<'a> TimeSpec<'a> {
         self.sizes.iter().flat_map(move |&extent| {
             let scene = scene.clone();
             self.globals.iter().map(move |globals| {
-                let methods: Vec<_> = self.methods.iter().map(|m| m.name).collect();
-                let setup = Setup { extent, ..self.setup };
+                let setup = self.setup.at(extent);
+                let methods: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
                 // Not how many samples: more may be asked for later.
-                let settings = json!([scene, format!("{:?} {globals:?}", self.view), setup, methods, self.warmup]);
+                let settings = json!([scene, format!("{:?}", self.view), globals, methods, self.warmup]);
                 Group { spec: self, extent, globals, digest: digest(self.gpu, &settings) }
             })
         })
@@ -101,8 +87,8 @@ impl Group<'_> {
             (0..spec.samples).filter_map(|n| journal.get::<Sample>(&self.key(method, n))).collect();
         let first = reports.first()?;
         let work = journal.get::<Sample>(&self.key(method, COUNTED)).map(|s| s.report.work).unwrap_or_default();
-        let setup = Setup { extent: self.extent, ..spec.setup };
-        let head = Head::new("time", spec.scene, spec.view, method.name, &setup, self.globals, spec.gpu);
+        let (place, setup) = ((spec.scene, spec.view), spec.setup.at(self.extent));
+        let head = Head::new("time", spec.gpu, place, Of::Method(method), &setup, self.globals);
         let samples: Vec<Vec<f64>> = reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect();
         let passes = first.report.passes.iter().enumerate();
         let passes = passes
@@ -113,13 +99,10 @@ impl Group<'_> {
                 work: work.get(i).copied(),
             })
             .collect();
-        let sum = |s: &Sample| s.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum::<f64>();
         Some(TimeRecord {
             head,
-            split: spec.setup.split,
-            fallback: spec.setup.fallback,
             passes,
-            total: Stats::of(&reports.iter().map(sum).collect::<Vec<_>>()),
+            total: Stats::of(&reports.iter().map(Sample::effect_ms).collect::<Vec<_>>()),
             frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
             drawn: first.drawn,
             recorded: first.report.recorded.clone(),
@@ -132,34 +115,15 @@ impl Group<'_> {
     fn measure(
         &self,
         stage: &mut Stage,
-        shots: &[Shot],
+        shots: &mut [Shot],
         journal: &mut Journal,
         progress: &mut dyn FnMut() -> Result<()>,
     ) -> Result<()> {
         let spec = self.spec;
-        let lacking: Vec<_> = shots
-            .iter()
-            .zip(&spec.methods)
-            .filter(|(_, method)| self.keys(method).iter().any(|key| !journal.has(key)))
-            .collect();
-        for _ in 0..spec.warmup {
-            for (shot, _) in &lacking {
-                stage.run(shot, Mode::Timed)?;
-                progress()?;
-            }
-        }
-        let samples = (0..spec.samples).map(|n| (n.to_string(), Mode::Timed));
-        for (sample, mode) in samples.chain([(COUNTED.to_owned(), Mode::Counted)]) {
-            for (shot, method) in &lacking {
-                let key = self.key(method, &sample);
-                if !journal.has(&key) {
-                    let (report, drawn) = stage.run(shot, mode)?;
-                    journal.put(key, &Sample { report, drawn })?;
-                }
-                progress()?;
-            }
-        }
-        Ok(())
+        let mut rounds = Round::timed(spec.warmup, spec.samples);
+        rounds.push(Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None });
+        let key = |shot: usize, sample: &str| self.key(spec.methods[shot], sample);
+        interleave(stage, shots, &rounds, &key, journal, progress)
     }
 }
 
@@ -187,15 +151,15 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
         } else {
             // The last size's first: the device may not have room for both.
             shots = (None, Vec::new());
-            let camera = camera(spec.scene, spec.view, group.extent);
-            // What is timed is the image; a reflection of its own is for those who look at it.
-            let setup = Setup { extent: group.extent, reflection: false, ..spec.setup };
+            let camera = spec.view.camera(spec.scene, group.extent);
+            let setup = spec.setup.at(group.extent);
             for method in &spec.methods {
-                shots.1.push(Shot::new(stage, method, &setup, camera, materials.clone())?);
+                // What is timed is the image; a reflection of its own is for those who look at it.
+                shots.1.push(Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials.clone())?);
             }
             shots.0 = Some(group.extent);
         }
-        group.measure(stage, &shots.1, journal, progress)?;
+        group.measure(stage, &mut shots.1, journal, progress)?;
     }
     Ok(())
 }
@@ -204,4 +168,38 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let of = |group: Group| spec.methods.iter().filter_map(|m| group.record(m, journal)).collect::<Vec<_>>();
     spec.groups().flat_map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceQuery;
+    use crate::methods::METHODS;
+    use crate::methods::tests::another;
+    use crate::scene::library;
+
+    /// What the journal keeps under one name was measured with one setup.
+    #[test]
+    fn a_changed_parameter_changes_where_the_journal_keeps_a_sample() {
+        let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
+        let scene = library::scene("rooms").expect("built in");
+        let key = |method: &'static MethodInfo, setup: &Setup| {
+            let (sizes, globals) = (vec![[64, 48]], vec![Globals::default()]);
+            let (view, setup) = (&scene.views[0], setup.clone());
+            let methods = vec![method];
+            let spec =
+                TimeSpec { gpu: &gpu, scene: &scene, view, methods, sizes, globals, setup, warmup: 0, samples: 1 };
+            let group = spec.groups().next().expect("one size");
+            group.key(method, 0)
+        };
+        for method in METHODS {
+            let base = Setup::new([64, 48]);
+            let before = key(method, &base);
+            for parameter in method.read() {
+                let mut changed = base.clone();
+                changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
+                assert_ne!(before, key(method, &changed), "{} of {}", parameter.name, method.name);
+            }
+        }
+    }
 }

@@ -1,5 +1,5 @@
-//! What several test crates share: a device under the validation layers, small scenes built in code,
-//! and shots of them read back. Each crate uses its part of it.
+//! What the tests share: devices under the validation layers, small scenes built in code, and shots of them read
+//! back. Each of the test programs uses its part of it.
 
 #![allow(dead_code)]
 
@@ -8,18 +8,63 @@ pub mod html;
 
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
-use ssct::methods::{self, Setup};
+use ssct::methods::{self, EffectParams, Setup, Wants};
 use ssct::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View,
 };
 use ssct::study::image::{RenderedImage, render};
 use ssct::study::{Globals, Shot, Stage};
+use std::num::NonZero;
+use std::ops::Deref;
 use std::path::PathBuf;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// A device under the validation layers; GPU-assisted too where the variable SSCT_GPU_AV is 1.
-pub fn gpu() -> Gpu {
+/// A device under the validation layers, for one test at a time; GPU-assisted too where the variable SSCT_GPU_AV is 1.
+///
+/// All are made before the first is used, and none is destroyed: the layers keep devices in a table that they read in
+/// every call without a lock, and crash where another thread makes or destroys a device meanwhile
+/// (KhronosGroup/Vulkan-ValidationLayers issue 4391).
+pub fn gpu() -> Lent {
+    let mut free = POOL.get_or_init(|| Mutex::new(new_pool())).lock().unwrap_or_else(PoisonError::into_inner);
+    Lent(Some(free.pop().unwrap_or_else(own_gpu)))
+}
+
+/// A device as of [`gpu`], but new, and destroyed after use: for what must hold of a device's whole life.
+pub fn own_gpu() -> Gpu {
     Gpu::open(&DeviceQuery { validation: true, gpu_assisted: is_gpu_assisted(), ..DeviceQuery::default() }).unwrap()
+}
+
+/// Devices that no test uses now.
+static POOL: OnceLock<Mutex<Vec<Gpu>>> = OnceLock::new();
+
+/// As many as tests run at a time, unless told otherwise.
+fn new_pool() -> Vec<Gpu> {
+    let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
+    (0..threads).map(|_| own_gpu()).collect()
+}
+
+/// A device of [`gpu`], which the next test gets when this one is done.
+pub struct Lent(Option<Gpu>);
+
+impl Deref for Lent {
+    type Target = Gpu;
+
+    fn deref(&self) -> &Gpu {
+        self.0.as_ref().unwrap()
+    }
+}
+
+impl Drop for Lent {
+    fn drop(&mut self) {
+        let gpu = self.0.take().unwrap();
+        if std::thread::panicking() {
+            // Whatever the test left there is not the next one's; and it is not destroyed beside others.
+            std::mem::forget(gpu);
+        } else {
+            POOL.get().unwrap().lock().unwrap_or_else(PoisonError::into_inner).push(gpu);
+        }
+    }
 }
 
 /// What fails on a driver through no fault of ours (`tests/expected_failures.toml`).
@@ -215,14 +260,31 @@ impl Shown {
     }
 }
 
-/// Renders a scene with every intermediate, and fails on any message of the layers.
+/// Renders a scene with every intermediate and the hits, and fails on any message of the layers.
 pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Shown {
+    show_with(gpu, scene, (camera, globals), method, setup, Wants::HITS)
+}
+
+/// The same, with what is wanted beside the image.
+pub fn show_with(
+    gpu: &Gpu,
+    scene: &Scene,
+    (camera, globals): (Camera, &Globals),
+    method: &str,
+    setup: &Setup,
+    wants: Wants,
+) -> Shown {
     let mut stage = Stage::new(gpu, scene).unwrap();
     let materials = globals.materials(scene, &View::default());
-    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, camera, materials).unwrap();
+    let shot = Shot::new(&mut stage, methods::find(method).unwrap(), setup, wants, camera, materials).unwrap();
     let image = render(&mut stage, &shot, true).unwrap();
     gpu.check_validation().unwrap();
     Shown { image, camera }
+}
+
+/// A setup at a size in which nothing fades.
+pub fn unfaded(extent: [u32; 2]) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.fade = false)
 }
 
 /// A material that shows the sky.

@@ -1,15 +1,15 @@
-//! How figures are put together from renders.
+//! Composes figures from renders.
 
-use super::plates::Made;
+use super::plate::FinishedFigure;
 use super::workshop::Workshop;
 use crate::error::Error;
 use crate::gpu::Pixels;
 use crate::methods::Setup;
-use crate::methods::thesis::{self, Variant};
+use crate::methods::thesis::{self, HiZParams};
 use crate::passes::{Content, PathCode};
 use crate::reference::Level;
 use crate::reference::hi_z::MinMax;
-use crate::reference::hi_z_ray_trace::{Constants, End, HiZTrace, reflection_ray, trace};
+use crate::reference::hi_z_ray_trace::{End, HiZConstants, HiZTrace, reflection_ray, trace};
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
@@ -18,9 +18,9 @@ use crate::scene::Camera;
 use crate::study::{Intermediates, RenderedImage};
 use glam::{Vec2, Vec3};
 
-/// The renders side by side, two in a row.
-pub fn beside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
-    Ok(Made::Picture(sheet(&rows(pictures(workshop, arguments)?))))
+/// Places the renders side by side, two in a row.
+pub fn beside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    Ok(FinishedFigure::Picture(sheet(&rows(pictures(workshop, arguments)?))))
 }
 
 fn pictures(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Vec<Rgb>> {
@@ -31,34 +31,34 @@ fn rows(pictures: Vec<Rgb>) -> Vec<Vec<Rgb>> {
     pictures.chunks(2).map(<[Rgb]>::to_vec).collect()
 }
 
-/// Figure 5.3: the part of the left wall that is enlarged, and how often.
+/// Figure 5.3: the enlarged part of the left wall, and its magnification.
 const WALL: (Part, u32) = ([0.02, 0.36, 0.25, 0.25], 4);
 
-/// Two renders and below each the left wall enlarged.
-pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+/// Two renders, each with the enlarged left wall below it.
+pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
     let (part, times) = WALL;
     let above = pictures.iter().map(|p| framed(p, part)).collect();
     let below = pictures.iter().map(|p| enlarged(p, part, times)).collect();
-    Ok(Made::Picture(sheet(&[above, below])))
+    Ok(FinishedFigure::Picture(sheet(&[above, below])))
 }
 
-/// Factor on the difference image of figure 5.5.
-const DIFFERENCE: u8 = 2;
+/// The factor by which the difference image of figure 5.5 is amplified.
+const DIFFERENCE_FACTOR: u8 = 2;
 
-/// Two renders and below them their difference.
-pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+/// Two renders with their difference below.
+pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
-    let [a, b] = &pictures[..] else { anyhow::bail!("a difference is of two pictures") };
-    let difference = difference(a, b, DIFFERENCE)?;
-    Ok(Made::Picture(sheet(&[pictures, vec![difference]])))
+    let [a, b] = &pictures[..] else { anyhow::bail!("a difference needs two pictures") };
+    let difference = difference(a, b, DIFFERENCE_FACTOR)?;
+    Ok(FinishedFigure::Picture(sheet(&[pictures, vec![difference]])))
 }
 
-/// Schmidt's figure 39: parts of the last render that are enlarged.
+/// Schmidt's figure 39: the parts of the last render that are enlarged.
 const DETAILS: [Part; 2] = [[0.1, 0.6, 0.25, 0.25], [0.55, 0.6, 0.25, 0.25]];
 
-/// Renders, and below them parts of the last one enlarged.
-pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+/// Renders, with enlarged parts of the last one below.
+pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let mut pictures = pictures(workshop, arguments)?;
     let details: Vec<Rgb> = pictures.last().map(|p| DETAILS.map(|d| enlarged(p, d, 4)).to_vec()).unwrap_or_default();
     if let Some(last) = pictures.last_mut() {
@@ -66,12 +66,12 @@ pub fn with_details(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Re
     }
     let mut rows = rows(pictures);
     rows.push(details);
-    Ok(Made::Picture(sheet(&rows)))
+    Ok(FinishedFigure::Picture(sheet(&rows)))
 }
 
-/// The first render with everything that led to it.
+/// The first render with all its intermediate images.
 fn inside(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<(RenderedImage, Intermediates, Camera)> {
-    let Some(first) = arguments.first() else { anyhow::bail!("a figure without a render") };
+    let Some(first) = arguments.first() else { anyhow::bail!("the figure has no render") };
     let (mut rendered, camera) = workshop.inside(first)?;
     let all = rendered.intermediates.take().unwrap_or_default();
     Ok((rendered, all, camera))
@@ -82,7 +82,7 @@ fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
     found.ok_or_else(|| Error::Usage(format!("the frame has no {stem}")))
 }
 
-/// The Hi-Z chain of a frame as the pass made it.
+/// The Hi-Z chain of a frame, as the pass made it.
 fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
     let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
     let texel = |t: &[f32]| MinMax { min: t[0], max: t[1] };
@@ -99,39 +99,38 @@ fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
 }
 
 /// Figure 4.1.
-pub fn even_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+pub fn even_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
-    Ok(Made::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
+    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Neighbours)))
 }
 
 /// Figure 4.2.
-pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+pub fn undersized_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let chain = minima(&hi_z(&all));
     let Some(depth) = chain.first() else { anyhow::bail!("the frame has no Hi-Z chain") };
-    Ok(Made::Drawing(diagrams::chain(&diagrams::undersized(depth), Fetches::Neighbours)))
+    Ok(FinishedFigure::Drawing(diagrams::chain(&diagrams::undersized(depth), Fetches::Neighbours)))
 }
 
 /// Figure 4.3.
-pub fn odd_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+pub fn odd_chain(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
-    Ok(Made::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
+    Ok(FinishedFigure::Drawing(diagrams::chain(&minima(&hi_z(&all)), Fetches::Offset)))
 }
 
-/// Iterations that still can be told apart in figure 4.6.
+/// The numbers of iterations that can still be distinguished in figure 4.6.
 const READABLE: std::ops::RangeInclusive<usize> = 10..=26;
 
-/// Figure 4.6: of all rays with a readable number of iterations, the one that climbs highest and, of
-/// those, goes up and down most often.
-pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+/// Figure 4.6: of all rays with a readable number of iterations, the one that climbs to the highest level and,
+/// among those, changes its level most often.
+pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
     let chain = hi_z(&all);
     let normals = find(&all, "normal")?;
     let extent = [normals.width, normals.height];
-    let setup = Setup::new(extent);
-    let variant = Variant { preset: setup.preset, tuning: setup.tuning, fallback: true, fade: true };
-    let numbers = thesis::parameters(&variant, &camera, extent, chain.len() as u32);
-    let constants = Constants {
+    let published: HiZParams = Setup::new(extent).of();
+    let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
+    let constants = HiZConstants {
         start_level: numbers.start_level as u32,
         iterations: numbers.iterations as u32,
         cross_offset: numbers.cross_offset,
@@ -151,12 +150,12 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made
     let pixels = 0..(extent[0] * extent[1]) as usize;
     let best = pixels.filter_map(traced).filter(shown).max_by_key(|t| (highest(t), turns(t)));
     let Some(best) = best else { anyhow::bail!("no ray of this frame takes a readable number of iterations") };
-    Ok(Made::Drawing(diagrams::ray(&best, &chain)))
+    Ok(FinishedFigure::Drawing(diagrams::ray(&best, &chain)))
 }
 
-/// Figure 4.7: of all pixels with a Hi-Z hit, the one whose cone is about two fifths of the screen long
-/// and lies in its middle.
-pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+/// Figure 4.7: of all pixels with a Hi-Z hit, the one in the middle of the screen whose cone is about two
+/// fifths of the screen long.
+pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, _) = inside(workshop, arguments)?;
     let (hits, lit) = (find(&all, "hits")?, find(&all, "color-0")?);
     let roughness =
@@ -172,13 +171,13 @@ pub fn cone(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Mad
     };
     let best = hits.texels().enumerate().filter_map(cone).min_by(|a, b| off(a).total_cmp(&off(b)));
     let Some((from, hit)) = best else { anyhow::bail!("no ray of this frame hits") };
-    // Eq. 4.5 with this project's lobe: half the roughness.
+    // Eq. 4.5 with this project's definition of the lobe: half the roughness.
     let theta = 0.5 * roughness;
-    Ok(Made::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
+    Ok(FinishedFigure::Drawing(diagrams::cone(from, hit, theta, 7, &display(lit))?))
 }
 
 /// Schmidt's figure 27.
-pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Made> {
+pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let (_, all, camera) = inside(workshop, arguments)?;
-    Ok(Made::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
+    Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
 }

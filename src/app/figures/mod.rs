@@ -1,7 +1,8 @@
-//! `ssct figures`: every figure of the published documents that this program can make, and a page that shows each
-//! beside what is in print.
+//! `ssct figures`: makes every figure of the published documents that this program can reproduce, and a page
+//! that shows each one beside a description of the printed figure.
 
 mod draw;
+mod plate;
 mod plates;
 mod workshop;
 
@@ -11,7 +12,8 @@ use crate::error::{Error, Result};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
 use crate::report::run_folder::Claim;
-use plates::{Made, Plate, Source, plates};
+use plate::{Document, FinishedFigure, Plate};
+use plates::plates;
 use std::io::Write;
 use std::path::Path;
 use workshop::Workshop;
@@ -49,17 +51,20 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The figures of some numbers, with or without their document's name; all for none.
+/// The figures with the given numbers, with or without their document's name; all figures if none are given.
 fn wanted(only: &[String]) -> Result<Vec<&'static Plate>> {
     let is = |p: &Plate, name: &String| *name == p.number || *name == p.stem();
     if let Some(unknown) = only.iter().find(|name| plates().all(|p| !is(p, name))) {
         let numbers: Vec<&str> = plates().map(|p| p.number).collect();
-        return Err(Error::Usage(format!("--only {unknown}: no such figure; there are: {}", numbers.join(", "))));
+        return Err(Error::Usage(format!(
+            "--only {unknown}: there is no such figure; available are: {}",
+            numbers.join(", ")
+        )));
     }
     Ok(plates().filter(|p| only.is_empty() || only.iter().any(|name| is(p, name))).collect())
 }
 
-/// Makes a figure, writes its file, and says what the page says of it.
+/// Makes a figure, writes its file, and returns its entry on the page.
 fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
     let arguments = plate.arguments(options.size);
     let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
@@ -67,15 +72,15 @@ fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> an
         None => Ok(write(plate, (plate.make)(workshop, &arguments)?, &options.output)?),
     };
     let panels = plate.panels.iter().zip(&arguments).enumerate().map(|(n, ((label, _), arguments))| {
-        // What is asked for its inside has a folder in its arguments, the rest a file.
+        // A figure made of intermediates has a folder in its arguments, the others have a file.
         let inside = arguments.contains("--dump");
         let file = if inside { String::new() } else { format!(" -o {}-{}.png", plate.stem(), n + 1) };
         Panel { label: (*label).to_owned(), command: format!("ssct render {arguments}{file}") }
     });
     let name = match plate.source {
-        Source::Thesis => "Figure",
-        Source::Poster => "The poster's figure",
-        Source::Schmidt => "Schmidt's figure",
+        Document::Thesis => "Figure",
+        Document::Poster => "The poster's figure",
+        Document::Schmidt => "Schmidt's figure",
     };
     Ok(Entry {
         stem: plate.stem(),
@@ -88,15 +93,15 @@ fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> an
     })
 }
 
-/// The file's name.
-fn write(plate: &Plate, made: Made, folder: &Path) -> Result<String> {
+/// Writes a figure to a file and returns the file's name.
+fn write(plate: &Plate, made: FinishedFigure, folder: &Path) -> Result<String> {
     match made {
-        Made::Picture(picture) => {
+        FinishedFigure::Picture(picture) => {
             let file = format!("{}.png", plate.stem());
             picture.write_png(&folder.join(&file))?;
             Ok(file)
         }
-        Made::Drawing(svg) => {
+        FinishedFigure::Drawing(svg) => {
             let file = format!("{}.svg", plate.stem());
             files::write(&folder.join(&file), svg.as_bytes())?;
             Ok(file)
@@ -104,22 +109,22 @@ fn write(plate: &Plate, made: Made, folder: &Path) -> Result<String> {
     }
 }
 
-fn groups(entries: Vec<(Source, Entry)>) -> Vec<Group> {
+fn groups(entries: Vec<(Document, Entry)>) -> Vec<Group> {
     let documents = [
         (
-            Source::Thesis,
+            Document::Thesis,
             "Hermanns 2015",
             "Lukas Hermanns, Screen Space Cone Tracing for Glossy Reflections, thesis, TU Darmstadt, 2015. The \
              times in its captions: ssct time --table captions; table 5.8: ssct time --table 5.8.",
         ),
         (
-            Source::Poster,
+            Document::Poster,
             "Hermanns and Franke 2014",
             "Lukas Hermanns and Tobias Alexander Franke, Screen Space Cone Tracing for Glossy Reflections, SIGGRAPH poster, \
              2014.",
         ),
         (
-            Source::Schmidt,
+            Document::Schmidt,
             "Schmidt 2013",
             "Guido Schmidt, Rendering view dependent reflections using the graphics card, thesis, University of \
              Koblenz-Landau, 2013. Its figures 42 and 52, \

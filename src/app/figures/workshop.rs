@@ -1,19 +1,18 @@
-//! Where figures are rendered: the arguments of `ssct render` become pictures, the scene staying on the
-//! device between them. What a page says a picture was made by is thereby what made it.
+//! Renders the pictures of figures: the arguments of `ssct render` become pictures, while the scene stays on
+//! the device between them. The command that a page prints for a picture is therefore the one that made it.
 
-use crate::app::cli::{Cli, Command, RenderOptions};
+use crate::app::cli::RenderOptions;
 use crate::app::{reference, render, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{self, METHODS};
+use crate::methods::{self, METHODS, Wants};
 use crate::report::figures;
 use crate::report::images::{Rgb, display};
 use crate::scene::{Camera, Scene, library};
-use crate::study::timing::camera;
 use crate::study::{RenderedImage, Shot, Stage, image};
 use clap::Parser;
 
-/// A device, and the scene that was asked for last.
+/// A device, and the scene that was used last.
 pub struct Workshop<'a> {
     gpu: &'a Gpu,
     loaded: Option<Loaded>,
@@ -24,21 +23,24 @@ struct Loaded {
     stage: Stage,
 }
 
-/// The options of an `ssct render` without its `-o`.
-pub fn parse(arguments: &str) -> Result<RenderOptions> {
-    let words = ["ssct", "render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
-    match Cli::try_parse_from(words).map(|c| c.command) {
-        Ok(Command::Render(options)) => Ok(options),
-        Ok(_) => Err(Error::Usage(format!("{arguments}: renders nothing"))),
-        Err(e) => {
-            let text = e.to_string();
-            let line = text.lines().next().unwrap_or_default();
-            Err(Error::Usage(line.trim_start_matches("error: ").to_owned()))
-        }
-    }
+/// An `ssct render` by itself.
+#[derive(Parser)]
+struct Render {
+    #[command(flatten)]
+    options: RenderOptions,
 }
 
-/// What this program lacks to render with some arguments: an option, a method or a scene.
+/// Parses the options of an `ssct render` without its `-o`.
+pub fn parse(arguments: &str) -> Result<RenderOptions> {
+    let words = ["render"].into_iter().chain(arguments.split_whitespace()).chain(["-o", "figure.png"]);
+    Render::try_parse_from(words).map(|render| render.options).map_err(|e| {
+        let text = e.to_string();
+        let line = text.lines().next().unwrap_or_default();
+        Error::Usage(line.trim_start_matches("error: ").to_owned())
+    })
+}
+
+/// What this program lacks to render with the given arguments: an option, a method or a scene.
 pub fn lack(arguments: &str) -> Option<String> {
     let options = match parse(arguments) {
         Ok(options) => options,
@@ -57,12 +59,12 @@ fn scene_name(options: &RenderOptions) -> String {
 }
 
 impl<'a> Workshop<'a> {
-    /// Nothing is loaded yet.
+    /// A workshop without a loaded scene.
     pub fn new(gpu: &'a Gpu) -> Self {
         Self { gpu, loaded: None }
     }
 
-    /// The picture of an `ssct render`.
+    /// Renders the picture of an `ssct render`.
     pub fn picture(&mut self, arguments: &str) -> Result<Rgb> {
         let options = parse(arguments)?;
         if render::method_name(&options) == "reference" {
@@ -77,7 +79,7 @@ impl<'a> Workshop<'a> {
         })
     }
 
-    /// The picture of an `ssct render`, and everything that led to it.
+    /// Renders the picture of an `ssct render` with all its intermediate images.
     pub fn inside(&mut self, arguments: &str) -> Result<(RenderedImage, Camera)> {
         self.rendered(&parse(arguments)?, true)
     }
@@ -100,9 +102,10 @@ impl<'a> Workshop<'a> {
         let globals = resolve::one_globals(&common.place, "a figure has one roughness")?;
         let Loaded { scene, stage } = self.load(options)?;
         let view = resolve::view(scene, &common.place, None)?;
-        let setup = render::setup(options, inside);
-        let camera = camera(scene, &view, options.size);
-        let shot = Shot::new(stage, method, &setup, camera, globals.materials(scene, &view))?;
+        let setup = render::setup(options);
+        let wants = if inside { Wants::HITS } else { Wants::REFLECTION };
+        let camera = view.camera(scene, options.size);
+        let shot = Shot::new(stage, method, &setup, wants, camera, globals.materials(scene, &view))?;
         Ok((image::render(stage, &shot, inside)?, camera))
     }
 }

@@ -1,5 +1,5 @@
-//! Frames of the window as an animated GIF: pictures for a page. Pixels that stay as they were are left
-//! out of the later frames, which keeps the file small.
+//! Writes frames of the window as an animated GIF for a web page. Pixels that do not change are transparent in
+//! later frames, which keeps the file small.
 
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
@@ -7,28 +7,31 @@ use crate::report::files;
 use crate::report::images::display;
 use std::path::Path;
 
-/// How far two bytes may differ to be the same to the eye.
+/// The largest difference between two bytes that is not visible.
 const SAME: u8 = 3;
-/// Of the quantisation, from 1 (best) to 30.
+/// The speed of the colour quantisation, from 1 (best quality) to 30.
 const SPEED: i32 = 10;
 
 /// An animation that grows frame by frame.
 pub struct Animation {
     delay_ms: u16,
     size: [u16; 2],
-    /// RGBA bytes; what stays as it was is transparent.
+    /// RGBA bytes; unchanged pixels are transparent.
     frames: Vec<Vec<u8>>,
-    /// What the frames so far leave on the screen, in RGBA bytes.
+    /// The RGBA bytes that the frames so far leave on the screen.
     seen: Vec<u8>,
 }
 
 impl Animation {
-    /// An empty one, of so many milliseconds a frame.
+    /// An animation without frames; each frame will be shown for `delay_ms` milliseconds.
     pub fn new(delay_ms: u16) -> Self {
         Self { delay_ms, size: [0; 2], frames: Vec::new(), seen: Vec::new() }
     }
 
-    /// Adds a screen. All must be of one size, else it is an error.
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if its size differs from that of the first frame.
     pub fn add(&mut self, screen: &Pixels) -> Result<()> {
         let rgb = display(screen);
         let is_first = self.frames.is_empty();
@@ -55,7 +58,7 @@ impl Animation {
         Ok(())
     }
 
-    /// Writes the file, which repeats without an end.
+    /// Writes the file, which repeats forever.
     pub fn write(self, path: &Path) -> Result<()> {
         let failed = |e: gif::EncodingError| Error::io("encode", path, std::io::Error::other(e));
         let mut bytes = Vec::new();
@@ -63,12 +66,12 @@ impl Animation {
         encoder.set_repeat(gif::Repeat::Infinite).map_err(failed)?;
         for mut rgba in self.frames {
             let mut frame = gif::Frame::from_rgba_speed(self.size[0], self.size[1], &mut rgba, SPEED);
-            // What a frame leaves out stays as it was.
+            // Transparent pixels keep the previous frame's colour.
             frame.dispose = gif::DisposalMethod::Keep;
             frame.delay = self.delay_ms.div_ceil(10);
             encoder.write_frame(&frame).map_err(failed)?;
         }
-        // The end of the file is written with the encoder's.
+        // Dropping the encoder writes the end of the file.
         drop(encoder);
         files::write(path, &bytes)
     }
@@ -80,7 +83,7 @@ mod tests {
     use image::AnimationDecoder;
 
     #[test]
-    fn frames_are_what_was_added() {
+    fn written_frames_equal_the_added_ones() {
         let screen = |bright: usize| Pixels {
             width: 4,
             height: 2,
@@ -99,7 +102,7 @@ mod tests {
         let frames = image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
         assert_eq!(frames.len(), 3);
         for (n, frame) in frames.iter().enumerate() {
-            // What did not change is still there: blue, and not the ground.
+            // What did not change must still be blue, not the background.
             for (i, pixel) in frame.buffer().pixels().enumerate() {
                 let [red, _, blue, alpha] = pixel.0;
                 assert!((red > 200) == (i == n) && blue > 100 && alpha == 255, "frame {n}, pixel {i}: {pixel:?}");

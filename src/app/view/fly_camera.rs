@@ -1,22 +1,22 @@
-//! A camera that flies: turned by the mouse, moved by keys. Pure arithmetic, without a window.
+//! A camera that flies: the mouse turns it and keys move it. This is arithmetic only, without a window.
 //!
-//! It is kept as an eye and a point that it looks at, as a view is, so that a view which nobody
-//! moved from is rendered to the bit as `ssct render` does.
+//! Like a view, the camera is stored as an eye and a point that it looks at, so that a view from which the
+//! camera has not moved is rendered exactly as by `ssct render`.
 
 use crate::scene::{Camera, Lens, View};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
-/// How far a pixel of mouse motion turns.
+/// The angle that one pixel of mouse motion turns.
 const RADIANS_PER_PIXEL: f32 = 0.003;
-/// Straight up and down are left out: there, a heading has no meaning.
+/// Straight up and down are excluded, because a heading has no meaning there.
 const MAX_PITCH_RADIANS: f32 = FRAC_PI_2 - 0.02;
-/// Speed with the "fast" key over speed without.
+/// The factor of the "fast" key on the speed.
 const FAST: f32 = 5.0;
-/// Speed after a notch of the wheel over speed before.
+/// The factor of one notch of the wheel on the speed.
 const SPEED_STEP: f32 = 1.25;
 
-/// Where the camera is, where it looks, and how fast it flies.
+/// The position, direction and speed of the camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlyCamera {
     eye: Vec3,
@@ -24,54 +24,54 @@ pub struct FlyCamera {
     speed_m_per_s: f32,
 }
 
-/// Which way the keys ask to fly.
+/// The direction in which the pressed keys move the camera.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Motion {
-    /// To the right, up (in the world), and forward; each −1, 0 or 1.
+pub struct FlyMotion {
+    /// To the right, upwards (in the world) and forwards; each component is −1, 0 or 1.
     pub direction: Vec3,
-    /// Whether it is to go fast.
+    /// Whether the "fast" key is pressed.
     pub fast: bool,
 }
 
-impl Motion {
-    /// Whether it asks for anything.
+impl FlyMotion {
+    /// Whether any key moves the camera.
     pub fn is_moving(&self) -> bool {
         self.direction != Vec3::ZERO
     }
 }
 
 impl FlyCamera {
-    /// At a view.
+    /// A camera at a view.
     pub fn new(view: &View, speed_m_per_s: f32) -> Self {
         Self { eye: view.eye, look_at: view.look_at, speed_m_per_s }
     }
 
-    /// Eye and the point that it looks at.
+    /// The eye and the point that it looks at.
     pub fn place(&self) -> (Vec3, Vec3) {
         (self.eye, self.look_at)
     }
 
-    /// Puts it somewhere; keeps the speed.
+    /// Moves the camera to a position and keeps its speed.
     pub fn put(&mut self, (eye, look_at): (Vec3, Vec3)) {
         *self = Self { eye, look_at, ..*self };
     }
 
-    /// Metres a second without the "fast" key.
+    /// The speed in metres per second without the "fast" key.
     pub fn speed_m_per_s(&self) -> f32 {
         self.speed_m_per_s
     }
 
-    /// Jumps to a view; keeps the speed.
+    /// Jumps to a view and keeps the speed.
     pub fn jump(&mut self, view: &View) {
         *self = Self::new(view, self.speed_m_per_s);
     }
 
-    /// The camera through a lens; `aspect` is width over height.
+    /// This camera with a lens; `aspect` is width over height.
     pub fn camera(&self, lens: Lens, aspect: f32) -> Camera {
         Camera::new(self.eye, self.look_at, lens, aspect)
     }
 
-    /// Turns by mouse motion in pixels, +x to the right and +y downwards.
+    /// Turns by a mouse motion in pixels; +x is to the right and +y downwards.
     pub fn turn(&mut self, pixels: Vec2) {
         let (forward, distance) = (self.forward(), self.eye.distance(self.look_at));
         let yaw = forward.x.atan2(forward.z) + pixels.x * RADIANS_PER_PIXEL;
@@ -81,8 +81,8 @@ impl FlyCamera {
         self.look_at = self.eye + turned * distance.max(1.0);
     }
 
-    /// Flies for a time; whether it moved.
-    pub fn fly(&mut self, motion: Motion, seconds: f32) -> bool {
+    /// Flies for a time; returns whether the camera moved.
+    pub fn fly(&mut self, motion: FlyMotion, seconds: f32) -> bool {
         let forward = self.forward();
         let right = Vec3::Y.cross(forward).normalize_or(Vec3::X);
         let way = right * motion.direction.x + Vec3::Y * motion.direction.y + forward * motion.direction.z;
@@ -93,7 +93,7 @@ impl FlyCamera {
         step != Vec3::ZERO
     }
 
-    /// Flies faster (positive) or slower by notches of the wheel.
+    /// Makes the camera faster (positive) or slower by notches of the wheel.
     pub fn change_speed(&mut self, notches: f32) {
         self.speed_m_per_s = (self.speed_m_per_s * SPEED_STEP.powf(notches)).clamp(1e-3, 1e5);
     }
@@ -111,12 +111,12 @@ mod tests {
         FlyCamera::new(&View { eye, look_at, ..View::default() }, 2.0)
     }
 
-    fn towards(x: f32, y: f32, z: f32) -> Motion {
-        Motion { direction: Vec3::new(x, y, z), fast: false }
+    fn towards(x: f32, y: f32, z: f32) -> FlyMotion {
+        FlyMotion { direction: Vec3::new(x, y, z), fast: false }
     }
 
     #[test]
-    fn an_unmoved_view_is_the_views_camera_to_the_bit() {
+    fn a_camera_that_has_not_moved_equals_the_views_camera() {
         let (eye, look_at, lens) = (Vec3::new(0.1, 1.7, -3.3), Vec3::new(5.1, 0.3, 7.9), Lens::default());
         let mut camera = at(Vec3::ZERO, Vec3::Z);
         camera.jump(&View { eye, look_at, ..View::default() });
@@ -130,10 +130,10 @@ mod tests {
         assert!(camera.eye.distance(Vec3::X) < 1e-6, "right is +x when +z is ahead: {}", camera.eye);
         camera.fly(towards(0.0, 1.0, 1.0), 1.0);
         assert!(camera.eye.distance(Vec3::new(1.0, 2_f32.sqrt(), 2_f32.sqrt())) < 1e-5, "{}", camera.eye);
-        camera.fly(Motion { direction: Vec3::NEG_Z, fast: true }, 1.0);
+        camera.fly(FlyMotion { direction: Vec3::NEG_Z, fast: true }, 1.0);
         assert!((camera.eye.z - (2_f32.sqrt() - 10.0)).abs() < 1e-5);
         assert!(camera.forward().distance(Vec3::Z) < 1e-6, "flying does not turn");
-        assert!(!camera.fly(Motion::default(), 1.0));
+        assert!(!camera.fly(FlyMotion::default(), 1.0));
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! After the panel had its say: renders if what is seen changed, asks the frame at rest if it did not, and
-//! brings ray, range and screen to the state.
+//! Updates the viewer after the panel has changed the state: renders a frame if the request changed, analyses
+//! the frame at rest otherwise, and updates the picked ray, the range and the screen.
 
-use super::against::Question;
-use super::panel::Done;
-use super::pictures::{Answers, Pictures, Wanted};
+use super::panel::PanelActions;
+use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
+use super::reference_error::ComparisonRequest;
 use super::state::{STEPS, Tab};
 use super::viewer::{Viewer, scene_name, screen, views};
 use crate::app::cli::SceneOptions;
@@ -17,33 +17,33 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Viewer {
-    /// Brings pictures and screen to what the panel left of the state; whether there was anything to do.
-    pub(super) fn follow(&mut self, done: &Done, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
+    /// Updates pictures and screen to match the state; returns whether there was anything to do.
+    pub(super) fn follow(&mut self, actions: &PanelActions, extent: [u32; 2], pixels_per_point: f32) -> Result<bool> {
         if self.state.scene != scene_name(&self.place) {
             self.load_scene()?;
         }
         if self.screen.extent() != extent {
             self.screen = screen(&self.gpu, self.screen.format(), extent)?;
         }
-        let area = done.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
+        let area = actions.area.map_or([0, 0, extent[0], extent[1]], |a| pixels(a, extent, pixels_per_point));
         let wanted = self.wanted([area[2], area[3]]);
         let mut active = true;
         if self.pictures.is_other(&wanted) {
             self.pictures.render(&wanted)?;
             self.frames += 1;
-            (self.answers, self.ray) = (None, None);
-            self.against.forget();
-        } else if self.asks() {
-            let answers = self.pictures.ask()?;
+            (self.analysis, self.ray) = (None, None);
+            self.reference_error.forget();
+        } else if self.needs_analysis() {
+            let analysis = self.pictures.analyse()?;
             if self.state.tab == Tab::Live {
-                self.ask_against(&wanted, &answers);
+                self.compare_with_reference(&wanted, &analysis);
             }
-            self.answers = Some(answers);
+            self.analysis = Some(analysis);
         } else {
             active = false;
         }
         active |= self.pick();
-        if done.fit_range {
+        if actions.fit_range {
             self.fit_range()?;
             active = true;
         }
@@ -60,19 +60,19 @@ impl Viewer {
         Ok(active)
     }
 
-    /// Whether the frame at rest is to be asked: the open part of the panel shows its answers.
-    pub(super) fn asks(&self) -> bool {
+    /// Whether the frame at rest must be analysed, because the open part of the panel shows the results.
+    pub(super) fn needs_analysis(&self) -> bool {
         let steps = self.state.inside.as_ref().is_some_and(|i| i.name == STEPS);
         let wants = steps || matches!(self.state.tab, Tab::Live | Tab::Ray);
         let looks_for_reference =
-            self.state.tab == Tab::Live && !self.against.is_waiting() && self.against.answer.is_none();
-        wants && (self.answers.is_none() || looks_for_reference)
+            self.state.tab == Tab::Live && !self.reference_error.is_waiting() && self.reference_error.outcome.is_none();
+        wants && (self.analysis.is_none() || looks_for_reference)
     }
 
-    /// Brings the drawn ray to the picked pixel; whether it was another.
+    /// Traces the ray of the picked pixel; returns whether it changed.
     fn pick(&mut self) -> bool {
         let wanted = self.state.picked.filter(|_| self.state.tab == Tab::Ray);
-        let inspection = self.answers.as_ref().and_then(|a| a.inspection.as_ref());
+        let inspection = self.analysis.as_ref().and_then(|a| a.inspection.as_ref());
         let (Some(pixel), Some(inspection)) = (wanted, inspection) else { return false };
         if self.ray.as_ref().is_some_and(|r| r.pixel == pixel) {
             return false;
@@ -81,23 +81,23 @@ impl Viewer {
         self.ray.is_some()
     }
 
-    fn ask_against(&mut self, wanted: &Wanted, answers: &Answers) {
-        let question = Question {
+    fn compare_with_reference(&mut self, wanted: &FrameRequest, analysis: &FrameAnalysis) {
+        let request = ComparisonRequest {
             scene: Arc::clone(&self.scene),
             materials: wanted.materials.clone(),
             camera: wanted.camera,
             extent: wanted.extent,
-            escape: match wanted.sides.first().map(|s| s.setup.fallback) {
+            escape: match wanted.sides.first().map(|s| s.setup.effect().fallback) {
                 None | Some(Fallback::None) => Escape::Black,
                 Some(_) => Escape::Environment,
             },
-            reflections: answers.reflections.clone(),
+            reflections: analysis.reflections.clone(),
         };
         let wake = Arc::clone(&self.wake);
-        self.against.ask(question, move || wake());
+        self.reference_error.start(request, move || wake());
     }
 
-    /// The range from the least to the greatest number that the picture shows.
+    /// Fits the range to the least and the greatest number of the shown picture.
     fn fit_range(&mut self) -> Result<()> {
         let Some(pixels) = self.read_picture()? else { return Ok(()) };
         let tone = self.state.tone;
@@ -123,20 +123,20 @@ impl Viewer {
         let scene = resolve::scene(&place, "rooms")?;
         self.views = views(&scene, &place)?;
         let Some(first) = self.views.first().cloned() else { return Ok(()) };
-        // The old scene's memory goes before the new one's comes.
+        // The memory of the old scene is freed before the new one is uploaded.
         self.pictures.discard_pipelines();
         self.pictures = Pictures::new(&self.gpu, &scene)?;
         self.state.camera = Self::camera(&scene, &first);
         self.state.show_view(&first);
         self.state.picked = None;
-        (self.answers, self.ray) = (None, None);
+        (self.analysis, self.ray) = (None, None);
         self.scene = Arc::new(scene);
         self.place = place;
         Ok(())
     }
 }
 
-/// Left, top, width and height in pixels of a rectangle in points, at least a pixel of the window.
+/// Left, top, width and height in pixels of a rectangle in points; at least one pixel of the window.
 fn pixels(area: egui::Rect, [width, height]: [u32; 2], pixels_per_point: f32) -> [u32; 4] {
     let x = |v: f32| (v * pixels_per_point).round().max(0.0) as u32;
     let (left, top) = (x(area.left()).min(width - 1), x(area.top()).min(height - 1));

@@ -1,4 +1,4 @@
-//! Pass times of the last frames of a method, for the stacked bars.
+//! Pass times of a method's recent frames, for the stacked bars.
 
 use crate::gpu::FrameReport;
 use crate::gpu::frame::Skipped;
@@ -6,34 +6,34 @@ use crate::study::Stats;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// How far back the bars reach.
+/// How far back in time the bars reach.
 const KEPT: Duration = Duration::from_secs(10);
-/// The most frames kept.
+/// The most frames that are kept.
 const FRAMES: usize = 240;
 
-/// A stage of a frame: a pass, or the levels of a chain added up.
+/// A stage of a frame: a pass, or all levels of a chain together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageTime {
-    /// Label, without a level.
+    /// The label, without a level.
     pub name: String,
     /// Milliseconds.
     pub ms: f64,
-    /// Whether it counts towards the method's time.
+    /// Whether the stage counts towards the method's time.
     pub counted: bool,
 }
 
-/// The times of a method's last frames.
+/// The times of a method's recent frames.
 #[derive(Debug, Default)]
 pub struct History {
     frames: VecDeque<(Instant, Vec<StageTime>)>,
-    /// Labels of the passes of the last frame.
+    /// Labels of the passes that the last frame recorded.
     pub recorded: Vec<String>,
-    /// Passes that the last frame did not need, and why.
+    /// Passes that the last frame skipped, with the reasons.
     pub skipped: Vec<Skipped>,
 }
 
 impl History {
-    /// Adds a frame that was timed at a time.
+    /// Adds a frame that was measured at the time `now`.
     pub fn add(&mut self, report: &FrameReport, now: Instant) {
         let mut stages: Vec<StageTime> = Vec::new();
         for pass in &report.passes {
@@ -43,7 +43,7 @@ impl History {
                 None => stages.push(StageTime { name: name.to_owned(), ms: pass.ms, counted: pass.counted }),
             }
         }
-        // Another chain of passes is another method or setting: its times are not comparable.
+        // A different list of passes means another method or setting, whose times are not comparable.
         let names = |s: &[StageTime]| s.iter().map(|s| s.name.clone()).collect::<Vec<_>>();
         if self.frames.back().is_some_and(|(_, last)| names(last) != names(&stages)) {
             self.frames.clear();
@@ -57,24 +57,24 @@ impl History {
         self.skipped.clone_from(&report.skipped);
     }
 
-    /// Forgets all.
+    /// Removes all frames.
     pub fn clear(&mut self) {
         self.frames.clear();
     }
 
-    /// Every frame's stages, oldest first.
+    /// The stages of every frame, oldest first.
     pub fn frames(&self) -> impl Iterator<Item = &[StageTime]> {
         self.frames.iter().map(|(_, stages)| &stages[..])
     }
 
-    /// Each stage's name, whether it counts, and its times over the frames.
+    /// For each stage: its name, whether it counts, and statistics of its times.
     pub fn stages(&self) -> Vec<(String, bool, Stats)> {
         let Some((_, last)) = self.frames.back() else { return Vec::new() };
         let of = |i: usize| self.frames.iter().map(|(_, stages)| stages[i].ms).collect::<Vec<_>>();
         last.iter().enumerate().map(|(i, s)| (s.name.clone(), s.counted, Stats::of(&of(i)))).collect()
     }
 
-    /// The method's time: the sum of the stages that count, over the frames.
+    /// Statistics of the method's time, the sum of the stages that count.
     pub fn total(&self) -> Stats {
         let sum = |stages: &[StageTime]| stages.iter().filter(|s| s.counted).map(|s| s.ms).sum();
         Stats::of(&self.frames().map(sum).collect::<Vec<f64>>())
@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_add_up_scene_passes_do_not_count_and_other_passes_begin_anew() {
+    fn levels_add_up_scene_passes_do_not_count_and_new_passes_reset_the_history() {
         let (mut history, now) = (History::default(), Instant::now());
         for ms in [1.0, 3.0, 2.0] {
             history.add(&report(&[("g-buffer", 9.0, false), ("hi-z/1", ms, true), ("hi-z/2", 0.5, true)]), now);

@@ -1,22 +1,22 @@
-//! What keys do, by their place on a US keyboard.
+//! The actions of keys, by their position on a US keyboard.
 
-use super::fly_camera::Motion;
+use super::fly_camera::FlyMotion;
 use super::state::{State, Tab};
 use super::viewer::Viewer;
 use glam::Vec3;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
 
-/// What a key does once.
+/// A one-time action of a key.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Action {
     /// Closes the window.
     Quit,
-    /// Goes on to the next method.
+    /// Switches to the next method.
     NextMethod,
-    /// One method, both side by side, their difference.
+    /// Switches between one method, both side by side, and their difference.
     NextCompare,
-    /// Makes everything rougher by tenths.
+    /// Adds tenths to the roughness of all materials.
     Roughness(f32),
     /// Jumps to a view, counted from 0.
     View(usize),
@@ -26,11 +26,11 @@ pub enum Action {
     NextTab,
     /// Records a key frame.
     RecordKey,
-    /// Plays the key frames, or stops.
+    /// Starts or stops playing the key frames.
     Play,
 }
 
-/// What a key does when it goes down.
+/// The action of a key when it is pressed.
 pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
     use KeyCode as K;
     const DIGITS: [KeyCode; 9] =
@@ -49,7 +49,7 @@ pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
 }
 
 impl Viewer {
-    /// Does what a key asks for, but for quitting.
+    /// Performs an action, except for quitting.
     pub fn act(&mut self, action: Action) {
         match action {
             Action::Quit => {}
@@ -78,15 +78,15 @@ pub fn shift(keys: &HashSet<KeyCode>) -> bool {
     keys.contains(&KeyCode::ShiftLeft) || keys.contains(&KeyCode::ShiftRight)
 }
 
-/// Where the keys held ask to fly.
-pub fn motion(keys: &HashSet<KeyCode>) -> Motion {
+/// The motion that the pressed keys ask for.
+pub fn motion(keys: &HashSet<KeyCode>) -> FlyMotion {
     let axis = |plus, minus| f32::from(keys.contains(&plus)) - f32::from(keys.contains(&minus));
     let direction = Vec3::new(
         axis(KeyCode::KeyD, KeyCode::KeyA),
         axis(KeyCode::KeyE, KeyCode::KeyQ),
         axis(KeyCode::KeyW, KeyCode::KeyS),
     );
-    Motion { direction, fast: shift(keys) }
+    FlyMotion { direction, fast: shift(keys) }
 }
 
 #[cfg(test)]

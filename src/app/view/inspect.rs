@@ -1,15 +1,15 @@
-//! What a frame at rest is asked: where its rays ended, what a picked ray did, and what the oracle says
-//! of the same ray. All of it on the CPU, from one reading of the G-buffer.
+//! Analyses a frame at rest: where its rays ended, what the picked ray did, and what the oracle finds for the
+//! same ray. Everything is computed on the CPU from one readback of the G-buffer.
 
 use super::state::Side;
 use crate::gpu::Pixels;
 use crate::math::OracleVersion;
-use crate::methods::thesis::{self, Variant};
+use crate::methods::thesis::{self, HiZParams};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
 use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
-use crate::reference::hi_z_ray_trace::{self, Constants, HiZTrace, reflection_ray};
+use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
 use crate::reference::unified::{Code, Traversal};
 use crate::reference::{Level, Oracle, Trace};
@@ -17,91 +17,92 @@ use crate::scene::GBufferData;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
-/// A frame's G-buffer and hits on the host.
+/// The G-buffer and the hits of a frame, on the host.
 pub struct Inspection {
     /// The G-buffer.
     pub gbuffer: GBufferData,
-    /// Where the method's rays ended, if it says so.
+    /// Where the method's rays ended, if the method reports it.
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
     oracle: OracleVersion,
 }
 
-/// How the method's ray trace is done again on the CPU.
+/// How the method's ray tracing is repeated on the CPU.
 enum Twin {
-    /// The thesis's Hi-Z ray tracing, with its chain.
-    HiZ { constants: Constants, reflection_offset: f32, direction_epsilon: f32, chain: Vec<Level<MinMax>> },
+    /// The thesis's Hi-Z ray tracing, with its Hi-Z chain.
+    HiZ { constants: HiZConstants, reflection_offset: f32, direction_epsilon: f32, chain: Vec<Level<MinMax>> },
     /// The traversal of `unified`.
     Unified,
 }
 
-/// A ray, seen by the method, by the twin of its traversal, and by the oracle.
+/// A ray as the method, the twin of its traversal, and the oracle see it.
 #[derive(Debug, Clone)]
 pub struct PickedRay {
     /// The pixel that it starts from.
     pub pixel: [u32; 2],
-    /// Its way in the image; `None` where there is no ray.
+    /// The ray's path in the image; `None` if there is no ray.
     pub segment: Option<Segment>,
-    /// How the method says it ended, and where in pixels.
+    /// How the method reports that the ray ended, and where, in pixels.
     pub method: Option<(PathCode, [f32; 2])>,
-    /// Its cells and levels, if the method traverses the Hi-Z and there is a twin of its traversal.
+    /// The visited cells and levels, if the method traverses a Hi-Z chain and its traversal has a twin.
     pub walk: Option<Walk>,
-    /// What it truly meets in the G-buffer.
+    /// What the ray really hits in the G-buffer.
     pub oracle: Trace,
 }
 
-/// A ray's way through the cells of the Hi-Z, whichever method's.
+/// A ray's path through the cells of a Hi-Z chain, for any method.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walk {
-    /// Every cell that was looked at, in order.
-    pub cells: Vec<Cell>,
-    /// Where the ray stood, in pixels: at its pixel, then after every step.
+    /// Every visited cell, in order.
+    pub cells: Vec<VisitedCell>,
+    /// The ray's position in pixels: at its start, then after each step.
     pub way: Vec<Vec2>,
-    /// How it ended.
+    /// How the path ended.
     pub end: WalkEnd,
-    /// What the depths of the cells are.
+    /// The convention of the cells' depths.
     pub depth: &'static str,
 }
 
-/// A cell on a walk.
+/// A cell that a ray visited.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
-    /// Level of the Hi-Z, 0 for pixels.
+pub struct VisitedCell {
+    /// Level of the Hi-Z chain; 0 is the pixels.
     pub level: u32,
-    /// Its place among the level's cells.
+    /// Column and row of the cell in its level.
     pub place: Vec2,
-    /// Its corners in pixels, top left and bottom right.
+    /// Its top left and bottom right corners, in pixels.
     pub corners: [Vec2; 2],
-    /// The nearest depth in it.
+    /// The nearest depth in the cell.
     pub nearest: f32,
     /// The ray's depth after the step.
     pub ray: f32,
-    /// Whether the ray went on to the next cell; else it met what is in this one, and the level went down.
+    /// Whether the ray went on to the next cell. Otherwise it met the content of this one, and the level went
+    /// down.
     pub crossed: bool,
 }
 
-/// How a walk ended.
+/// How a ray's path ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WalkEnd {
-    /// In a cell of level 0.
+    /// It hit a cell of level 0.
     Hit,
-    /// Where the ray leaves what is seen.
+    /// It left the visible volume.
     Left,
-    /// At a block, from behind.
+    /// It met a block from behind.
     Behind,
-    /// Out of iterations.
+    /// It ran out of iterations.
     Exhausted,
 }
 
 impl Walk {
-    /// Where it ended, in pixels.
+    /// The last position, in pixels.
     pub fn last(&self) -> Vec2 {
         self.way.last().copied().unwrap_or_default()
     }
 
-    /// Of the thesis's traversal, in an image of a size in pixels.
+    /// The path of the thesis's traversal in an image of `size` pixels.
     fn of_thesis(trace: &HiZTrace, size: Vec2) -> Self {
-        let cells = trace.steps.iter().map(|s| Cell {
+        let cells = trace.steps.iter().map(|s| VisitedCell {
             level: s.level,
             place: s.cell,
             corners: [s.cell, s.cell + 1.0].map(|corner| corner / s.cell_count * size),
@@ -122,17 +123,17 @@ impl Walk {
         }
     }
 
-    /// Of the traversal of `unified`; `None` where the pixel has no ray.
+    /// The path of the traversal of `unified`; `None` if the pixel has no ray.
     fn of_unified(traversal: &Traversal, x: u32, y: u32) -> Option<Self> {
         let (ray, _) = traversal.mirror_ray(x, y)?;
         let (mut cells, mut way) = (Vec::new(), vec![ray.at(0.0).xy()]);
         let hit = traversal.walk(&ray, |visit| {
             let side = (1 << visit.level) as f32;
             let place = visit.cell.as_vec2();
-            // Where it meets a cell, the next one that is looked at is within it.
+            // If the ray meets a cell, the next cell to be visited is inside it.
             let stands = ray.at(visit.span[usize::from(!visit.meets)]);
             way.push(stands.xy());
-            cells.push(Cell {
+            cells.push(VisitedCell {
                 level: visit.level,
                 place,
                 corners: [place * side, (place + 1.0) * side],
@@ -154,55 +155,54 @@ impl Walk {
     }
 }
 
-/// Reflecting pixels by what `unified` does for them, and the rays that it traces for them.
+/// The reflecting pixels by how `unified` treats them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PixelClasses {
-    /// Of roughness 0: a ray each.
+    /// Mirrors (roughness 0); each has its own ray.
     pub mirrors: usize,
-    /// Of narrow lobes: a ray each.
+    /// Narrow lobes; each has its own ray.
     pub narrow: usize,
-    /// Of wide lobes.
+    /// Wide lobes.
     pub wide: usize,
-    /// Cells of 2 × 2 pixels with wide lobes among them: a ray each.
+    /// Cells of 2 × 2 pixels that contain wide lobes; each has one ray.
     pub wide_cells: usize,
 }
 
 impl PixelClasses {
-    /// Every ray.
+    /// The number of rays.
     pub fn rays(&self) -> usize {
         self.mirrors + self.narrow + self.wide_cells
     }
 }
 
-/// Tiles of `unified` by what is in them.
+/// The tiles of `unified`, by content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TileClasses {
-    /// Nothing that reflects.
+    /// Without reflecting pixels.
     pub empty: usize,
-    /// Mirrors alone.
+    /// Only mirrors.
     pub mirrors: usize,
-    /// Gloss alone.
+    /// Only glossy pixels.
     pub glossy: usize,
-    /// Both.
+    /// Mirrors and glossy pixels.
     pub both: usize,
 }
 
 impl Inspection {
-    /// Of a side's frame.
+    /// Prepares the analysis of a method's frame.
     pub fn new(gbuffer: GBufferData, hits: Option<Pixels>, side: &Side) -> Self {
         let extent = [gbuffer.width, gbuffer.height];
-        let hi_z = |fallback| {
-            let variant =
-                Variant { preset: side.setup.preset, tuning: side.setup.tuning, fallback, fade: side.setup.fade };
+        let hi_z = || {
             let levels = crate::gpu::image::full_chain(extent);
-            let block = thesis::parameters(&variant, &gbuffer.camera, extent, levels);
+            let numbers: HiZParams = side.setup.of();
+            let block = numbers.fill(thesis::block(&gbuffer.camera, extent, levels, true));
             let depth = Level {
                 width: gbuffer.width,
                 height: gbuffer.height,
                 texels: gbuffer.depth.iter().map(|reversed| 1.0 - reversed).collect(),
             };
             Twin::HiZ {
-                constants: Constants {
+                constants: HiZConstants {
                     start_level: block.start_level.max(0) as u32,
                     iterations: block.iterations.max(0) as u32,
                     cross_offset: block.cross_offset,
@@ -213,17 +213,17 @@ impl Inspection {
             }
         };
         // At a lower resolution the rays are those of other pixels.
-        let twin = match side.method.name {
-            _ if side.setup.divisor != 1 => None,
-            "ssct" => Some(hi_z(true)),
-            "hzct" => Some(hi_z(false)),
-            "unified" => Some(Twin::Unified),
+        let effect = side.setup.effect();
+        let twin = match side.method {
+            _ if effect.divisor() != 1 => None,
+            method if method.traces_hi_z => Some(hi_z()),
+            method if method.follows_oracle => Some(Twin::Unified),
             _ => None,
         };
-        Self { gbuffer, hits, twin, oracle: side.setup.oracle }
+        Self { gbuffer, hits, twin, oracle: effect.oracle }
     }
 
-    /// Rays by how they ended, with their number.
+    /// The number of rays for each way of ending.
     pub fn ends(&self) -> Vec<(PathCode, usize)> {
         let mut counts: Vec<(PathCode, usize)> = Vec::new();
         for code in self.hits.iter().flat_map(Pixels::texels).filter_map(|t| PathCode::from_channel(t[3])) {
@@ -237,12 +237,12 @@ impl Inspection {
         counts
     }
 
-    /// Reflecting pixels.
+    /// The number of reflecting pixels.
     pub fn reflecting(&self) -> usize {
         (0..self.gbuffer.depth.len()).filter(|i| self.gbuffer.reflects(*i)).count()
     }
 
-    /// Tiles by class: what a method that classifies them has to do.
+    /// The tiles by content, which determines the work of a method that classifies them.
     pub fn tiles(&self) -> TileClasses {
         let g = &self.gbuffer;
         let mut classes = TileClasses::default();
@@ -290,12 +290,12 @@ impl Inspection {
         classes
     }
 
-    /// Whether the rays are those of `unified`.
+    /// Whether the frame was rendered by `unified`.
     pub fn is_unified(&self) -> bool {
         matches!(self.twin, Some(Twin::Unified))
     }
 
-    /// Steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.
+    /// The steps of every pixel's ray, rows from the top; `None` for methods whose traversal has no twin.
     pub fn steps(&self) -> Option<Vec<u32>> {
         let (width, pixels) = (self.gbuffer.width, self.gbuffer.width * self.gbuffer.height);
         let at = |i: u32| (i % width, i / width);
@@ -315,8 +315,8 @@ impl Inspection {
         }
     }
 
-    /// The thesis's Hi-Z ray tracing of a pixel (Alg. 6); `None` where the pixel does not reflect, or its
-    /// ray runs towards the camera.
+    /// The thesis's Hi-Z ray tracing of a pixel (Alg. 6); `None` if the pixel does not reflect or its ray runs
+    /// towards the camera.
     fn hi_z(&self, x: u32, y: u32) -> Option<HiZTrace> {
         let Some(Twin::HiZ { constants, reflection_offset, direction_epsilon, chain }) = &self.twin else {
             return None;
@@ -340,7 +340,7 @@ impl Inspection {
         Traversal::new(&self.gbuffer).of_version(self.oracle)
     }
 
-    /// The walk of a pixel's mirror ray.
+    /// The path of a pixel's mirror ray.
     fn walk(&self, x: u32, y: u32) -> Option<Walk> {
         let g = &self.gbuffer;
         match self.twin.as_ref()? {

@@ -1,10 +1,9 @@
-//! `ssct view`: a window to look and tune in.
+//! `ssct view`: a window for viewing methods and tuning their parameters.
 //!
-//! [`state`] is what a user changes, as plain data; [`viewer`] renders what it asks for, if that is
-//! another frame than the last; [`panel`] shows and changes it; [`window`] connects both to the window
-//! system, and [`script`] drives them by arguments alone.
+//! [`state`] holds what the user changes, as plain data. [`viewer`] renders a frame whenever the state asks for
+//! a different one. [`panel`] displays and changes the state. [`window`] connects both to the window system,
+//! and [`script`] runs them without a user.
 
-mod against;
 mod animation;
 mod fly_camera;
 mod follow;
@@ -14,15 +13,18 @@ mod inspect;
 mod panel;
 mod path;
 mod pictures;
+mod reference_error;
 mod reload;
 mod script;
+mod setup;
 mod state;
 #[cfg(test)]
 mod tests;
 mod viewer;
 mod window;
 
-use super::cli::{Cli, CommonOptions, SceneOptions, size};
+use super::cli::{CommonOptions, size};
+use super::parameters::choice;
 use super::resolve;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, PresentMode, swapchain};
@@ -32,16 +34,16 @@ use crate::report::images;
 use crate::scene::path::CameraPath;
 use crate::scene::{Scene, View};
 use animation::Animation;
-use ash::vk;
-use clap::{Args, CommandFactory, ValueEnum};
+use clap::{Args, ValueEnum};
 use path::PathEditor;
-use script::{Plan, Script};
+use script::{Script, ScriptPlan};
+use setup::ViewerSetup;
 use state::{Inside, Side, State, Tab, given_options};
 use std::collections::{BTreeMap, HashSet};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use viewer::{Shaders, Viewer, Wake};
+use viewer::Viewer;
 use window::{App, no_window};
 use winit::event_loop::{ControlFlow, EventLoop};
 
@@ -77,7 +79,7 @@ pub struct ViewOptions {
     /// Width and height of the picture in pixels; the panel stands beside it.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
-    /// What of the panel is open.
+    /// The part of the panel that is open.
     #[arg(long, value_enum, default_value_t)]
     pub panel: Tab,
     /// Show an intermediate, or the heat map `steps`, instead of the finished image.
@@ -86,25 +88,25 @@ pub struct ViewOptions {
     /// The pixel whose ray is drawn; for `--panel ray`.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pick: Option<[u32; 2]>,
-    /// Key frames of the camera (the file of `ssct time --path`); with --frames the frames follow them.
+    /// Key frames of the camera, in a file as for `ssct time --path`; with --frames, the frames follow them.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// Watch shaders here; without it, in ./shaders-glsl if that is there.
+    /// The folder of shaders to watch; without it, ./shaders-glsl if there is one.
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = choice::<PresentMode>(), default_value = "fifo")]
     pub present_mode: PresentMode,
     /// Show N frames, take no input, and quit.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Write what is seen after the frames: .png (the window) or .exr (the picture alone, linear).
+    /// Write what is shown after the frames: .png (the window) or .exr (the picture alone, linear).
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub screenshot: Option<PathBuf>,
     /// Write the frames as an animated .gif.
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub animation: Option<PathBuf>,
-    /// After the frames stay open so long, and take input.
+    /// After the frames, stay open for this time and take input.
     #[arg(long, value_name = "SECONDS", requires = "frames", value_parser = seconds)]
     pub stay: Option<Duration>,
     /// Print what was shown and submitted, as JSON.
@@ -120,28 +122,6 @@ pub enum TwoMethods {
     Split,
     /// The magnitude of their difference.
     Difference,
-}
-
-/// What a viewer is made from, once there is a window.
-pub struct Opening {
-    scene: Scene,
-    state: State,
-    place: SceneOptions,
-    path: PathEditor,
-    shaders: Option<PathBuf>,
-}
-
-impl Opening {
-    /// The viewer for a screen.
-    fn viewer(self, gpu: &Gpu, screen: vk::Format, wake: Wake) -> Result<Viewer> {
-        let mut viewer = Viewer::new(gpu, self.scene, self.state, self.place, screen, wake.clone())?;
-        viewer.path = self.path;
-        if let Some(folder) = self.shaders {
-            let changes = reload::Watch::new(&folder)?.start(move || wake());
-            viewer.watch(Shaders { folder: folder.display().to_string(), changes, said: Vec::new() });
-        }
-        Ok(viewer)
-    }
 }
 
 /// Opens the window; returns when it is closed.
@@ -175,7 +155,7 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     })?;
     let state = state(options, &scene, view, globals, sides);
     let is_png = options.screenshot.as_ref().is_some_and(|p| ends_with(p, "png"));
-    let script = Script::new(Plan {
+    let script = Script::new(ScriptPlan {
         frames: options.frames,
         path: way.filter(|_| options.frames.is_some()),
         reads_screen: is_png,
@@ -187,7 +167,7 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
         gpu: gpu.clone(),
         size: options.size,
         present_mode: options.present_mode,
-        opening: Some(Opening { scene, state, place: common.place.clone(), path, shaders }),
+        setup: Some(ViewerSetup { scene, state, place: common.place.clone(), path, shaders }),
         viewer: None,
         script,
         proxy: events.create_proxy(),
@@ -208,7 +188,7 @@ pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The files and the record of a run by arguments.
+/// Writes the files and the record of a scripted run.
 fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2], gpu: &Gpu) -> anyhow::Result<()> {
     if let (Some(path), Some(pixels)) = (&options.screenshot, &script.pixels) {
         images::write_image(path, pixels)?;
@@ -229,15 +209,15 @@ fn write(options: &ViewOptions, mut script: Script, [rendered, drawn]: [u64; 2],
     Ok(())
 }
 
-/// The method and the one to compare with, both with the options of the command line.
+/// The method and the one to compare with; both have the options of the command line.
 fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     let first = methods::find(&options.method)?;
     let second = match &options.against {
         Some(name) => methods::find(name)?,
-        // What `C` compares with, until another is chosen.
+        // The method that the key `C` compares with until another one is chosen.
         None => METHODS.iter().find(|m| m.name != first.name).unwrap_or(first),
     };
-    let given = given(&std::env::args_os().collect::<Vec<_>>());
+    let given = given(&std::env::args_os().skip(1).collect::<Vec<_>>());
     let side = |method: &'static MethodInfo| Side::new(method, given.clone());
     let sides = [side(first), side(second)];
     match &sides[0].fault {
@@ -246,10 +226,10 @@ fn sides(options: &ViewOptions) -> Result<[Side; 2]> {
     }
 }
 
-/// The methods' options among a command line's arguments.
+/// The methods' options among the arguments of `ssct view`, which begin with `view`.
 fn given(arguments: &[std::ffi::OsString]) -> BTreeMap<String, String> {
-    let matches = Cli::command().try_get_matches_from(arguments).ok();
-    matches.as_ref().and_then(|m| m.subcommand_matches("view")).map(given_options).unwrap_or_default()
+    let command = ViewOptions::augment_args(clap::Command::new("view"));
+    command.try_get_matches_from(arguments).map(|matches| given_options(&matches)).unwrap_or_default()
 }
 
 fn state(options: &ViewOptions, scene: &Scene, view: View, globals: crate::study::Globals, sides: [Side; 2]) -> State {
@@ -281,10 +261,10 @@ fn state(options: &ViewOptions, scene: &Scene, view: View, globals: crate::study
     }
 }
 
-/// The folder of shaders to watch.
+/// The folder whose shaders are watched.
 fn shaders(options: &ViewOptions) -> Result<Option<PathBuf>> {
     match &options.shaders {
-        Some(folder) => reload::Watch::new(folder).map(|_| Some(folder.clone())),
+        Some(folder) => reload::ShaderWatch::new(folder).map(|_| Some(folder.clone())),
         None => Ok(Some(PathBuf::from(crate::gpu::glsl::FOLDER)).filter(|f| f.is_dir())),
     }
 }
@@ -293,21 +273,21 @@ fn ends_with(path: &Path, extension: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
 }
 
-/// `hi-z/3`.
+/// Parses `--inside`, as in `hi-z/3`.
 fn inside(text: &str) -> std::result::Result<Inside, String> {
     let (name, level) = text.split_once('/').unwrap_or((text, "0"));
-    let level = level.parse().map_err(|_| format!("{text:?}: a level follows the slash, as in hi-z/3"))?;
+    let level = level.parse().map_err(|_| format!("{text:?}: the slash must be followed by a level, as in hi-z/3"))?;
     Ok(Inside { name: name.to_owned(), level })
 }
 
-/// `120,80`.
+/// Parses a pixel, as in `120,80`.
 fn pixel(text: &str) -> std::result::Result<[u32; 2], String> {
-    let wrong = || format!("{text:?} is no pixel; write it as 120,80");
+    let wrong = || format!("{text:?} is not a pixel; write it as 120,80");
     let (x, y) = text.split_once(',').ok_or_else(wrong)?;
     Ok([x.trim().parse().map_err(|_| wrong())?, y.trim().parse().map_err(|_| wrong())?])
 }
 
 fn seconds(text: &str) -> std::result::Result<Duration, String> {
-    let value: f64 = text.parse().map_err(|_| format!("{text:?} is no number"))?;
+    let value: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
     Duration::try_from_secs_f64(value).map_err(|_| format!("{text} seconds cannot be waited for"))
 }

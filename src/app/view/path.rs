@@ -1,4 +1,4 @@
-//! Camera key frames: recorded, saved, loaded and played. The files are those of `ssct time --path`.
+//! Camera key frames: recording, saving, loading and playing. The files are those of `ssct time --path`.
 
 use super::fly_camera::FlyCamera;
 use crate::error::Result;
@@ -7,15 +7,15 @@ use crate::scene::path::{CameraPath, KeyFrame};
 use glam::Vec3;
 use std::path::Path;
 
-/// Key frames that are being recorded, and their playing.
+/// The recorded key frames and the state of their playback.
 pub struct PathEditor {
-    /// In their order.
+    /// The key frames in order.
     pub keys: Vec<KeyFrame>,
-    /// Where they are saved.
+    /// The file in which they are saved.
     pub file: String,
-    /// What was last said of saving, loading or playing.
+    /// The outcome of the last saving, loading or playing.
     pub message: String,
-    /// Seconds that playing takes.
+    /// The duration of the playback in seconds.
     pub seconds: f32,
     playing: Option<(CameraPath, f32)>,
 }
@@ -27,11 +27,11 @@ impl Default for PathEditor {
 }
 
 impl PathEditor {
-    /// Adds where the camera is.
+    /// Adds a key frame at the camera's current position.
     pub fn record(&mut self, camera: &FlyCamera) {
         let (eye, look_at) = camera.place();
         self.keys.push(KeyFrame { eye, look_at, time_s: None });
-        // Times of a loaded path would not fit what was added.
+        // The times of a loaded path would not fit the added key frame.
         self.keys.iter_mut().for_each(|k| k.time_s = None);
         self.message = format!("key frame {} recorded", self.keys.len());
     }
@@ -39,7 +39,7 @@ impl PathEditor {
     /// The path through the key frames.
     pub fn path(&self) -> Result<CameraPath> {
         let stem = Path::new(&self.file).file_stem().map_or("path".into(), |s| s.to_string_lossy());
-        // Only the stem of "path.toml" or "path.path.toml".
+        // The name is the stem of "path.toml" or "path.path.toml".
         CameraPath::new(stem.split('.').next().unwrap_or("path"), self.keys.clone())
     }
 
@@ -53,10 +53,10 @@ impl PathEditor {
         };
     }
 
-    /// Reads a file; what was recorded is replaced.
+    /// Reads a file; it replaces the recorded key frames.
     ///
     /// # Errors
-    /// As [`CameraPath::load`].
+    /// The errors of [`CameraPath::load`].
     pub fn load(&mut self, file: &Path) -> Result<()> {
         let path = CameraPath::load(file)?;
         self.keys = path.keys().to_vec();
@@ -65,7 +65,7 @@ impl PathEditor {
         Ok(())
     }
 
-    /// Begins to play, or stops.
+    /// Starts or stops the playback.
     pub fn play_or_stop(&mut self) {
         if self.playing.take().is_none() {
             match self.path() {
@@ -75,12 +75,12 @@ impl PathEditor {
         }
     }
 
-    /// The share of the way played, while it is.
+    /// The share of the path that was played, during playback.
     pub fn playing(&self) -> Option<f32> {
         self.playing.as_ref().map(|(_, share)| *share)
     }
 
-    /// Where the camera is after some more seconds, while it plays; at its end, playing ends.
+    /// The camera's position `seconds` later, during playback; the playback stops at the end of the path.
     pub fn advance(&mut self, seconds: f32) -> Option<(Vec3, Vec3)> {
         let (path, share) = self.playing.as_mut()?;
         *share += seconds / self.seconds.max(0.1);

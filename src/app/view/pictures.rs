@@ -1,5 +1,4 @@
-//! Renders what the state asks for, keeps the pictures to be shown, and answers what is asked of a frame
-//! at rest.
+//! Renders the frames that the state asks for, keeps the pictures that are shown, and analyses a frame at rest.
 
 use super::history::History;
 use super::inspect::Inspection;
@@ -8,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{FrameReport, Gpu, Image, Pixels};
-use crate::methods::{Intermediate, Setup};
+use crate::methods::{Intermediate, Wants};
 use crate::passes::Content;
 use crate::passes::look::KeepPass;
 use crate::scene::{Camera, Material, Scene};
@@ -17,20 +16,20 @@ use std::time::Instant;
 
 /// Everything that a rendered frame depends on.
 #[derive(Clone, PartialEq)]
-pub struct Wanted {
-    /// Where it is seen from.
+pub struct FrameRequest {
+    /// The camera.
     pub camera: Camera,
-    /// The view's materials with the global factors.
+    /// The view's materials, with the global factors applied.
     pub materials: Vec<Material>,
     /// Width and height in pixels.
     pub extent: [u32; 2],
     /// The methods.
     pub sides: Vec<Side>,
-    /// An intermediate instead of the finished image.
+    /// An intermediate that is shown instead of the finished image.
     pub inside: Option<Inside>,
 }
 
-/// An image that can be looked at.
+/// An image of a frame that can be shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImageInfo {
     /// Its name.
@@ -42,42 +41,42 @@ pub struct ImageInfo {
 }
 
 /// A method that is shown.
-pub struct Shown {
+pub struct ShownMethod {
     side: Side,
     shot: Shot,
     kept: KeepPass,
-    /// What the kept picture's numbers are.
+    /// The meaning of the kept picture's numbers.
     pub content: Content,
-    /// Its times.
+    /// The method's pass times.
     pub history: History,
-    /// What it made.
+    /// The images that the method made.
     pub images: Vec<ImageInfo>,
 }
 
-/// What a frame at rest was asked.
+/// The analysis of a frame at rest.
 #[derive(Default)]
-pub struct Answers {
-    /// Work of each pass of the first method; empty where the device does not count.
+pub struct FrameAnalysis {
+    /// Counted work of each pass of the first method; empty if the device does not count.
     pub work: Vec<(String, PassWork)>,
     /// Reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
-    /// The first method's frame on the host.
+    /// The first method's frame, on the host.
     pub inspection: Option<Inspection>,
-    /// Steps of each pixel's ray, for methods that traverse the Hi-Z.
+    /// Steps of each pixel's ray, for methods that traverse a Hi-Z chain.
     pub steps: Option<Vec<u32>>,
 }
 
-/// The methods that are shown, on one scene.
+/// The pictures of the shown methods in one scene.
 pub struct Pictures {
     /// The scene on the device.
     pub stage: Stage,
-    shown: [Option<Shown>; 2],
-    /// The first method with its ray trace as a pass of its own, which gives the hits.
-    split: Option<(Side, Shot)>,
+    shown: [Option<ShownMethod>; 2],
+    /// The first method made to say where its rays ended.
+    with_hits: Option<(Side, Shot)>,
     /// The frame that the pictures are of, if nothing made them stale.
-    rendered: Option<Wanted>,
+    rendered: Option<FrameRequest>,
     /// The last frame that was rendered at all.
-    last: Option<Wanted>,
+    last: Option<FrameRequest>,
     materials: Vec<Material>,
 }
 
@@ -87,42 +86,42 @@ impl Pictures {
         Ok(Self {
             stage: Stage::new(gpu, scene)?,
             shown: [None, None],
-            split: None,
+            with_hits: None,
             rendered: None,
             last: None,
             materials: Vec::new(),
         })
     }
 
-    /// Whether a frame is another than the one rendered last.
-    pub fn is_other(&self, wanted: &Wanted) -> bool {
+    /// Whether a request differs from the one rendered last.
+    pub fn is_other(&self, wanted: &FrameRequest) -> bool {
         self.rendered.as_ref() != Some(wanted)
     }
 
-    /// Makes the next frame be rendered, whatever it is.
+    /// Forces the next frame to be rendered, even if nothing changed.
     pub fn invalidate(&mut self) {
         self.rendered = None;
     }
 
-    /// Makes every pipeline anew with the next frame; times begin anew.
+    /// Discards all pipelines, which the next frame makes anew, and all measured times.
     pub fn discard_pipelines(&mut self) {
         self.shown = [None, None];
-        self.split = None;
+        self.with_hits = None;
         self.rendered = None;
     }
 
-    /// Tries whether pipelines can be made as the last frame had them.
+    /// Makes the pipelines of the last frame as a test and discards them.
     pub fn try_pipelines(&mut self) -> Result<()> {
         let Some(wanted) = self.last.clone() else { return Ok(()) };
-        wanted.sides.iter().try_for_each(|side| self.shot(side, &wanted).map(|_| ()))
+        wanted.sides.iter().try_for_each(|side| self.shot(side, Wants::REFLECTION, &wanted).map(|_| ()))
     }
 
-    /// A method that is shown: the first, or the second of two.
-    pub fn shown(&self, index: usize) -> Option<&Shown> {
+    /// The method shown first or second; `None` before it was rendered.
+    pub fn shown(&self, index: usize) -> Option<&ShownMethod> {
         self.shown[index].as_ref()
     }
 
-    /// Stage and pictures; where one is shown it comes twice. `None` before the first frame.
+    /// The stage and the pictures; if only one is shown, it is returned twice. `None` before the first frame.
     pub fn parts(&mut self) -> Option<(&mut Stage, [&Image; 2], Content)> {
         let Self { stage, shown: [first, second], rendered, .. } = self;
         let first = first.as_ref()?;
@@ -132,19 +131,19 @@ impl Pictures {
     }
 
     /// Renders a frame of each method.
-    pub fn render(&mut self, wanted: &Wanted) -> Result<()> {
+    pub fn render(&mut self, wanted: &FrameRequest) -> Result<()> {
         let new_materials = self.materials != wanted.materials;
         self.rendered = None;
         if wanted.sides.len() < 2 {
             self.shown[1] = None;
         }
         for (i, side) in wanted.sides.iter().enumerate() {
-            let fits = |s: &Shown| s.side == *side && s.kept.image().extent() == wanted.extent;
+            let fits = |s: &ShownMethod| s.side == *side && s.kept.image().extent() == wanted.extent;
             if !self.shown[i].as_ref().is_some_and(fits) {
-                // The old images go before the new ones come.
+                // The old images are freed before the new ones are allocated.
                 let history = self.shown[i].take().map(|s| s.history).unwrap_or_default();
-                self.shown[i] = Some(Shown {
-                    shot: self.shot(side, wanted)?,
+                self.shown[i] = Some(ShownMethod {
+                    shot: self.shot(side, Wants::REFLECTION, wanted)?,
                     side: side.clone(),
                     kept: KeepPass::new(self.stage.context.gpu(), wanted.extent)?,
                     content: Content::Color,
@@ -162,7 +161,7 @@ impl Pictures {
             }
         }
         if new_materials {
-            self.split = None;
+            self.with_hits = None;
             self.materials.clone_from(&wanted.materials);
         }
         self.rendered = Some(wanted.clone());
@@ -170,50 +169,45 @@ impl Pictures {
         Ok(())
     }
 
-    /// Asks the frame that was rendered last. Costs frames of its own.
-    pub fn ask(&mut self) -> Result<Answers> {
-        let Some(wanted) = self.rendered.clone() else { return Ok(Answers::default()) };
-        let mut answers = Answers::default();
+    /// Analyses the frame that was rendered last. This renders additional frames.
+    pub fn analyse(&mut self) -> Result<FrameAnalysis> {
+        let Some(wanted) = self.rendered.clone() else { return Ok(FrameAnalysis::default()) };
+        let mut analysis = FrameAnalysis::default();
         let mut hits = None;
         for (i, shown) in self.shown.iter().flatten().enumerate() {
             let (report, _, output) = self.stage.output_in(Mode::Counted, &shown.shot)?;
             let reflection = gbuffer::reflection(&mut self.stage.context, &output)?;
-            answers.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
+            analysis.reflections.push(reflection.texels().map(|t| [t[0], t[1], t[2]]).collect());
             if i == 0 {
-                answers.work = works(&report);
+                analysis.work = works(&report);
                 hits = output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()?;
             }
         }
-        let Some(first) = &self.shown[0] else { return Ok(answers) };
-        if hits.is_none() && first.side.setup.divisor == 1 {
-            hits = self.split_hits(&wanted)?;
+        let Some(first) = &self.shown[0] else { return Ok(analysis) };
+        if hits.is_none() && first.side.setup.effect().divisor() == 1 {
+            hits = self.hits(&wanted)?;
         }
-        let Some(first) = &self.shown[0] else { return Ok(answers) };
+        let Some(first) = &self.shown[0] else { return Ok(analysis) };
         let gbuffer = gbuffer::read(&mut self.stage.context, &first.shot)?;
         let inspection = Inspection::new(gbuffer, hits, &first.side);
-        answers.steps = inspection.steps();
-        answers.inspection = Some(inspection);
-        if let (Some(steps), true) = (&answers.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
+        analysis.steps = inspection.steps();
+        analysis.inspection = Some(inspection);
+        if let (Some(steps), true) = (&analysis.steps, wanted.inside.as_ref().is_some_and(|i| i.name == STEPS)) {
             self.show_steps(wanted.extent, steps)?;
         }
-        Ok(answers)
+        Ok(analysis)
     }
 
-    /// Hits of the first method with ray trace and cone trace as two passes; the rays are the same.
-    fn split_hits(&mut self, wanted: &Wanted) -> Result<Option<Pixels>> {
+    /// Where the rays of the first method ended.
+    fn hits(&mut self, wanted: &FrameRequest) -> Result<Option<Pixels>> {
         let side = &wanted.sides[0];
-        let mut split = side.clone();
-        split.setup.split = true;
-        if !self
-            .split
-            .as_ref()
-            .is_some_and(|(made, shot)| *made == split && shot.gbuffer.gbuffer().depth.extent() == wanted.extent)
-        {
-            self.split = None;
-            let shot = self.shot(&split, wanted)?;
-            self.split = Some((split, shot));
+        let fits = |(made, shot): &(Side, Shot)| made == side && shot.gbuffer.gbuffer().depth.extent() == wanted.extent;
+        if !self.with_hits.as_ref().is_some_and(fits) {
+            self.with_hits = None;
+            let shot = self.shot(side, Wants::HITS, wanted)?;
+            self.with_hits = Some((side.clone(), shot));
         }
-        let Some((_, shot)) = &mut self.split else { return Ok(None) };
+        let Some((_, shot)) = &mut self.with_hits else { return Ok(None) };
         shot.camera = wanted.camera;
         let (_, _, output) = self.stage.output(shot)?;
         output.traced.hits.map(|h| self.stage.context.read(h.0.all())).transpose()
@@ -228,18 +222,18 @@ impl Pictures {
         self.stage.context.once(|frame| shown.kept.record(frame, image.all()))
     }
 
-    fn shot(&mut self, side: &Side, wanted: &Wanted) -> Result<Shot> {
-        let setup = Setup { extent: wanted.extent, ..side.setup };
-        Shot::new(&mut self.stage, side.method, &setup, wanted.camera, wanted.materials.clone())
+    fn shot(&mut self, side: &Side, wants: Wants, wanted: &FrameRequest) -> Result<Shot> {
+        let setup = side.setup.at(wanted.extent);
+        Shot::new(&mut self.stage, side.method, &setup, wants, wanted.camera, wanted.materials.clone())
     }
 }
 
-impl Shown {
-    fn render(&mut self, stage: &mut Stage, wanted: &Wanted) -> Result<()> {
+impl ShownMethod {
+    fn render(&mut self, stage: &mut Stage, wanted: &FrameRequest) -> Result<()> {
         self.shot.camera = wanted.camera;
         let (report, _, output) = stage.output_in(Mode::Timed, &self.shot)?;
         self.history.add(&report, Instant::now());
-        // A cube map has no plane to show.
+        // A cube map cannot be shown as a plane image.
         let mut images = image::inside(&self.shot, &output);
         images.extend(output.traced.reflection.map(|r| Intermediate {
             name: "reflection",
@@ -274,9 +268,9 @@ fn works(report: &FrameReport) -> Vec<(String, PassWork)> {
 
 impl State {
     /// The frame that the state asks for, at a size and in a scene.
-    pub fn wanted(&self, scene: &Scene, extent: [u32; 2]) -> Wanted {
+    pub fn wanted(&self, scene: &Scene, extent: [u32; 2]) -> FrameRequest {
         let lens = self.view.lens.unwrap_or(scene.lens);
-        Wanted {
+        FrameRequest {
             camera: self.camera.camera(lens, extent[0] as f32 / extent[1] as f32),
             materials: self.globals.materials(scene, &self.view),
             extent,

@@ -1,44 +1,45 @@
-//! Shaders that change while the window is open: compiled when their file or one that they include
-//! changes, and refused where they would not fit the program any more. Whoever asked keeps the last
-//! good pipeline.
+//! Reloads shaders that change while the window is open. A shader is compiled when its file or one that it
+//! includes changes, and rejected if it no longer fits the program. The caller then keeps the last good
+//! pipeline.
 
 use crate::error::{Error, Result};
 use crate::gpu::glsl;
-use crate::gpu::shader::{ALL, Shader};
+use crate::gpu::programs::ALL;
+use crate::gpu::shader::Shader;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, SystemTime};
 
-/// Time between two looks at the files. Looking takes no time of the GPU.
+/// The time between two scans of the files. Scanning takes no GPU time.
 const PERIOD: Duration = Duration::from_millis(300);
 
-/// A shader that changed: its code, or why it can't be used.
+/// A changed shader: its code, or the reason why it cannot be used.
 pub type Change = (&'static Shader, std::result::Result<Arc<[u8]>, String>);
 
-/// A shader's name, and that it is in use or why not.
-pub type Said = (&'static str, std::result::Result<(), String>);
+/// A shader's name and whether it is in use; if not, the reason.
+pub type ShaderStatus = (&'static str, std::result::Result<(), String>);
 
-/// The shaders' folder, as it was seen last.
-pub struct Watch {
+/// A folder of shaders, with the state of its files at the last scan.
+pub struct ShaderWatch {
     root: PathBuf,
     seen: HashMap<PathBuf, Stamp>,
-    /// The files that each shader was made from; absent before its first compilation.
+    /// The source files of each shader; absent before its first compilation.
     sources: HashMap<&'static str, Vec<PathBuf>>,
-    /// What each shader is now, or what was said of it.
+    /// The result of each shader's last compilation.
     last: HashMap<&'static str, std::result::Result<Arc<[u8]>, String>>,
     compiler: shaderc::Compiler,
 }
 
-/// Changes whenever a file is written.
+/// Modification time and length of a file; it changes whenever the file is written.
 type Stamp = (Option<SystemTime>, u64);
 
-impl Watch {
-    /// Takes a folder as it stands; what changes from now on is told.
+impl ShaderWatch {
+    /// Starts from the current state of a folder; later changes are reported.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it holds no shaders.
+    /// [`Error::Usage`] if the folder contains no shaders.
     pub fn new(root: &Path) -> Result<Self> {
         let seen = stamps(root);
         if seen.is_empty() {
@@ -49,14 +50,14 @@ impl Watch {
         Ok(Self { root: root.to_path_buf(), seen, sources: HashMap::new(), last: HashMap::new(), compiler })
     }
 
-    /// Compiles what changed since the last look.
+    /// Compiles the shaders that changed since the last scan.
     pub fn look(&mut self) -> Vec<Change> {
         let now = stamps(&self.root);
         let changed: Vec<&PathBuf> = now.iter().filter(|(p, s)| self.seen.get(*p) != Some(s)).map(|(p, _)| p).collect();
         if changed.is_empty() {
             return Vec::new();
         }
-        let mut told = Vec::new();
+        let mut changes = Vec::new();
         for &shader in ALL {
             let touches = |sources: &Vec<PathBuf>| sources.iter().any(|s| changed.contains(&s));
             if self.sources.get(shader.name).is_some_and(|s| !touches(s)) {
@@ -70,30 +71,30 @@ impl Watch {
             };
             if !same {
                 self.last.insert(shader.name, made.clone());
-                told.push((shader, made));
+                changes.push((shader, made));
             }
         }
         self.seen = now;
-        told
+        changes
     }
 
     fn compile(&mut self, shader: &'static Shader) -> std::result::Result<Arc<[u8]>, String> {
-        let path = self.root.join(shader.name);
-        match glsl::compile(&self.compiler, &self.root, &path) {
+        let path = self.root.join(shader.file);
+        match glsl::compile(&self.compiler, &self.root, &path, shader.defines) {
             Ok(compiled) => {
                 self.sources.insert(shader.name, compiled.files);
                 fits(shader, &compiled.words)?;
                 Ok(compiled.words.iter().flat_map(|w| w.to_le_bytes()).collect())
             }
             Err(message) => {
-                // Any change may be the one that mends it.
+                // Any later change may repair the shader, so its list of sources is dropped.
                 self.sources.remove(shader.name);
                 Err(message)
             }
         }
     }
 
-    /// Looks again and again on a thread of its own; `wake` is called when something changed.
+    /// Scans repeatedly on a separate thread; `wake` is called when something changed.
     pub fn start(mut self, wake: impl Fn() + Send + 'static) -> Receiver<Vec<Change>> {
         let (sender, receiver) = channel();
         std::thread::spawn(move || {
@@ -112,7 +113,7 @@ impl Watch {
     }
 }
 
-/// Bindings and blocks must be those that the program was built with.
+/// Checks that bindings and blocks equal those that the program was built with.
 fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
     let built: Vec<u32> = shader.spirv.as_chunks::<4>().0.iter().map(|b| u32::from_le_bytes(*b)).collect();
     let (built, now) = (glsl::interface(&built, shader.name)?, glsl::interface(words, shader.name)?);
@@ -121,15 +122,19 @@ fn fits(shader: &Shader, words: &[u32]) -> std::result::Result<(), String> {
     }
     let what = if built.bindings != now.bindings {
         "its bindings"
-    } else if built.blocks != now.blocks || built.push_size != now.push_size {
+    } else if built.blocks != now.blocks || built.push != now.push {
         "a uniform or push-constant block"
+    } else if built.outputs != now.outputs {
+        "its outputs"
+    } else if built.constants != now.constants {
+        "its specialization constants"
     } else {
         "its workgroup size"
     };
-    Err(format!("{}: {what} changed, and the program has the old ones; build it again", shader.name))
+    Err(format!("{}: {what} changed, so the program must be built again", shader.name))
 }
 
-/// Every file below a folder.
+/// The stamps of all files below a folder.
 fn stamps(folder: &Path) -> HashMap<PathBuf, Stamp> {
     let mut found = HashMap::new();
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
@@ -149,10 +154,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_change_is_told_once_with_its_dependants_and_what_does_not_fit_is_refused() {
+    fn a_change_is_reported_once_with_its_dependants_and_a_misfit_is_rejected() {
         let folder = tempfile::tempdir().unwrap();
         let root = copied_shaders(folder.path());
-        let mut watch = Watch::new(&root).unwrap();
+        let mut watch = ShaderWatch::new(&root).unwrap();
         assert!(watch.look().is_empty());
         let edit = |name: &str, from: &str, to: &str| {
             let path = root.join(name);
@@ -166,7 +171,13 @@ mod tests {
         let changes = watch.look();
         assert!(names(&changes).contains(&"thesis/ssct.frag") && !names(&changes).contains(&"thesis/hi_z.frag"));
         assert!(changes.iter().all(|(_, made)| made.is_ok()), "{changes:?}");
-        assert!(watch.look().is_empty(), "told once");
+        assert!(watch.look().is_empty(), "a change is reported once");
+
+        edit("poster/cone_march.frag", "edgeHits >= poster", "edgeHits > poster");
+        let changes = watch.look();
+        assert_eq!(names(&changes), ["poster/cone_march.frag", "poster/cone_march.frag VOLUME"]);
+        let [(_, Ok(mip)), (_, Ok(volume))] = &changes[..] else { panic!("{changes:?}") };
+        assert_ne!(mip, volume, "each with what is defined for it");
 
         edit("common/composite.frag", "color += reflectivity", "color += reflectivity * nonsense");
         let changes = watch.look();
@@ -182,5 +193,12 @@ mod tests {
         let changes = watch.look();
         let [(_, Err(message))] = &changes[..] else { panic!("{changes:?}") };
         assert!(message.contains("bindings changed"), "{message}");
+
+        edit("thesis/linear.frag", "const bool HITS = false", "const int HITS = 0");
+        edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
+        edit("thesis/linear.frag", "if (HITS)", "if (HITS != 0)");
+        let changes = watch.look();
+        let [(_, Err(message))] = &changes[..] else { panic!("{changes:?}") };
+        assert!(message.contains("specialization constants changed"), "{message}");
     }
 }

@@ -1,5 +1,5 @@
-//! A run by arguments alone: some frames, a screenshot or an animation of them, and then a while in
-//! which nothing happens, to see that nothing is submitted.
+//! A scripted run of the window: it shows some frames, takes a screenshot or an animation of them, and then
+//! idles for a while, to show that nothing is submitted.
 
 use super::animation::Animation;
 use super::viewer::Viewer;
@@ -8,30 +8,30 @@ use crate::gpu::{Gpu, Pixels};
 use crate::scene::path::CameraPath;
 use std::time::{Duration, Instant};
 
-/// What is to be done.
+/// What a scripted run does.
 #[derive(Default)]
-pub struct Plan {
-    /// Frames to show; `None` leaves everything to the user.
+pub struct ScriptPlan {
+    /// The number of frames to show; if `None`, the user is in control.
     pub frames: Option<u32>,
-    /// The way of the camera over the frames.
+    /// The camera path over the frames.
     pub path: Option<CameraPath>,
-    /// Whether the screen is read at the end.
+    /// Whether to read the screen at the end.
     pub reads_screen: bool,
-    /// Whether the picture is read at the end, linear and without panel.
+    /// Whether to read the picture at the end, linear and without the panel.
     pub reads_picture: bool,
-    /// Every frame is added.
+    /// The animation to which every frame is added.
     pub animation: Option<Animation>,
-    /// How long the window stays open after that.
+    /// How long the window stays open afterwards.
     pub stay: Option<Duration>,
 }
 
-/// What was done of it.
+/// A scripted run and its results so far.
 #[derive(Default)]
 pub struct Script {
-    plan: Plan,
-    /// What was read.
+    plan: ScriptPlan,
+    /// The pixels that were read at the end.
     pub pixels: Option<Pixels>,
-    /// Submissions when the frames were done, and when the window closed.
+    /// The numbers of submissions when the frames were finished and when the window closed.
     pub submissions: [u64; 2],
     shown: u32,
     until: Option<Instant>,
@@ -39,27 +39,27 @@ pub struct Script {
 }
 
 impl Script {
-    /// Before the first frame.
-    pub fn new(plan: Plan) -> Self {
+    /// A run before its first frame.
+    pub fn new(plan: ScriptPlan) -> Self {
         Self { plan, ..Self::default() }
     }
 
-    /// The animation, after the last frame.
+    /// Takes the animation after the last frame.
     pub fn take_animation(&mut self) -> Option<Animation> {
         self.plan.animation.take()
     }
 
-    /// Whether the arguments decide what is shown.
+    /// Whether the script, not the user, controls what is shown.
     pub fn is_running(&self) -> bool {
         self.plan.frames.is_some() && self.until.is_none() && !self.is_done
     }
 
-    /// Whether there is nothing left to do.
+    /// Whether the run has finished.
     pub fn is_done(&self) -> bool {
         self.is_done
     }
 
-    /// Frames shown of those to show, if some are missing.
+    /// The number of frames shown and the number requested, if frames are missing.
     pub fn missing(&self) -> Option<(u32, u32)> {
         self.plan.frames.filter(|_| self.is_running()).map(|n| (self.shown, n))
     }
@@ -69,18 +69,18 @@ impl Script {
         self.until
     }
 
-    /// Whether it is time to close.
+    /// Whether it is time to close the window.
     pub fn is_over(&self, now: Instant) -> bool {
         self.until.is_some_and(|until| now >= until)
     }
 
-    /// Notes what was submitted when the window closes.
+    /// Records the number of submissions when the window closes.
     pub fn close(&mut self, gpu: &Gpu) {
         self.submissions[1] = gpu.submissions();
         self.is_done = true;
     }
 
-    /// Before a frame: it is rendered, whether anything changed or not.
+    /// Prepares a frame and forces it to be rendered, even if nothing changed.
     pub fn begin(&mut self, viewer: &mut Viewer) {
         let Some(frames) = self.plan.frames.filter(|n| self.is_running() && self.shown < *n) else { return };
         viewer.invalidate();
@@ -93,7 +93,7 @@ impl Script {
         }
     }
 
-    /// After a frame was shown; `goes_on` says that what is shown still changes by itself.
+    /// Records that a frame was shown. `goes_on` tells that the image still changes by itself.
     pub fn end(&mut self, viewer: &mut Viewer, gpu: &Gpu, goes_on: bool) -> Result<()> {
         let Some(frames) = self.plan.frames else { return Ok(()) };
         if self.shown < frames {
@@ -102,7 +102,7 @@ impl Script {
                 animation.add(&viewer.read_screen()?)?;
             }
         }
-        // The panel's answers come after the last frame.
+        // The panel's analysis follows the last frame.
         if self.shown < frames || goes_on {
             return Ok(());
         }

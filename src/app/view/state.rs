@@ -2,14 +2,12 @@
 //! differs from what was rendered last, and only then.
 
 use super::fly_camera::FlyCamera;
-use crate::app::cli::MethodOptions;
-use crate::app::resolve;
-use crate::methods::{Fallback, METHODS, MethodInfo, Setup};
+use crate::app::parameters::MethodOptions;
+use crate::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup};
 use crate::passes::Content;
 use crate::passes::look::{Compare, Tone};
 use crate::scene::View;
 use crate::study::Globals;
-use clap::{ArgAction, Args, FromArgMatches};
 use std::collections::BTreeMap;
 
 /// A method with its options, as one of two that are shown.
@@ -51,64 +49,27 @@ impl Side {
 
     /// Reads the options as the command line does.
     fn apply(&mut self) {
-        let command = Self::command().no_binary_name(true);
-        let arguments = self
-            .options
-            .iter()
-            .map(|(name, value)| if value == SWITCHED_ON { format!("--{name}") } else { format!("--{name}={value}") });
-        let parsed = command.try_get_matches_from(arguments).and_then(|m| MethodOptions::from_arg_matches(&m));
-        self.fault = match parsed {
+        let typed = self.options.iter().map(|(name, text)| (name.as_str(), text.as_str()));
+        self.fault = match MethodOptions::from_typed(typed) {
             Ok(options) => {
-                let setup = resolve::setup(&options, self.setup.extent);
+                let setup = options.setup(self.setup.extent);
                 // What only screen-space methods have is left out for others, which refuse it.
-                let plain = Setup { divisor: 1, fallback: Fallback::None, ..setup };
-                let fits = self.method.is_screen_space() || setup == plain;
+                let plain = setup.with(|p: &mut EffectParams| {
+                    (p.resolution_scale, p.fallback) = (1.0, Fallback::None);
+                });
+                let fits = self.method.is_screen_space() || setup.effect() == plain.effect();
                 self.setup = if fits { setup } else { plain };
                 let name = self.method.name;
                 (!fits).then(|| format!("{name} takes no resolution scale and no fallback: they are left out"))
             }
-            Err(e) => Some(one_line(&e.to_string())),
+            Err(e) => Some(e.to_string()),
         };
     }
-
-    /// The flags of the methods' options.
-    #[cfg(test)]
-    pub fn flags() -> Vec<String> {
-        Self::command().get_arguments().filter_map(|a| a.get_long()).map(ToOwned::to_owned).collect()
-    }
-
-    /// The command line of the methods' options, whose flags are the panel's rows.
-    pub fn command() -> clap::Command {
-        MethodOptions::augment_args(clap::Command::new("method"))
-    }
-}
-
-/// The value of a flag that takes none.
-pub const SWITCHED_ON: &str = "";
-
-/// Clap's message without its advice.
-fn one_line(message: &str) -> String {
-    message.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned()
 }
 
 /// Options that were given on a command line, by their flags.
 pub fn given_options(matches: &clap::ArgMatches) -> BTreeMap<String, String> {
-    let mut given = BTreeMap::new();
-    for argument in Side::command().get_arguments() {
-        let id = argument.get_id().as_str();
-        let is_given = matches.try_contains_id(id).unwrap_or(false)
-            && matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
-        let (Some(flag), true) = (argument.get_long(), is_given) else { continue };
-        let value = match argument.get_action() {
-            ArgAction::SetTrue => SWITCHED_ON.to_owned(),
-            _ => {
-                let raw = matches.get_raw(id).and_then(|mut values| values.next());
-                raw.map(|v| v.to_string_lossy().into_owned()).unwrap_or_default()
-            }
-        };
-        given.insert(flag.to_owned(), value);
-    }
-    given
+    MethodOptions::typed(matches).into_iter().collect()
 }
 
 /// An image of the methods' to look at instead of the finished one.
@@ -250,6 +211,7 @@ impl State {
 mod tests {
     use super::super::tests::state;
     use super::*;
+    use clap::{Args, FromArgMatches};
 
     #[test]
     fn options_of_the_command_line_are_those_of_a_side() {
@@ -258,14 +220,14 @@ mod tests {
         let given = given_options(&matches);
         assert_eq!(given.len(), 3, "defaults are not given: {given:?}");
         let mut side = Side::new(&METHODS[0], given);
-        let expected = resolve::setup(&MethodOptions::from_arg_matches(&matches).unwrap(), [1, 1]);
-        assert_eq!((side.setup, &side.fault), (expected, &None));
+        let expected = MethodOptions::from_arg_matches(&matches).expect("options").setup([1, 1]);
+        assert_eq!((&side.setup, &side.fault), (&expected, &None));
         side.set("cone-samples", Some("many".into()));
         assert!(side.fault.as_ref().is_some_and(|f| f.contains("many")), "{:?}", side.fault);
         assert_eq!(side.setup, expected, "a wrong value changes nothing");
         side.set("cone-samples", None);
         side.set("split", None);
-        assert!(side.fault.is_none() && !side.setup.split && side.setup.tuning.cone_samples.is_none());
+        assert!(side.fault.is_none() && side.setup.values.given().count() == 0);
     }
 
     #[test]

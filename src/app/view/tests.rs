@@ -1,12 +1,12 @@
-//! The viewer as a window drives it, but without one: events in, images out, under the validation
-//! layers.
+//! Tests of the viewer, driven as a window drives it, but without a window: events go in, images come out, and
+//! the validation layers are on.
 
 mod showing;
 mod tuning;
 
-use super::fly_camera::{FlyCamera, Motion};
+use super::fly_camera::{FlyCamera, FlyMotion};
 use super::state::{Side, State, Tab};
-use super::viewer::{Input, Viewer};
+use super::viewer::{Viewer, ViewerInput};
 use crate::app::cli::{CommonOptions, SceneOptions};
 use crate::gpu::{DeviceQuery, Gpu, Pixels};
 use crate::methods::METHODS;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The picture is 200 pixels wide beside the panel.
+/// Leaves 200 pixels of width for the picture beside the panel.
 const EXTENT: [u32; 2] = [540, 200];
 const FORMAT: ash::vk::Format = ash::vk::Format::R8G8B8A8_SRGB;
 
@@ -32,7 +32,7 @@ struct Bench {
     time: f64,
 }
 
-/// Of no scene, the first method on both sides.
+/// A state without a scene; both sides show the first method.
 pub(super) fn state() -> State {
     let side = || Side::new(&METHODS[0], BTreeMap::new());
     let view = View::default();
@@ -53,7 +53,7 @@ pub(super) fn state() -> State {
     }
 }
 
-/// A copy of the shaders in a folder, to be edited.
+/// Copies the shaders to a folder, where they can be edited.
 pub(super) fn copied_shaders(folder: &Path) -> PathBuf {
     let root = folder.join("shaders");
     copy(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders-glsl")), &root);
@@ -96,7 +96,7 @@ impl Bench {
         Self { gpu, viewer, extent: EXTENT, pixels_per_point: 1.0, time: 0.0 }
     }
 
-    /// A round with events; when the viewer wants the next.
+    /// Runs one round with events; returns when the viewer wants the next one.
     fn round(&mut self, events: Vec<Event>) -> Option<Duration> {
         self.time += 0.02;
         let [width, height] = self.extent.map(|v| v as f32 / self.pixels_per_point);
@@ -108,14 +108,14 @@ impl Bench {
             ..RawInput::default()
         };
         egui.viewports.entry(egui.viewport_id).or_default().native_pixels_per_point = Some(self.pixels_per_point);
-        let input = Input { egui, motion: Motion::default(), seconds: 0.02, extent: self.extent };
+        let input = ViewerInput { egui, motion: FlyMotion::default(), seconds: 0.02, extent: self.extent };
         let again = self.viewer.update(input).unwrap().again;
         let drawn = self.viewer.draw(|context, _, record| context.once(|frame| record(frame))).unwrap();
-        assert!(drawn.is_some(), "after a round there is something to draw");
+        assert!(drawn.is_some(), "a round must leave something to draw");
         again
     }
 
-    /// Rounds until nothing is left to do; how many.
+    /// Runs rounds until nothing is left to do; returns their number.
     fn settle(&mut self) -> usize {
         for n in 1..40 {
             if self.round(Vec::new()) != Some(Duration::ZERO) {

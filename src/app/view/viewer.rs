@@ -1,13 +1,13 @@
-//! What a window shows: the state, the panel on it, and the pictures of it. It takes egui's input and
-//! draws one image; it knows no window, so that tests drive it as a window would.
+//! What a window shows: the state, the panel that changes it, and the pictures that it asks for. The viewer
+//! takes egui's input and draws one image. It does not depend on a window, so tests can drive it.
 
-use super::against::Against;
-use super::fly_camera::{FlyCamera, Motion};
+use super::fly_camera::{FlyCamera, FlyMotion};
 use super::inspect::PickedRay;
-use super::panel::{self, Done, Told};
+use super::panel::{self, PanelActions, PanelData};
 use super::path::PathEditor;
-use super::pictures::{Answers, Pictures, Wanted};
-use super::reload::{Change, Said};
+use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
+use super::reference_error::ReferenceComparison;
+use super::reload::{Change, ShaderStatus};
 use super::state::State;
 use crate::app::cli::SceneOptions;
 use crate::app::resolve;
@@ -21,32 +21,32 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
-/// Seconds in which the camera crosses the scene, to begin with.
+/// The initial speed of the camera crosses the scene in this many seconds.
 const CROSSING_S: f32 = 8.0;
 
-/// Calls that may come from another thread: something is there to be shown.
+/// A callback for other threads; it makes the window draw again.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// Where shaders are watched, and what was said of them.
+/// The watched shaders and their status.
 pub struct Shaders {
     /// The folder.
     pub folder: String,
-    /// Changes, as they are compiled.
+    /// Shaders as they are compiled after a change.
     pub changes: Receiver<Vec<Change>>,
-    /// What was last said of each that changed.
-    pub said: Vec<Said>,
+    /// The last status of each shader that has changed.
+    pub statuses: Vec<ShaderStatus>,
 }
 
-/// A scene with everything that a user changes while looking at it.
+/// A scene with everything that a user can change while looking at it.
 pub struct Viewer {
-    /// What the user changed.
+    /// What the user has changed.
     pub state: State,
-    /// Key frames.
+    /// The camera key frames.
     pub path: PathEditor,
     pub(super) gpu: Gpu,
     pub(super) scene: Arc<Scene>,
     pub(super) views: Vec<View>,
-    /// Of the scene that is loaded, and of the command line.
+    /// The options that selected the scene.
     pub(super) place: SceneOptions,
     pub(super) given: SceneOptions,
     scenes: Vec<String>,
@@ -56,11 +56,11 @@ pub struct Viewer {
     look: LookPass,
     pub(super) screen: Image,
     shaders: Option<Shaders>,
-    pub(super) answers: Option<Answers>,
+    pub(super) analysis: Option<FrameAnalysis>,
     pub(super) ray: Option<PickedRay>,
-    pub(super) against: Against,
+    pub(super) reference_error: ReferenceComparison,
     pub(super) wake: Wake,
-    /// What the last call of [`Self::update`] made ready to be drawn.
+    /// The triangles that the last call of [`Self::update`] prepared.
     triangles: Vec<egui::ClippedPrimitive>,
     textures: egui::TexturesDelta,
     pixels_per_point: f32,
@@ -70,28 +70,28 @@ pub struct Viewer {
     looking: bool,
 }
 
-/// What a frame needs of the window.
-pub struct Updated {
-    /// For egui-winit: cursor, clipboard.
+/// What a frame requires of the window.
+pub struct ViewerOutput {
+    /// Cursor and clipboard, for egui-winit.
     pub platform: egui::PlatformOutput,
-    /// When to draw again, if nothing happens; `None` for not at all.
+    /// When to draw again if there is no input; `None` for never.
     pub again: Option<Duration>,
 }
 
-/// What a frame is made from.
-pub struct Input {
-    /// Of egui: mouse, keys, text, size in points.
+/// The input of a frame.
+pub struct ViewerInput {
+    /// Mouse, keys, text and the size in points, for egui.
     pub egui: RawInput,
-    /// Where the keys held ask to fly, and for how long.
-    pub motion: Motion,
-    /// Since the last frame.
+    /// The motion that the pressed keys ask for.
+    pub motion: FlyMotion,
+    /// Seconds since the last frame.
     pub seconds: f32,
     /// Width and height of the window in pixels.
     pub extent: [u32; 2],
 }
 
 impl Viewer {
-    /// Uploads a scene. `place` says where scenes and lenses come from; `screen_format` is sRGB.
+    /// Uploads a scene. `place` tells where scenes and lenses come from; `screen_format` is sRGB.
     pub fn new(
         gpu: &Gpu,
         scene: Scene,
@@ -106,7 +106,7 @@ impl Viewer {
         }
         let egui = Context::default();
         egui.all_styles_mut(|style| {
-            // What moves by itself would be drawn again and again.
+            // egui's own animations would cause endless redraws.
             style.animation_time = 0.0;
             style.visuals.weak_text_color = Some(egui::Color32::from_gray(150));
             style.visuals.override_text_color = Some(egui::Color32::from_gray(220));
@@ -128,9 +128,9 @@ impl Viewer {
             scenes,
             egui,
             shaders: None,
-            answers: None,
+            analysis: None,
             ray: None,
-            against: Against::default(),
+            reference_error: ReferenceComparison::default(),
             wake,
             triangles: Vec::new(),
             textures: egui::TexturesDelta::default(),
@@ -154,7 +154,7 @@ impl Viewer {
         self.shaders = Some(shaders);
     }
 
-    /// egui's context, which egui-winit needs too.
+    /// egui's context, which egui-winit needs as well.
     pub fn egui(&self) -> &Context {
         &self.egui
     }
@@ -169,40 +169,40 @@ impl Viewer {
         &self.views
     }
 
-    /// Frames rendered so far, and drawings of panel and picture.
+    /// The number of frames rendered, and of drawings of panel and picture.
     pub fn counts(&self) -> [u64; 2] {
         [self.frames, self.drawings]
     }
 
-    /// Whether something is still being worked out that will be shown.
+    /// Whether a computation is running whose result will be shown.
     pub fn is_waiting(&self) -> bool {
-        self.against.is_waiting()
+        self.reference_error.is_waiting()
     }
 
-    /// Makes the next frame be rendered, whatever it is.
+    /// Forces the next frame to be rendered, even if nothing changed.
     pub fn invalidate(&mut self) {
         self.pictures.invalidate();
     }
 
-    /// One round: takes the input, renders if what is seen changed, asks the frame at rest if it did not,
-    /// and makes the screen's drawing ready.
-    pub fn update(&mut self, input: Input) -> Result<Updated> {
+    /// Runs one round: takes the input, renders if the request changed, analyses the frame at rest if it did
+    /// not, and prepares the drawing of the screen.
+    pub fn update(&mut self, input: ViewerInput) -> Result<ViewerOutput> {
         self.move_camera(&input);
         self.take_shaders();
-        self.against.poll();
-        let (output, done) = self.run_panel(input.egui);
-        self.looking = done.looking;
-        let active = self.follow(&done, input.extent, output.pixels_per_point)?;
+        self.reference_error.poll();
+        let (output, actions) = self.run_panel(input.egui);
+        self.looking = actions.looking;
+        let active = self.follow(&actions, input.extent, output.pixels_per_point)?;
         self.textures.append(output.textures_delta);
         self.triangles = self.egui.tessellate(output.shapes, output.pixels_per_point);
         self.pixels_per_point = output.pixels_per_point;
         let delay = output.viewport_output.values().map(|v| v.repaint_delay).min().unwrap_or(Duration::MAX);
         let goes_on = active || self.path.playing().is_some() || input.motion.is_moving();
         let again = if goes_on { Some(Duration::ZERO) } else { Some(delay).filter(|d| *d != Duration::MAX) };
-        Ok(Updated { platform: output.platform_output, again })
+        Ok(ViewerOutput { platform: output.platform_output, again })
     }
 
-    /// Draws what the last [`Self::update`] made ready: `present` gets the screen's image and what
+    /// Draws what the last [`Self::update`] prepared. `present` receives the screen's image and a closure that
     /// records its drawing.
     pub fn draw<R>(
         &mut self,
@@ -219,18 +219,18 @@ impl Viewer {
         present(&mut stage.context, screen, &mut record).map(Some)
     }
 
-    /// The screen as it was last drawn, decoded to linear.
+    /// The screen as it was last drawn, decoded to linear values.
     pub fn read_screen(&mut self) -> Result<Pixels> {
         self.pictures.stage.context.read(self.screen.all())
     }
 
-    /// The first picture alone, linear and without panel.
+    /// The first picture alone, linear and without the panel.
     pub fn read_picture(&mut self) -> Result<Option<Pixels>> {
         let Some((stage, [first, _], _)) = self.pictures.parts() else { return Ok(None) };
         stage.context.read(first.all()).map(Some)
     }
 
-    /// What is seen, for a title.
+    /// The window's title, which names what is shown.
     pub fn title(&self) -> String {
         let s = &self.state;
         let moved = if s.moved { " (moved)" } else { "" };
@@ -244,7 +244,7 @@ impl Viewer {
         format!("{}, view {}{moved} — {method}{against}{roughness} — {ms:.2} ms", self.scene.name, s.view.name)
     }
 
-    /// What the first method made in the last frame.
+    /// The images that the first method made in the last frame.
     #[cfg(test)]
     pub fn images(&self) -> Vec<super::pictures::ImageInfo> {
         self.pictures.shown(0).map(|s| s.images.clone()).unwrap_or_default()
@@ -262,19 +262,19 @@ impl Viewer {
         self.ray.as_ref()
     }
 
-    /// The frame at rest on the host, if it was asked.
+    /// The frame at rest on the host, if it was analysed.
     #[cfg(test)]
     pub fn inspection(&self) -> Option<&super::inspect::Inspection> {
-        self.answers.as_ref()?.inspection.as_ref()
+        self.analysis.as_ref()?.inspection.as_ref()
     }
 
-    /// What was last said of each shader that changed.
+    /// The last status of each shader that has changed.
     #[cfg(test)]
-    pub fn said_of_shaders(&self) -> Vec<Said> {
-        self.shaders.as_ref().map(|s| s.said.clone()).unwrap_or_default()
+    pub fn shader_statuses(&self) -> Vec<ShaderStatus> {
+        self.shaders.as_ref().map(|s| s.statuses.clone()).unwrap_or_default()
     }
 
-    fn move_camera(&mut self, input: &Input) {
+    fn move_camera(&mut self, input: &ViewerInput) {
         if input.motion.is_moving() {
             self.state.steer(|camera| camera.fly(input.motion, input.seconds));
         }
@@ -286,12 +286,12 @@ impl Viewer {
         }
     }
 
-    /// Takes the shaders that were compiled; one whose pipeline can't be made is not taken.
+    /// Takes newly compiled shaders into use, except those whose pipelines cannot be made.
     fn take_shaders(&mut self) {
         let Some(shaders) = &mut self.shaders else { return };
         for (shader, made) in shaders.changes.try_iter().flatten() {
             let replaced = &self.gpu.shared().replaced_shaders;
-            let said = made.and_then(|code| {
+            let status = made.and_then(|code| {
                 let before = replaced.set(shader, Some(code));
                 let tried = self.pictures.try_pipelines();
                 tried.and_then(|()| LookPass::new(&self.gpu, self.screen.format())).map_err(|e| {
@@ -299,40 +299,39 @@ impl Viewer {
                     e.to_string()
                 })
             });
-            let said = said.map(|look| {
+            let status = status.map(|look| {
                 self.look = look;
                 self.pictures.discard_pipelines();
             });
-            shaders.said.retain(|(name, _)| *name != shader.name);
-            shaders.said.insert(0, (shader.name, said));
+            shaders.statuses.retain(|(name, _)| *name != shader.name);
+            shaders.statuses.insert(0, (shader.name, status));
         }
     }
 
-    fn run_panel(&mut self, input: RawInput) -> (FullOutput, Done) {
-        let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.asks();
+    fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
+        let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.needs_analysis();
         let Self { state, path, pictures, egui, .. } = self;
         let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
-        let told = Told {
+        let data = PanelData {
             scenes: &self.scenes,
             views: &self.views,
             histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
             images: pictures.shown(0).map_or(&[], |s| &s.images),
-            answers: self.answers.as_ref(),
+            analysis: self.analysis.as_ref(),
             ray: self.ray.as_ref(),
-            against: &self.against,
+            reference_error: &self.reference_error,
             reference_command: &command,
-            camera: state.camera.camera(state.view.lens.unwrap_or(self.scene.lens), 1.0),
             extent: self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]),
-            shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.said[..])),
+            shaders: self.shaders.as_ref().map(|s| (&s.folder[..], &s.statuses[..])),
             counts: [self.frames, self.drawings, self.gpu.submissions()],
             idle: is_idle,
         };
-        let mut done = Done::default();
-        let output = egui.run_ui(input, |ui| done = panel::show(ui, state, path, &told));
-        (output, done)
+        let mut actions = PanelActions::default();
+        let output = egui.run_ui(input, |ui| actions = panel::show(ui, state, path, &data));
+        (output, actions)
     }
 
-    pub(super) fn wanted(&self, extent: [u32; 2]) -> Wanted {
+    pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
         self.state.wanted(&self.scene, extent)
     }
 
@@ -341,7 +340,7 @@ impl Viewer {
     }
 }
 
-/// The name of the scene that options name.
+/// The name of the scene that the options select.
 pub fn scene_name(place: &SceneOptions) -> String {
     match &place.scene[..] {
         [] => "rooms".into(),
@@ -350,7 +349,7 @@ pub fn scene_name(place: &SceneOptions) -> String {
     }
 }
 
-/// A scene's views with the lens of the options.
+/// The views of a scene, with the lens of the options.
 pub(super) fn views(scene: &Scene, place: &SceneOptions) -> Result<Vec<View>> {
     scene.views.iter().map(|v| resolve::with_lens(scene, v.clone(), place)).collect()
 }
@@ -360,8 +359,8 @@ pub(super) fn screen(gpu: &Gpu, format: vk::Format, extent: [u32; 2]) -> Result<
     Image::new(gpu, &ImageDesc { name: "screen", format, extent, levels: 1, layers: 1, usage })
 }
 
-/// The command line that makes the reference of what is seen; it can name a view, not a camera that
-/// flew away from one.
+/// The command line that makes the reference of the current view. It can name a view, but not a camera that has
+/// moved away from one.
 fn reference_command(state: &State, [width, height]: [u32; 2]) -> String {
     let (eye, look_at) = state.camera.place();
     let place = if state.moved || state.view.name == "custom" {

@@ -1,11 +1,12 @@
-//! The window of `ssct view`: input goes to the [`Viewer`], its image to the screen. It draws when
-//! something happened, and only then.
+//! The window of `ssct view`: passes input to the [`Viewer`] and its image to the screen. It draws only when
+//! something has happened.
 
 use super::input::{Action, action, motion, shift};
+use super::panel;
 use super::script::Script;
+use super::setup::ViewerSetup;
 use super::state::Tab;
-use super::viewer::{Input, Updated, Viewer};
-use super::{Opening, panel};
+use super::viewer::{Viewer, ViewerInput, ViewerOutput};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, PresentMode, Swapchain};
 use std::collections::HashSet;
@@ -18,33 +19,33 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoopProxy};
 use winit::keyboard::{KeyCode, PhysicalKey};
 use winit::window::{CursorGrabMode, Window, WindowId};
 
-/// What the event loop drives.
+/// The application that the event loop drives.
 pub struct App {
     /// The device.
     pub gpu: Gpu,
     /// Width and height of the picture in pixels.
     pub size: [u32; 2],
-    /// How images replace one another.
+    /// The present mode, which decides how images replace one another on the screen.
     pub present_mode: PresentMode,
-    /// What the viewer is made from, once there is a window.
-    pub opening: Option<Opening>,
+    /// What the viewer is built from once there is a window.
+    pub setup: Option<ViewerSetup>,
     /// The viewer.
     pub viewer: Option<Viewer>,
-    /// What a run by arguments does; without frames, nothing.
+    /// A scripted run; without frames, it does nothing.
     pub script: Script,
-    /// Wakes the loop from another thread.
+    /// Wakes the event loop from another thread.
     pub proxy: EventLoopProxy<()>,
-    /// What is held down.
+    /// The keys that are pressed.
     pub keys: HashSet<KeyCode>,
     /// When the last frame was made, while frames follow one another.
     pub last: Option<Instant>,
-    /// What ended the run.
+    /// The error that ended the run, if any.
     pub outcome: Result<()>,
-    /// The window while it is open.
+    /// The window, while it is open.
     pub open: Option<Open>,
 }
 
-/// A window while it is open.
+/// An open window.
 pub struct Open {
     swapchain: Swapchain,
     egui: egui_winit::State,
@@ -78,9 +79,9 @@ impl ApplicationHandler<()> for App {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        // A run by arguments shows what they say, whatever the mouse lies on.
+        // A scripted run must not depend on where the mouse happens to be.
         let takes_input = !self.script.is_running();
-        // How large a point is, egui must know in any case.
+        // egui needs changes of the scale factor in any case.
         let listens = takes_input || matches!(event, WindowEvent::ScaleFactorChanged { .. });
         if let (true, Some(open)) = (listens, &mut self.open)
             && open.egui.on_window_event(&open.window, &event).repaint
@@ -95,13 +96,14 @@ impl ApplicationHandler<()> for App {
                 self.check(events, drawn);
             }
             WindowEvent::Resized(_) | WindowEvent::Occluded(false) => self.request_redraw(),
-            // A window that gets the focus is told of the keys that are held then, beside their own events.
+            // A window that gets the focus also receives synthetic events for the keys that are pressed at that
+            // time.
             WindowEvent::KeyboardInput { event, is_synthetic, .. }
                 if takes_input && !(is_synthetic && event.state == ElementState::Pressed) =>
             {
                 self.key(events, &event);
             }
-            // What is released elsewhere is not heard of here.
+            // Keys that are released in another window are not reported here.
             WindowEvent::Focused(false) => self.keys.clear(),
             _ => {}
         }
@@ -117,27 +119,27 @@ impl ApplicationHandler<()> for App {
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        // The surface must go before the connection to the display does.
+        // The surface must be destroyed before the connection to the display is closed.
         self.open = None;
     }
 }
 
 impl App {
     fn open_window(&mut self, events: &ActiveEventLoop) -> Result<()> {
-        let Some(opening) = self.opening.take() else { return Ok(()) };
+        let Some(setup) = self.setup.take() else { return Ok(()) };
         let scale = events.primary_monitor().map_or(1.0, |m| m.scale_factor());
-        let beside = if opening.state.tab == Tab::None { 0.0 } else { f64::from(panel::WIDTH) * scale };
+        let beside = if setup.state.tab == Tab::None { 0.0 } else { f64::from(panel::WIDTH) * scale };
         let size = PhysicalSize::new(self.size[0] + beside.round() as u32, self.size[1]);
         let attributes = Window::default_attributes().with_title("ssct").with_inner_size(size);
         let window = events.create_window(attributes).map_err(|e| no_window("it cannot be opened", &e))?;
         let window = Arc::new(window);
         let swapchain = Swapchain::new(&self.gpu, &window, self.present_mode)?;
         let proxy = self.proxy.clone();
-        // A loop that is over needs no waking.
+        // Waking fails only if the loop has ended, which does no harm.
         let wake = Arc::new(move || {
             let _ = proxy.send_event(());
         });
-        let viewer = opening.viewer(&self.gpu, swapchain.screen_format(), wake)?;
+        let viewer = setup.viewer(&self.gpu, swapchain.screen_format(), wake)?;
         let egui = egui_winit::State::new(
             viewer.egui().clone(),
             egui::ViewportId::ROOT,
@@ -152,22 +154,22 @@ impl App {
         Ok(())
     }
 
-    /// One round of the viewer, shown; and another asked for if the image goes on changing.
+    /// Runs one round of the viewer and shows it; requests another one if the image is still changing.
     fn redraw(&mut self, events: &ActiveEventLoop) -> Result<()> {
         let (Some(open), Some(viewer)) = (&mut self.open, &mut self.viewer) else { return Ok(()) };
         let PhysicalSize { width, height } = open.window.inner_size();
         let Some(extent) = open.swapchain.prepare([width, height])? else { return Ok(()) };
         let now = Instant::now();
-        // The first step takes a frame's time; a long frame does not throw the camera across the room.
+        // The first step takes one frame's time. The limit keeps the camera from jumping after a long frame.
         let seconds = self.last.map_or(1.0 / 60.0, |then| (now - then).as_secs_f32().min(0.1));
         let mut input = open.egui.take_egui_input(&open.window);
-        // The surface may be another size than the window says, while it is being resized.
+        // While the window is being resized, the surface's size may differ from the window's.
         let points = |v: u32| v as f32 / egui_winit::pixels_per_point(viewer.egui(), &open.window);
         input.screen_rect =
             Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(points(extent[0]), points(extent[1]))));
         self.script.begin(viewer);
         let motion = motion(&self.keys);
-        let Updated { platform, again } = viewer.update(Input { egui: input, motion, seconds, extent })?;
+        let ViewerOutput { platform, again } = viewer.update(ViewerInput { egui: input, motion, seconds, extent })?;
         open.egui.handle_platform_output(&open.window, platform);
         let shown = viewer.draw(|context, screen, record| {
             open.window.pre_present_notify();
@@ -186,7 +188,7 @@ impl App {
         }
         let wait = [again.map(|d| now + d), self.script.deadline()].into_iter().flatten().min();
         events.set_control_flow(wait.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
-        // What another thread works out wakes the loop when it is there.
+        // Other threads wake the loop when their results have arrived.
         if goes_on || (self.script.is_running() && !viewer.is_waiting()) {
             open.window.request_redraw();
         }
@@ -200,14 +202,14 @@ impl App {
             return;
         }
         let Some(viewer) = &mut self.viewer else { return };
-        // What is typed into a field of the panel is none of the camera's.
+        // Keys that are typed into a field of the panel must not move the camera.
         if viewer.egui().egui_wants_keyboard_input() {
             return;
         }
         self.keys.insert(code);
         match action(code, shift(&self.keys)) {
             Some(Action::Quit) => events.exit(),
-            // A key that is held steps on only where steps are small.
+            // A key that is held repeats only actions with small steps.
             Some(action) if !event.repeat || matches!(action, Action::Roughness(_)) => viewer.act(action),
             _ => {}
         }
@@ -220,7 +222,7 @@ impl App {
         }
     }
 
-    /// Ends the run if something failed; whoever started it reports it.
+    /// Ends the run if something failed; the caller of the event loop reports the error.
     fn check(&mut self, events: &ActiveEventLoop, result: Result<()>) {
         if let Err(e) = result {
             self.outcome = Err(e);
@@ -230,8 +232,8 @@ impl App {
 }
 
 impl Open {
-    /// Title and cursor follow the viewer. While the mouse looks around, the cursor stays hidden in the
-    /// window, where the window system can keep it there.
+    /// Updates title and cursor. While the mouse turns the camera, the cursor is hidden and, if the window
+    /// system supports it, held in the window.
     fn follow(&mut self, viewer: &Viewer) {
         let title = viewer.title();
         if self.title != title {
@@ -249,8 +251,8 @@ impl Open {
     }
 }
 
-/// What the window system objects to. Its text begins with a line of winit's own source, and the
-/// cause stands behind the last colon.
+/// An error of the window system. Its text begins with a line of winit's source, and the cause follows the last
+/// colon.
 pub fn no_window(what: &str, error: &impl std::fmt::Display) -> Error {
     let text = error.to_string();
     let cause = text.rsplit(": ").next().unwrap_or(&text);

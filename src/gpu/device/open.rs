@@ -4,7 +4,7 @@ use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
 use crate::gpu::pipeline::ComputePipelines;
-use crate::gpu::watch;
+use crate::gpu::testing::watch;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
@@ -32,7 +32,7 @@ pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::I
     let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
     if query.validation && !has_layer {
         return Err(Error::Usage(
-            "--validation: the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
+            "the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
         ));
     }
     let has_debug =
@@ -231,6 +231,7 @@ pub(super) fn open_device(
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
     let features = vk::PhysicalDeviceFeatures::default()
+        .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
         .large_points(supported.large_points == vk::TRUE)

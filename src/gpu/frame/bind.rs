@@ -1,10 +1,38 @@
 //! Binding pipelines and what they read.
 
-use super::{Frame, Resource, UNIFORM_BYTES};
+use super::{Frame, Resource};
 use crate::error::Result;
 use crate::gpu::pipeline::Layout;
-use crate::gpu::shader::BindingKind;
+use crate::gpu::program::{Program, Sampled};
+use crate::gpu::shader::{Binding, BindingKind};
 use ash::vk;
+
+/// What the programs of a pipeline are given for a draw or a dispatch.
+pub(super) struct Given<'a> {
+    pub resources: Vec<(Binding, Resource<'a>)>,
+    pub push: &'a [u8],
+}
+
+impl<'a> Given<'a> {
+    /// A program's fields.
+    pub fn to<P: Program>(program: &'a P) -> Self {
+        let resources = P::SHADER.bindings.iter().copied().zip(program.resources()).collect();
+        Self { resources, push: program.push() }
+    }
+
+    /// The same with the fields of the other stage's program. What both have, bindings by their number and push
+    /// constants, is taken from the first.
+    pub fn and<P: Program>(mut self, other: &'a P) -> Self {
+        let other = Given::to(other);
+        for (binding, resource) in other.resources {
+            if self.resources.iter().all(|(known, _)| known.binding != binding.binding) {
+                self.resources.push((binding, resource));
+            }
+        }
+        let push = if self.push.is_empty() { other.push } else { self.push };
+        Self { push, ..self }
+    }
+}
 
 impl Frame<'_> {
     pub(super) fn bind(&self, pipeline: vk::Pipeline, point: vk::PipelineBindPoint) {
@@ -18,39 +46,30 @@ impl Frame<'_> {
         layout: &Layout,
         point: vk::PipelineBindPoint,
         name: &str,
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        given: &Given,
     ) -> Result<()> {
-        assert_eq!(push.len(), layout.push_size as usize, "push constants of {name}");
-        assert_eq!(resources.len(), layout.bindings.len(), "bindings of {name}: {:?}", layout.bindings);
+        let Given { resources, push } = given;
         let mut images = Vec::with_capacity(resources.len());
         let mut buffers = Vec::with_capacity(resources.len());
-        let mut kinds = Vec::with_capacity(resources.len());
-        for (binding_name, resource) in resources {
-            let Some(binding) = layout.binding(binding_name) else {
-                panic!("{name} has no binding {binding_name:?}: {:?}", layout.bindings)
-            };
-            let (image, buffer, kind) = self.descriptor(*resource);
-            assert_eq!(kind, binding.kind, "binding {binding_name} of {name}");
-            let many = match resource {
-                Resource::SampledArray(slices, sampler) => {
-                    slices.iter().map(|s| self.descriptor(Resource::Sampled(*s, *sampler)).0).collect()
+        for (_, resource) in resources {
+            let (image, buffer) = self.descriptor(*resource)?;
+            images.push(match resource {
+                Resource::SampledArray(several) => {
+                    let image = |s: &Sampled| Ok(self.descriptor(Resource::Sampled(*s))?.0);
+                    several.iter().map(image).collect::<Result<_>>()?
                 }
                 _ => vec![image],
-            };
-            assert_eq!(many.len(), binding.count as usize, "binding {binding_name} of {name}");
-            images.push(many);
+            });
             buffers.push([buffer]);
-            kinds.push(binding);
         }
         let set = match &mut self.context.sets {
             Some(sets) if !layout.bindings.is_empty() => Some(sets.take(layout.set, name)?),
             _ => None,
         };
-        let writes: Vec<_> = kinds
+        let writes: Vec<_> = resources
             .iter()
             .enumerate()
-            .map(|(i, b)| {
+            .map(|(i, (b, _))| {
                 let write = vk::WriteDescriptorSet::default()
                     .dst_set(set.unwrap_or_default())
                     .dst_binding(b.binding)
@@ -79,44 +98,27 @@ impl Frame<'_> {
         Ok(())
     }
 
-    fn descriptor(&mut self, resource: Resource) -> (vk::DescriptorImageInfo, vk::DescriptorBufferInfo, BindingKind) {
+    fn descriptor(&mut self, resource: Resource) -> Result<(vk::DescriptorImageInfo, vk::DescriptorBufferInfo)> {
         let (mut image, mut buffer) = (vk::DescriptorImageInfo::default(), vk::DescriptorBufferInfo::default());
-        let kind = match resource {
-            Resource::Sampled(slice, sampler) => {
+        match resource {
+            Resource::Sampled(Sampled(slice, sampler)) => {
                 image = image
                     .sampler(self.context.gpu.sampler(sampler))
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
-                BindingKind::SampledImage
             }
             // Each of its images is written by itself.
-            Resource::SampledArray(..) => BindingKind::SampledImage,
+            Resource::SampledArray(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
-                BindingKind::StorageImage
             }
             Resource::Buffer(b) | Resource::ReadBuffer(b) => {
                 buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
-                BindingKind::StorageBuffer
             }
             Resource::Uniform(bytes) => {
-                let offset = self.uniform(bytes);
-                buffer = buffer.buffer(self.context.uniforms.handle()).offset(offset).range(bytes.len() as u64);
-                BindingKind::UniformBuffer
+                buffer = self.context.uniforms.put(bytes)?;
             }
-        };
-        (image, buffer, kind)
-    }
-
-    /// Puts a uniform block into this frame's memory; returns its offset.
-    fn uniform(&mut self, bytes: &[u8]) -> u64 {
-        let alignment = self.context.gpu.shared().limits.min_uniform_buffer_offset_alignment.max(16);
-        let offset = self.uniform_bytes.next_multiple_of(alignment);
-        self.uniform_bytes = offset + bytes.len() as u64;
-        assert!(self.uniform_bytes <= UNIFORM_BYTES, "a frame has more than {UNIFORM_BYTES} bytes of uniforms");
-        if let Ok(memory) = self.context.uniforms.bytes_mut() {
-            memory[offset as usize..][..bytes.len()].copy_from_slice(bytes);
         }
-        offset
+        Ok((image, buffer))
     }
 }

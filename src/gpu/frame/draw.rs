@@ -1,77 +1,82 @@
-//! The passes that draw or dispatch: shaders over whole targets, over as much as a buffer says, over
+//! The passes that draw or dispatch: programs over whole targets, over as much as a buffer says, over
 //! meshes, and compute.
 
+use super::bind::Given;
 use super::target::View;
-use super::{Frame, Resource, Target};
+use super::{Frame, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::memory::Buffer;
-use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline};
+use crate::gpu::pipeline::{self, ComputePipeline, Graphics, GraphicsPipeline};
+use crate::gpu::program::{Compute, Fragment, VertexProgram};
 use crate::gpu::sync::Access;
 use ash::vk;
+use std::marker::PhantomData;
 
 impl Frame<'_> {
-    /// A fragment shader over whole targets, all of one size.
-    pub fn fullscreen(
+    /// A fragment program over whole targets, all of one size.
+    pub fn fullscreen<F: Fragment>(
         &mut self,
         name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        pipeline: &GraphicsPipeline<F>,
+        targets: F::Outputs<Target>,
+        program: &F,
     ) -> Result<()> {
-        self.shade(name, pipeline, (targets, None), resources, push, Vertices::Triangle)
+        let targets = (targets.as_ref(), None);
+        self.shade(name, &pipeline.graphics, targets, &Given::to(program), Vertices::Triangle)
     }
 
-    /// Clears the stencil of a depth target and marks every pixel that a fragment shader doesn't
+    /// Clears the stencil of a depth target and marks every pixel that a fragment program doesn't
     /// discard; its depth is lost.
-    pub fn mark(
+    pub fn mark<F: Fragment>(
         &mut self,
         name: &str,
-        pipeline: &GraphicsPipeline,
+        pipeline: &GraphicsPipeline<F>,
         stencil: ImageSlice,
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        program: &F,
     ) -> Result<()> {
-        self.shade(name, pipeline, (&[], Some(Target::unmarked(stencil))), resources, push, Vertices::Triangle)
+        let targets = (&[][..], Some(Target::unmarked(stencil)));
+        self.shade(name, &pipeline.graphics, targets, &Given::to(program), Vertices::Triangle)
     }
 
     /// Vertices without a vertex buffer, as many as four words of a buffer say (the arguments of an
     /// indirect draw), from byte `offset`.
-    pub fn draw_indirect(
+    pub fn draw_indirect<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        pipeline: &GraphicsPipeline<F, V>,
+        targets: F::Outputs<Target>,
+        (fragment, vertex): (&F, &V),
         (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        assert!(
-            offset + u64::from(INDIRECT_BYTES) <= arguments.size() && offset.is_multiple_of(4),
-            "{name}: at {offset}"
-        );
-        self.shade(name, pipeline, (targets, None), resources, push, Vertices::Said(arguments, offset))
+        let given = Given::to(fragment).and(vertex);
+        let vertices = Vertices::Said(arguments, offset);
+        self.shade(name, &pipeline.graphics, (targets.as_ref(), None), &given, vertices)
     }
 
     /// A pass of one draw whose vertices the vertex shader makes.
-    fn shade(
+    pub(super) fn shade(
         &mut self,
         name: &str,
-        pipeline: &GraphicsPipeline,
+        pipeline: &Graphics,
         (targets, depth): (&[Target], Option<Target>),
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        given: &Given,
         vertices: Vertices,
     ) -> Result<()> {
+        if let Vertices::Said(arguments, offset) = vertices {
+            assert!(
+                offset + u64::from(INDIRECT_BYTES) <= arguments.size() && offset.is_multiple_of(4),
+                "{name}: at {offset}"
+            );
+        }
         self.pass(name, |frame| {
-            frame.prepare(resources, Access::FragmentSampled, Access::GraphicsStorageRead);
+            frame.prepare(given, Access::FragmentSampled, Access::GraphicsStorageRead);
             if let Vertices::Said(arguments, _) = vertices {
                 frame.use_buffer(arguments, Access::Indirect);
             }
             let settles = frame.must_settle(&pipeline.settled);
             if settles {
-                frame.take_in(pipeline, resources, push)?;
+                frame.take_in(pipeline, given)?;
             }
             let view = if matches!(vertices, Vertices::Triangle) { View::Twice } else { View::Down };
             frame.rendering(targets, depth, view, |frame| {
@@ -80,7 +85,7 @@ impl Frame<'_> {
                     // SAFETY: a pipeline is bound, and what it reads was pushed.
                     unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
                 }
-                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, resources, push)?;
+                frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
                 let (device, commands) = (frame.device(), frame.context.commands);
                 // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
                 unsafe {
@@ -97,36 +102,46 @@ impl Frame<'_> {
     }
 
     /// Meshes into targets with a depth buffer; `draw` records them.
-    pub fn raster(
+    pub fn raster<F: Fragment, V: VertexProgram>(
         &mut self,
         name: &str,
-        pipeline: &GraphicsPipeline,
-        targets: &[Target],
+        pipeline: &GraphicsPipeline<F, V>,
+        targets: F::Outputs<Target>,
         depth: Target,
-        draw: impl FnOnce(&mut Raster) -> Result<()>,
+        draw: impl FnOnce(&mut Raster<F, V>) -> Result<()>,
     ) -> Result<()> {
+        let pipeline = &pipeline.graphics;
         self.pass(name, |frame| {
-            frame.rendering(targets, Some(depth), View::Up, |frame| {
+            frame.rendering(targets.as_ref(), Some(depth), View::Up, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                draw(&mut Raster { frame, pipeline })
+                draw(&mut Raster { frame, pipeline, programs: PhantomData })
             })
         })
     }
 
-    /// A compute shader over `threads` threads (rounded up to whole workgroups).
-    pub fn compute(
+    /// A compute program over `threads` threads (rounded up to whole workgroups).
+    pub fn compute<P: Compute>(
         &mut self,
         name: &str,
-        pipeline: &ComputePipeline,
-        resources: &[(&str, Resource)],
-        push: &[u8],
+        pipeline: &ComputePipeline<P>,
+        program: &P,
+        threads: [u32; 3],
+    ) -> Result<()> {
+        self.dispatch(name, &pipeline.compute, &Given::to(program), threads)
+    }
+
+    pub(super) fn dispatch(
+        &mut self,
+        name: &str,
+        pipeline: &pipeline::SharedCompute,
+        given: &Given,
         threads: [u32; 3],
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.prepare(resources, Access::ComputeSampled, Access::ComputeStorageRead);
+            frame.prepare(given, Access::ComputeSampled, Access::ComputeStorageRead);
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
-            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, resources, push)?;
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, given)?;
             let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
             // SAFETY: a pipeline and everything it reads are bound.
             unsafe { frame.device().cmd_dispatch(frame.context.commands, x, y, z) };
@@ -151,27 +166,33 @@ impl Frame<'_> {
 
 /// How many vertices [`Frame::shade`] draws.
 #[derive(Clone, Copy)]
-enum Vertices<'a> {
+pub(super) enum Vertices<'a> {
     /// The three of a triangle that covers the targets.
     Triangle,
-    /// As a buffer says from a byte on.
+    /// Reads the draw's arguments from a buffer at a byte offset.
     Said(&'a Buffer, u64),
 }
 
 const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 
 /// Records the draws of [`Frame::raster`].
-pub struct Raster<'f, 'c> {
+pub struct Raster<'f, 'c, F, V> {
     pub(super) frame: &'f mut Frame<'c>,
-    pub(super) pipeline: &'f GraphicsPipeline,
+    pipeline: &'f Graphics,
+    programs: PhantomData<(F, V)>,
 }
 
-impl Raster<'_, '_> {
-    /// Binds resources and constants for the draws that follow. Images must have been made ready
-    /// ([`Frame::make_ready`]): no barrier can stand inside rendering.
-    pub fn bind(&mut self, resources: &[(&str, Resource)], push: &[u8]) -> Result<()> {
-        let p = self.pipeline;
-        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, resources, push)
+impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
+    /// Binds what the programs read in the draws that follow. Images must have been made ready
+    /// ([`Frame::make_ready`]): no barrier can stand inside rendering. What both stages read is taken from the
+    /// fragment program.
+    pub fn bind(
+        &mut self,
+        fragment: &impl Fragment<Kind = F::Kind>,
+        vertex: &impl VertexProgram<Kind = V::Kind>,
+    ) -> Result<()> {
+        let (p, given) = (self.pipeline, Given::to(fragment).and(vertex));
+        self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &given)
     }
 
     /// Draws indexed triangles.

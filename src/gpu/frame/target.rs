@@ -9,7 +9,8 @@ use ash::vk;
 /// A colour or depth attachment.
 #[derive(Clone, Copy)]
 pub struct Target<'a> {
-    slice: ImageSlice<'a>,
+    /// None for an output that nobody wants.
+    slice: Option<ImageSlice<'a>>,
     load: Load,
 }
 
@@ -29,22 +30,27 @@ enum Load {
 impl<'a> Target<'a> {
     /// Every texel is written; what was there is lost.
     pub fn overwrite(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: Load::Lost }
+        Self { slice: Some(slice), load: Load::Lost }
+    }
+
+    /// Nobody wants this output: it goes nowhere. Its format was given as UNDEFINED.
+    pub fn unwanted() -> Self {
+        Self { slice: None, load: Load::Lost }
     }
 
     /// Cleared first; for depth, the first component, and a stencil beside it is kept.
     pub fn cleared(slice: ImageSlice<'a>, value: [f32; 4]) -> Self {
-        Self { slice, load: Load::Cleared(value) }
+        Self { slice: Some(slice), load: Load::Cleared(value) }
     }
 
     /// A depth target with stencil, to be marked anew; its depth is lost.
     pub(super) fn unmarked(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: Load::Unmarked }
+        Self { slice: Some(slice), load: Load::Unmarked }
     }
 
     /// Some texels are written; the others stay as they are.
     pub fn kept(slice: ImageSlice<'a>) -> Self {
-        Self { slice, load: Load::Kept }
+        Self { slice: Some(slice), load: Load::Kept }
     }
 }
 
@@ -95,18 +101,23 @@ impl Frame<'_> {
         view: View,
         draw: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
-        for target in targets {
-            self.use_image(target.slice, Access::ColorAttachment);
+        // Of no pipeline is an unwanted output at the end a target (`Graphics::new`).
+        let wanted = targets.iter().rposition(|target| target.slice.is_some()).map_or(0, |last| last + 1);
+        let targets = &targets[..wanted];
+        for slice in targets.iter().filter_map(|target| target.slice) {
+            self.use_image(slice, Access::ColorAttachment);
         }
-        if let Some(depth) = depth {
-            let with_stencil = depth.slice.stencil_view().is_some();
+        let stencil_view = |t: &Target| t.slice.and_then(|slice| slice.stencil_view());
+        if let Some(slice) = depth.and_then(|depth| depth.slice) {
+            let with_stencil = slice.stencil_view().is_some();
             let access = if with_stencil { Access::DepthStencilAttachment } else { Access::DepthAttachment };
-            self.use_image(depth.slice, access);
+            self.use_image(slice, access);
         }
         self.flush();
         let attachment = |t: &Target, layout| {
+            let Some(slice) = t.slice else { return vk::RenderingAttachmentInfo::default() };
             vk::RenderingAttachmentInfo::default()
-                .image_view(t.slice.stencil_view().unwrap_or(t.slice.view()))
+                .image_view(slice.stencil_view().unwrap_or(slice.view()))
                 .image_layout(layout)
                 .load_op(t.load.op())
                 .store_op(vk::AttachmentStoreOp::STORE)
@@ -118,7 +129,7 @@ impl Frame<'_> {
         let depth_value =
             |depth: f32| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
         let colors: Vec<_> = targets.iter().map(color).collect();
-        let stencil_attachment = depth.filter(|t| t.slice.stencil_view().is_some()).map(|t| {
+        let stencil_attachment = depth.filter(|t| stencil_view(t).is_some()).map(|t| {
             let op = if t.load == Load::Unmarked { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
             let layout = vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
             attachment(&t, layout).load_op(op).clear_value(depth_value(0.0))
@@ -130,7 +141,8 @@ impl Frame<'_> {
             };
             attachment(&t, layout).clear_value(depth_value(t.load.value()[0]))
         });
-        let [width, height] = targets.iter().chain(depth.iter()).map(|t| t.slice.extent()).next().unwrap_or([1, 1]);
+        let mut slices = targets.iter().chain(depth.iter()).filter_map(|t| t.slice);
+        let [width, height] = slices.next().map_or([1, 1], |slice| slice.extent());
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&colors);
         if let Some(depth) = &depth_attachment {

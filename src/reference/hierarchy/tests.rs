@@ -1,5 +1,5 @@
-//! The hierarchy and the oracle agree: same hit pixel, same position, same reason of a miss, for
-//! every ray of many G-buffers that were chosen to be awkward.
+//! The hierarchy and the oracle must agree on the hit pixel, the hit position and the reason of a miss for
+//! every ray in many G-buffers that are chosen to be difficult.
 
 use super::*;
 use crate::reference::Oracle;
@@ -10,7 +10,7 @@ use crate::reference::testing::{
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// A segment with exact numbers: along pixel edges, through corners, at depths of pixels.
+/// A segment with exact coordinates: along pixel edges, through corners, at the depths of pixels.
 fn exact_segment(random: &Random, g: &GBufferData) -> Segment {
     let start = [g.width, g.height].map(|side| f64::from(random.below(2 * side)) / 2.0);
     let end = [g.width, g.height].map(|side| f64::from(random.below(2 * side + 1)) / 2.0);
@@ -37,8 +37,8 @@ fn assert_agree(found: Trace, truth: Trace, what: impl Fn() -> String) {
     }
 }
 
-/// Traces about `rays` rays of a random G-buffer both ways, by one version or the other; returns how many, and how
-/// many hit.
+/// Traces about `rays` rays of a random G-buffer with both traversals and compares them; some cases use version
+/// 1 and some version 2. Returns the number of rays and the number of hits.
 fn compare(case: u64, rays: u64) -> [u64; 2] {
     let random = Random::new(7, case);
     let (kind, g) = awkward(case, &random);
@@ -98,7 +98,7 @@ fn cells_cover_the_pixels_that_shift_to_them() {
         let top = levels.last().map(|l| [l.width, l.height]);
         assert_eq!(top, Some([1, 1]));
         for (level, cells) in levels.iter().enumerate() {
-            let mut expected = vec![Block::EMPTY; cells.texels.len()];
+            let mut expected = vec![DepthBlock::EMPTY; cells.texels.len()];
             for y in 0..size[1] {
                 for x in 0..size[0] {
                     let cell = &mut expected[((y >> level) * cells.width + (x >> level)) as usize];
@@ -124,9 +124,9 @@ fn it_takes_a_fraction_of_the_oracles_steps() {
     assert!(few * 5 < many, "{few} steps, the oracle {many}");
 }
 
-/// Where the order of crossings is known, there is one end, the oracle's.
+/// Where the order of crossings is unambiguous, `possible_ends` gives one end, the oracle's.
 #[test]
-fn a_ray_that_is_known_exactly_has_the_oracles_end() {
+fn an_exact_ray_has_only_the_oracles_end() {
     let mut hits = 0;
     for case in 0..120 {
         let random = Random::new(9, case);
@@ -162,7 +162,7 @@ fn a_ray_through_a_corner_may_touch_either_pixel_beside_it() {
         };
         hierarchy.possible_ends(&segment, 1e-6)
     };
-    // Through the corner, within rounding of it, and clearly to either side of it.
+    // Rays through the corner, within rounding of it, and clearly to either side of it.
     for along in [2.5, 2.5 - 1e-6] {
         let ends = ends(along, 2.5);
         let beside: Vec<_> = ends.iter().flatten().collect();

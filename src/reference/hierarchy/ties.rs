@@ -1,23 +1,24 @@
-//! Where a ray can end if it is known only as exactly as rounded numbers say: what a disagreement with the oracle
-//! must be held against before it counts as one.
+//! The set of places where a ray can end if its coordinates are only known up to rounding. A traversal that
+//! ends at one of these places does not contradict the oracle.
 
 use super::{Hierarchy, Lane, hit};
 use crate::reference::ray::{Outcome, Segment};
-use crate::reference::thickness::Block;
+use crate::reference::thickness::DepthBlock;
 
 impl Hierarchy<'_> {
-    /// Every end, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known to a share of
-    /// `rounding` of their s alone.
+    /// All ends, by version 1 of the oracle, of a ray whose crossings of pixel boundaries are known only up to
+    /// a relative error of `rounding` in s.
     ///
-    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner: it may go straight
-    /// to the pixel across, or touch either of the two pixels beside it, whose blocks it may then meet. Each corner is
-    /// such a choice of its own, so that no one straight line need have all of them. Where no two intervals overlap
-    /// there is one end, the oracle's. Positions as of [`Trace::position_px`](crate::reference::Trace::position_px).
+    /// Where the intervals of the next crossings in x and in y overlap, the ray passes a corner: it may enter
+    /// the diagonal pixel directly, or touch either of the two pixels beside it and hit its block. Each corner
+    /// is decided independently, so that no single straight line need take all the decisions of one path. If no
+    /// intervals overlap, there is one end, the oracle's. Positions are those of
+    /// [`Trace::position_px`](crate::reference::Trace::position_px).
     pub fn possible_ends(&self, segment: &Segment, rounding: f64) -> Vec<Option<[f64; 2]>> {
         let sides = [self.levels[0].width, self.levels[0].height];
         let mut lanes = [0, 1].map(|axis| Lane::new(segment, axis, sides[axis]));
         let mut ends = Vec::new();
-        // The first step leaves the starting pixel unseen.
+        // The starting pixel itself is not tested.
         let mut block = None;
         let mut entry = 0.0;
         loop {
@@ -60,8 +61,8 @@ impl Hierarchy<'_> {
     }
 }
 
-/// Where a ray meets the block of the pixel that it is in from one s to another; `None` if it does not.
-fn meets(segment: &Segment, lanes: &[Lane; 2], block: Block, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
+/// Where a ray hits the block of the pixel in which it is from `entry` to `exit`; `None` if it does not hit.
+fn meets(segment: &Segment, lanes: &[Lane; 2], block: DepthBlock, [entry, exit]: [f64; 2]) -> Option<[f64; 2]> {
     let (a, b) = (segment.depth_at(entry), segment.depth_at(exit));
     let (near, far) = (a.max(b), a.min(b));
     let is_met = far <= block.front && near >= block.back;

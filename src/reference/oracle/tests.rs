@@ -1,11 +1,11 @@
-//! Rays that can be followed by hand. The default lens: 74° vertical, near 0.1 m, far 1000 m.
+//! Rays that can be followed by hand. The lens is the default: 74° vertical, near 0.1 m, far 1000 m.
 
 use super::*;
 use crate::reference::ray::MissReason;
 use crate::reference::testing::{depth_of, flat, floor_and_wall, gbuffer};
 use glam::Vec3;
 
-/// A row of square pixels at view depths in metres (infinite: sky).
+/// A row of square pixels with the given view depths in metres (infinite for sky).
 fn row(depths_m: &[f64]) -> GBufferData {
     gbuffer(depths_m.len() as u32, 1, |x, _| depth_of(depths_m[x as usize]), |_, _| Vec3::NEG_Z)
 }
@@ -24,8 +24,8 @@ fn a_floor_mirrors_the_wall() {
     for (x, y) in [(80, 65), (10, 62), (150, 70), (79, 75)] {
         let ndc = [2.0 * (f64::from(x) + 0.5) / 160.0 - 1.0, 1.0 - 2.0 * (f64::from(y) + 0.5) / 90.0];
         let (a, b) = (ndc[0] * tan * 160.0 / 90.0, ndc[1] * tan);
-        // The eye's ray (a, b, 1) meets the floor at z = −1/b; mirrored it rises, and is at height
-        // −2 − 5b where it meets the wall at z = 5, straight on in x.
+        // The primary ray (a, b, 1) hits the floor at z = −1/b. The mirrored ray rises, reaches the height −2 −
+        // 5b at the wall at z = 5, and goes on straight in x.
         let wall = [5.0 * a, -2.0 - 5.0 * b];
         let expected =
             [(0.5 + 0.5 * wall[0] / (5.0 * tan * 160.0 / 90.0)) * 160.0, (0.5 - 0.5 * wall[1] / (5.0 * tan)) * 90.0];
@@ -34,63 +34,63 @@ fn a_floor_mirrors_the_wall() {
         assert_eq!(pixel, expected.map(|v| v as u32));
         assert!((position.x - expected[0]).abs() < 1e-4 && (position.y - expected[1]).abs() < 1e-4, "{position}");
         assert!((position.z - f64::from(depth_of(5.0))).abs() < 1e-12);
-        assert_eq!(trace.steps, y - pixel[1], "straight up, pixel by pixel");
+        assert_eq!(trace.steps, y - pixel[1], "it must go straight up, pixel by pixel");
     }
 }
 
 #[test]
 fn rays_leave_the_screen() {
-    // From the lowest row the mirrored ray is 2 m up at the wall's depth: above the screen there,
-    // and in front of the wall all the way.
+    // From the lowest row, the mirrored ray has risen by 2 m at the wall's depth. It is above the screen there,
+    // and was always in front of the wall.
     let g = floor_and_wall(160, 90);
     let b = -(89.0 / 90.0) * f64::from(g.camera.lens.fov_y_radians / 2.0).tan();
     assert!(-2.0 - 5.0 * b > 0.0 && 5.0 * b.abs() < 5.0 * 0.7536);
     let oracle = Oracle::new(&g);
     let up = oracle.trace_direction(80, 89, DVec3::Y);
     assert_eq!((up.outcome, up.steps), (miss(MissReason::LeftScreen, false), 89));
-    // Along the wall, a ray that runs in its depth is inside the very next pixel's block.
+    // A ray that runs along the wall, at the wall's depth, is inside the block of the next pixel.
     let along = oracle.trace_direction(80, 10, DVec3::X);
     assert!(matches!(along.outcome, Outcome::Hit { pixel: [81, 10], .. }) && along.steps == 1, "{along:?}");
 }
 
 #[test]
 fn rays_towards_the_camera_end_at_the_near_plane() {
-    // The middle pixel of a wall looks straight back: its ray never leaves the pixel.
+    // The middle pixel of a wall faces the camera: its ray never leaves the pixel.
     let g = flat(9, 9, 5.0);
     let straight = Oracle::new(&g).trace(4, 4);
     assert_eq!((straight.outcome, straight.steps), (miss(MissReason::Near, false), 0));
-    // From the floor pixel below the middle towards a point 0.05 m beside the eye, nearer than the
+    // From the floor pixel below the middle towards a point 0.05 m beside the eye, which is nearer than the
     // near plane.
     let g = floor_and_wall(90, 90);
     let oracle = Oracle::new(&g);
     let from = oracle.rays.position(45, 80).expect("floor");
     let beside = oracle.trace_direction(45, 80, DVec3::new(0.05, 0.0, 0.0) - from);
     assert_eq!(beside.outcome, miss(MissReason::Near, false));
-    assert!(beside.steps > 10, "it crosses the screen on its way: {beside:?}");
+    assert!(beside.steps > 10, "it must cross the screen first: {beside:?}");
 }
 
 #[test]
 fn rays_away_from_the_camera_go_behind_things_and_end_far() {
     let g = flat(9, 9, 5.0);
     let away = Oracle::new(&g).trace_direction(4, 4, DVec3::Z);
-    assert_eq!((away.outcome, away.steps), (miss(MissReason::Far, true), 0), "behind its own pixel, unseen");
+    assert_eq!((away.outcome, away.steps), (miss(MissReason::Far, true), 0), "it must end behind its own pixel");
 }
 
 #[test]
 fn a_ray_passes_behind_a_thin_pole_and_meets_a_thick_one() {
-    // From column 0, 4 m away, along +x. The pole is 3 m away; alone before the sky it is
-    // T = 0.004 · 3 = 0.012 m thick. Column 8 is at 3.99 m, T = 0.01596: 4 m lies inside.
+    // A ray from column 0, 4 m away, along +x. The pole is 3 m away. Alone in front of the sky it is T = 0.004
+    // · 3 = 0.012 m thick. Column 8 is 3.99 m away with T = 0.01596, so 4 m is inside its block.
     let thin = row(&[4.0, SKY, SKY, SKY, 3.0, SKY, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thin).trace_direction(0, 0, DVec3::X);
     let Outcome::Hit { pixel: [8, 0], position } = trace.outcome else { panic!("{trace:?}") };
     assert_eq!(trace.steps, 8);
     assert!((position - DVec3::new(8.0, 0.5, f64::from(depth_of(4.0)))).length() < 1e-9, "the entry: {position}");
-    // Neighbours at 4.2 m and 5 m make the pole 1.2 + 0.012 m thick: up to 4.212 m.
+    // With neighbours at 4.2 m and 5 m, the pole is 1.2 + 0.012 m thick and extends to 4.212 m.
     let thick = row(&[4.0, SKY, SKY, 4.2, 3.0, 5.0, SKY, SKY, 3.99]);
     let trace = Oracle::new(&thick).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [4, 0], .. }), "{trace:?}");
-    // With one at 3.9 m the pole reaches only to 3.912 m; but that neighbour itself, which has only
-    // the pole beside it, is 0.9 + 0.0156 m thick.
+    // With a neighbour at 3.9 m, the pole extends only to 3.912 m. But that neighbour, whose only neighbour is
+    // the pole, is itself 0.9 + 0.0156 m thick.
     let thinner = row(&[4.0, SKY, SKY, SKY, 3.0, 3.9, SKY, SKY, SKY]);
     let trace = Oracle::new(&thinner).trace_direction(0, 0, DVec3::X);
     assert!(matches!(trace.outcome, Outcome::Hit { pixel: [5, 0], .. }), "{trace:?}");
@@ -106,8 +106,8 @@ fn the_flag_says_whether_a_ray_ended_behind_something() {
 
 #[test]
 fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
-    // Column 1 is at 3 m and 1.012 m thick (its one neighbour is at 4 m). A ray from column 0 that
-    // is 3.2 m away where it enters column 1 and 2.9 m where it leaves it crosses the front there.
+    // Column 1 is 3 m away and 1.012 m thick, because its only neighbour is at 4 m. A ray from column 0 that is
+    // 3.2 m away where it enters column 1, and 2.9 m away where it leaves it, crosses the front there.
     let g = row(&[4.0, 3.0, SKY, SKY]);
     let oracle = Oracle::new(&g);
     let depth = |z| f64::from(depth_of(z));
@@ -125,8 +125,8 @@ fn a_ray_that_comes_out_of_a_block_hits_its_front_from_inside() {
 
 #[test]
 fn a_ray_through_a_corner_goes_across_it() {
-    // Sky but for the two pixels beside the diagonal, at the ray's own depth: not met. On the
-    // diagonal: met.
+    // All sky, except for the two pixels beside the diagonal, at the ray's own depth: the ray does not meet
+    // them. It does meet a pixel on the diagonal.
     let depth = depth_of(2.0);
     let on = |pixels: &'static [(u32, u32)]| {
         gbuffer(3, 3, move |x, y| if pixels.contains(&(x, y)) { depth } else { 0.0 }, |_, _| Vec3::NEG_Z)
@@ -166,8 +166,8 @@ fn one_pixel_hits_nothing() {
     }
 }
 
-/// A row of pixels and a ray along it from one depth to another, with a direction for what normals are asked: how it
-/// ends by each version.
+/// How a ray along a row of pixels, from one depth to another, ends by each version. `direction` is the ray's
+/// direction for comparisons with normals.
 fn ends_of(depths_m: &[f64], [start_m, end_m]: [f64; 2], direction: DVec3) -> [Outcome; 2] {
     let g = row(depths_m);
     let last = depths_m.len() as f64 - 0.5;
@@ -189,12 +189,14 @@ fn hits(outcome: Outcome, pixel: u32) -> bool {
 fn the_second_version_hits_only_from_in_front() {
     let behind = miss(MissReason::LeftScreen, true);
     let level = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::X);
-    // Two pixels of a surface at 2 m: T = 0.008 m. Behind something nearer, a ray at 2.004 m comes from behind.
+    // Two pixels of a surface at 2 m, with T = 0.008 m. After a nearer surface, a ray at 2.004 m comes from
+    // behind.
     let [first, second] = level(&[1.0, 1.0, 2.0, 2.0], 2.004);
     assert!(hits(first, 2), "{first:?}");
     assert_eq!(second, behind);
-    // Past the surface's edge, from what lies farther or from sky, it passes as well, unless it runs against the
-    // normal, (0, 0, −1), and is no deeper in the block than by that cosine, here 0.4.
+    // After something farther away or sky, at the edge of the surface, the ray passes too, unless it runs
+    // against the normal (0, 0, −1) and is no deeper in the block than the thickness times that cosine, here
+    // 0.4.
     let against = |depths_m: &[f64], at_m: f64| ends_of(depths_m, [at_m, at_m], DVec3::new(0.84_f64.sqrt(), 0.0, 0.4));
     for before in [9.0, SKY] {
         let [first, second] = level(&[SKY, before, 2.0, 2.0], 2.004);
@@ -205,21 +207,23 @@ fn the_second_version_hits_only_from_in_front() {
             assert!(hits(first, 2) && hits(second, 2) == is_hit, "{before} {at_m} {first:?} {second:?}");
         }
     }
-    // On a slope of 0.5 m a pixel, T is that and 0.4 % of the depth, and the side is joined to the pixel before.
+    // On a slope of 0.5 m per pixel, T is that plus 0.4 % of the depth, and the side is joined to the previous
+    // pixel.
     let [first, second] = level(&[SKY, 3.0, 2.5, 2.0, 1.5], 2.85);
     assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
-    // What it crosses from front to back it hits, whatever was before.
+    // A front that the ray crosses is hit, whatever came before.
     let [first, second] = ends_of(&[1.0, 1.0, 2.0, 2.0], [1.5, 2.4], DVec3::X);
     assert!(hits(first, 2) && hits(second, 2), "{first:?} {second:?}");
 }
 
 #[test]
 fn the_second_version_leaves_the_surface_that_a_ray_begins_on() {
-    // Normals are (0, 0, −1). The ray sinks into the block beside the start, and crosses the front of column 3.
+    // All normals are (0, 0, −1). The ray sinks into the block beside the start and crosses the front of column
+    // 3.
     let to = |direction| ends_of(&[2.0, 2.0, SKY, 2.025, 2.025], [2.0, 2.04], direction);
     let [first, second] = to(DVec3::new(0.9, 0.0, -0.1));
     assert!(hits(first, 1) && hits(second, 3), "{first:?} {second:?}");
-    // The other way it ends at once, though it comes from behind the starting pixel's front.
+    // In the other direction it ends at once, although it comes from behind the starting pixel's front.
     let [first, second] = to(DVec3::new(0.9, 0.0, 0.1));
     assert!(hits(first, 1) && hits(second, 1), "{first:?} {second:?}");
 }

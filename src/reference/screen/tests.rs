@@ -1,4 +1,4 @@
-//! Closed forms first, then what a Monte Carlo image must keep to statistically.
+//! Tests against closed forms first, then the statistical properties of a Monte Carlo image.
 
 use super::*;
 use crate::reference::Oracle;
@@ -7,7 +7,7 @@ use crate::reference::testing::{flat, floor_and_wall};
 
 const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1 };
 
-/// The floor and the wall, the wall striped, the floor of some roughness and reflecting alone.
+/// The floor and the wall. The wall is striped; the floor has the given roughness and is all that reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
     let mut g = floor_and_wall(32, 18);
     for (i, color) in g.color.iter_mut().enumerate() {
@@ -52,8 +52,8 @@ fn nearly_a_mirror_is_nearly_the_mirrors_image() {
 
 #[test]
 fn directions_have_the_moments_of_the_lobe() {
-    // Of the density (α + 1) / 2π cos^α: E cos = (α + 1) / (α + 2), E cos² = (α + 1) / (α + 3), and
-    // the mean is along the axis.
+    // For the density (α + 1) / 2π cos^α: E cos = (α + 1) / (α + 2), E cos² = (α + 1) / (α + 3), and the mean
+    // direction is the axis.
     let axis = DVec3::new(0.3, -0.5, 0.8).normalize();
     let stream = Stream::new(5, 0);
     for exponent in [0.0, 1.0, 30.0, 4512.0] {
@@ -78,8 +78,8 @@ fn directions_have_the_moments_of_the_lobe() {
 
 #[test]
 fn directions_below_the_surface_carry_nothing_and_count() {
-    // Where the floor meets the wall, rays rise by 16° and a lobe of ϱ = 0.6 dips below the floor.
-    // The same sum again, with the oracle's rays.
+    // Where the floor meets the wall, rays rise by 16°, so a lobe with ϱ = 0.6 reaches below the floor. The
+    // expected sum is computed again from the oracle's rays.
     let (g, mask) = stage(0.6);
     let sampling = Sampling { samples: 200, seed: 2, ..SAMPLING };
     let image = ScreenReference::render(&g, &mask, sampling, &|| ());
@@ -99,14 +99,14 @@ fn directions_below_the_surface_carry_nothing_and_count() {
             sum += bilinear(&g, p.x, p.y);
         }
     }
-    assert!(below > 10 && would_hit > 5, "{below} below, of which {would_hit} would hit the floor");
+    assert!(below > 10 && would_hit > 5, "{below} rays below the surface, {would_hit} of which would hit the floor");
     let found = image.color[g.index(x, y)].as_dvec3();
     assert!((found - sum / 200.0).length() < 1e-6, "{found} {}", sum / 200.0);
 }
 
 #[test]
 fn the_mean_and_its_error_are_those_of_a_hand_computation() {
-    // 1, 2, 6: mean 3, variance (4 + 1 + 9) / 2 = 7, standard error √(7 / 3).
+    // Samples 1, 2, 6: mean 3, variance (4 + 1 + 9) / 2 = 7, standard error √(7 / 3).
     let e = mean_and_error([1.0, 2.0, 6.0].into_iter().map(DVec3::splat));
     assert!((e.mean - 3.0).length() < 1e-12);
     assert!((e.standard_error - (7.0_f64 / 3.0).sqrt()).length() < 1e-12);
@@ -117,8 +117,8 @@ fn the_mean_and_its_error_are_those_of_a_hand_computation() {
 fn the_standard_error_is_how_far_independent_images_are_apart() {
     let [a, b] = [1, 2].map(|seed| render(0.3, Sampling { seed, ..SAMPLING }));
     let (_, mask) = stage(0.3);
-    // Mean squared difference in units of its variance: 1 with a standard deviation below 0.1 over
-    // some 300 pixels and 2 channels (the third is constant where all rays hit).
+    // The mean squared difference in units of its variance is 1, with a standard deviation below 0.1 over some
+    // 300 pixels and 2 channels (the third is constant where all rays hit).
     let mut z = Vec::new();
     for i in (0..mask.len()).filter(|i| mask[*i]) {
         for c in 0..2 {
@@ -131,7 +131,7 @@ fn the_standard_error_is_how_far_independent_images_are_apart() {
     let mean = z.iter().sum::<f64>() / z.len() as f64;
     assert!(z.len() > 200 && (0.75..1.25).contains(&mean), "{mean} over {}", z.len());
     assert!(a.overall_standard_error > 0.005 && a.overall_standard_error < 0.1);
-    // Four times the samples, half the error.
+    // Four times the samples give half the error.
     let more = render(0.3, Sampling { samples: 256, seed: 3, ..SAMPLING });
     let ratio = a.overall_standard_error / more.overall_standard_error;
     assert!((1.85..2.15).contains(&ratio), "{ratio}");

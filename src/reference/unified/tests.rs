@@ -2,7 +2,7 @@
 //! shown to be a tie: another ray, as near as f32 can tell, ends where the twin's does.
 
 use super::*;
-use crate::metrics::hits::Verdict;
+use crate::metrics::hits::HitVerdict;
 use crate::reference::Oracle;
 use crate::reference::ray::{RaySetup, Trace};
 use crate::reference::testing::{DIRECTIONS, KINDS, Random, SIZES, awkward, direction};
@@ -13,9 +13,9 @@ use rayon::prelude::*;
 /// Units in the last place of f32 by which a step may be rounded.
 const ULPS: f64 = 8.0;
 
-fn verdict(found: &Hit, truth: &Trace) -> Verdict {
+fn verdict(found: &Hit, truth: &Trace) -> HitVerdict {
     let position = (found.code == Code::Surface).then(|| found.position.as_dvec2().to_array());
-    Verdict::of(position, truth.position_px())
+    HitVerdict::of(position, truth.position_px())
 }
 
 /// Whether what the twin found is right for its own ray, followed in f64, but for the rounding of its
@@ -23,7 +23,7 @@ fn verdict(found: &Hit, truth: &Trace) -> Verdict {
 /// and the pixel that it hit is one that it may pass, by a block that it may meet. For sure is what
 /// remains when pixels and blocks shrink by the rounding, and may be is what is left when they grow.
 /// A pixel that it leaves, by version 2, is none.
-fn is_tie(blocks: &Level<thickness::Block>, ray: &Ray, found: &Hit, left: Option<IVec2>) -> bool {
+fn is_tie(blocks: &Level<thickness::DepthBlock>, ray: &Ray, found: &Hit, left: Option<IVec2>) -> bool {
     let unit = ULPS * f64::from(f32::EPSILON);
     let (start, end) = ((ray.pixel.as_dvec2() + 0.5).extend(f64::from(ray.depth)), f64::from(ray.end));
     let rate = ray.rate.as_dvec3();
@@ -58,7 +58,7 @@ fn is_tie(blocks: &Level<thickness::Block>, ray: &Ray, found: &Hit, left: Option
 
 /// Whether rounding decides what version 2 of the oracle makes of the block that a ray meets: which pixel it comes
 /// from, or on which side of one of the limits it lies.
-fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::Block>, ray: &Ray, met: &Hit) -> bool {
+fn is_side_tie(twin: &Traversal, blocks: &Level<thickness::DepthBlock>, ray: &Ray, met: &Hit) -> bool {
     if met.code != Code::Surface {
         return false;
     }
@@ -141,7 +141,7 @@ fn compare(case: u64, rays: u64) -> (u64, Counts, Vec<String>) {
         let (found, truth) = (twin.traverse(&ray), oracle.trace_segment(&segment));
         assert!(found.code != Code::Unfinished && found.steps <= twin.max_steps());
         hits += u64::from(truth.position().is_some());
-        if verdict(&found, &truth) != Verdict::Agrees {
+        if verdict(&found, &truth) != HitVerdict::Agrees {
             let second = version == OracleVersion::V2;
             let first = first_of(&twin, &ray).filter(|_| second).map(|pixel| (cosine(&twin, &ray, pixel), pixel));
             // Whether it leaves the first pixel may be a tie; if not, that pixel is out of the question, or hit.

@@ -16,7 +16,7 @@ use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
 use crate::study::error::ErrorRecord;
-use crate::study::record::{DEFINITIONS, Head};
+use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::Compared;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::path::Path;
@@ -173,8 +173,8 @@ fn page_header(title: &str, device: Option<&DeviceInfo>, command: &str, parts: &
                         dt { "Device" }
                         dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
                     }
-                    dt { "Program" }
-                    dd { "ssct " (Head::VERSION) ", commit " code { (Head::COMMIT) } ", definitions " (DEFINITIONS) }
+                    dt { "Provenance" }
+                    dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::COMMIT) } ", definitions " (DEFINITIONS) }
                     dt { "Command" }
                     dd { code { (command) } }
                 }

@@ -1,9 +1,9 @@
-//! `atrium`: a colonnaded court of two storeys in the proportions of Crytek Sponza, for the thesis's
-//! figures 5.6–5.8. Arcades round an open court, vaulted galleries behind them, and the things in
-//! between ([`furnishing`]). Only the floor reflects, in the view `hall` the walls too.
+//! `atrium`: a colonnaded court of two storeys in the proportions of Crytek Sponza, for the thesis's figures
+//! 5.6–5.8: arcades around an open court, vaulted galleries behind them, and furnishing ([`furnishing`]). Only
+//! the floor reflects; in the view `hall` the walls reflect as well.
 
 use super::builder::{MeshBuilder, Rect};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, furnishing, materials, probe, thesis_lens, view};
 use crate::scene::pattern::{Dye, Pattern, Wood};
 use crate::scene::{Light, MaterialChange, Mesh, Scene, sky};
@@ -38,24 +38,24 @@ const FINISHES: [Finish; 13] = [
     Finish::new("cloth-blue", Pattern::Cloth(Dye::Blue), 0.0),
 ];
 
-/// Walls and columns stand on these lines; the first and the last are the outer walls, the second
-/// and the last but one bound the court.
+/// Walls and columns stand on these lines. The first and the last are the outer walls; the second and the
+/// second to last bound the court.
 pub const LINES_X: [f32; 8] = [-14.3, -9.95, -6.2, -2.46, 1.22, 4.9, 8.75, 13.0];
 pub const LINES_Z: [f32; 4] = [-5.75, -2.05, 2.8, 6.45];
-/// Outside of the building: x and z.
+/// The building's outer extent in x and z.
 const OUTSIDE: ([f32; 2], [f32; 2]) = ([-18.7, 17.5], [-10.4, 11.4]);
 
-/// Heights in metres above the floor.
+/// Heights above the floor in metres at which the arches of each storey spring.
 const SPRING: [f32; 2] = [2.3, 6.95];
 const UPPER_FLOOR: f32 = 4.16;
 pub const PARAPET: f32 = 5.08;
 const WALL_TOP: f32 = 13.0;
-/// Geometry reaches so far into its neighbour, so that no light shows through the joints.
+/// How far geometry reaches into its neighbours, in metres, so that no light shows through the joints.
 const OVERLAP: f32 = 0.02;
 const ARCADE_M: f32 = 0.6;
 const HALF_PIER_M: f32 = 0.5;
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [floors(), outer_walls(), galleries(), arcades(), columns(), upper_walls(), roof()];
@@ -91,7 +91,7 @@ pub fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The bays of the galleries: least and greatest corner (x, z). The court is left out.
+/// The bays of the galleries without the court: least and greatest corner (x, z).
 fn gallery_bays() -> impl Iterator<Item = [Vec2; 2]> {
     let bays_x = LINES_X.windows(2).enumerate();
     bays_x.flat_map(|(i, x)| {
@@ -147,7 +147,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
     walls
 }
 
-/// Vaults of both storeys, with ribs between the bays of each.
+/// The vaults of both storeys, with ribs between the bays.
 fn galleries() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (storey, spring) in SPRING.into_iter().enumerate() {
@@ -168,7 +168,7 @@ fn galleries() -> Vec<MeshBuilder> {
     parts
 }
 
-/// An arch under a vault between two lines, with corbels to stand on.
+/// An arch between two lines that carries a vault, on corbels.
 fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], spring: f32) {
     let wall = Wall { origin, along, thickness_m: 0.4 };
     let half_width = 0.5 * (to - from) - 0.3;
@@ -185,7 +185,7 @@ fn rib(mesh: &mut MeshBuilder, origin: Vec3, along: Vec3, [from, to]: [f32; 2], 
     }
 }
 
-/// A side of the court: the wall's line, and the places on it where columns and piers stand.
+/// A side of the court: the line of its wall, and the positions of columns and piers on it.
 struct Side {
     origin: Vec3,
     along: Vec3,
@@ -198,7 +198,7 @@ fn sides() -> [Side; 4] {
     [long(LINES_Z[1]), long(LINES_Z[2]), short(LINES_X[1]), short(LINES_X[6])]
 }
 
-/// The arches of both storeys with the walls over them, the parapets and the string courses.
+/// The arches of both storeys with the walls above them, the parapets and the string courses.
 fn arcades() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for side in sides() {
@@ -226,7 +226,7 @@ fn arcades() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A horizontal band of stone that stands `proud_m` out of both faces of the wall.
+/// A horizontal band of stone that projects by `proud_m` from both faces of the wall.
 fn course(mesh: &mut MeshBuilder, wall: &Wall, [from, to]: [f32; 2], [low, high]: [f32; 2], proud_m: f32) {
     let across = wall.along.cross(Vec3::Y).abs() * (0.5 * wall.thickness_m + proud_m);
     let at = |a: f32, y: f32| wall.origin + a * wall.along + y * Vec3::Y;
@@ -240,7 +240,7 @@ fn lower_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     vec![Arch { centre_m: from + half, half_width_m: half_width, spring_m: SPRING[0], rise_m: rise }]
 }
 
-/// Two arches that share a slender column in the middle.
+/// Two arches that share a slender column.
 fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
     let half = 0.5 * (to - from);
     let half_width = 0.5 * (half - 0.3 - 0.15);
@@ -252,7 +252,7 @@ fn upper_arches([from, to]: [f32; 2]) -> Vec<Arch> {
 /// Columns and corner piers of both storeys, and the slender columns between the upper arches.
 fn columns() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
-    let round = |name: &str, foot: Vec3, size: Column| {
+    let round = |name: &str, foot: Vec3, size: ColumnSize| {
         let mut stone = mesh(name, COLUMN);
         masonry::column(&mut stone, foot, &size);
         stone
@@ -261,13 +261,13 @@ fn columns() -> Vec<MeshBuilder> {
     for side in sides() {
         let at = |a: f32, y: f32| side.origin + a * side.along + y * Vec3::Y;
         for &post in &side.posts[1..side.posts.len() - 1] {
-            let lower = Column { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
+            let lower = ColumnSize { radius_m: 0.27, height_m: SPRING[0], half_plinth_m: 0.43, sides: 28 };
             parts.push(round("column", at(post, 0.0), lower));
-            let upper = Column { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
+            let upper = ColumnSize { radius_m: 0.23, height_m: upper_m, half_plinth_m: 0.33, sides: 20 };
             parts.push(round("upper-column", at(post, PARAPET), upper));
         }
         for bay in side.posts.windows(2) {
-            let slender = Column { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
+            let slender = ColumnSize { radius_m: 0.11, height_m: upper_m, half_plinth_m: 0.19, sides: 12 };
             parts.push(round("slender-column", at(0.5 * (bay[0] + bay[1]), PARAPET), slender));
         }
     }
@@ -317,7 +317,7 @@ fn upper_walls() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A blind window: four reveals, a back wall, and a sill.
+/// A blind window: four reveals, a back wall and a sill.
 fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: &Rect) {
     const DEPTH: f32 = 0.35;
     let at = |a: f32, y: f32, depth: f32| face + a * right + y * Vec3::Y + depth * outward;
@@ -334,7 +334,7 @@ fn window(mesh: &mut MeshBuilder, face: Vec3, right: Vec3, outward: Vec3, hole: 
     mesh.cuboid(p.min(q), p.max(q));
 }
 
-/// A ring of tiles that falls to the court and outwards, with its eaves.
+/// A ring of tiles that slopes to the court and to the outside, with its eaves.
 fn roof() -> Vec<MeshBuilder> {
     let ring = |out: f32| {
         let (x, z) = OUTSIDE;

@@ -1,29 +1,29 @@
-//! Builds the meshes of the built-in scenes: planar polygons and smooth parametric surfaces, with
-//! normals, tangents and texture coordinates in true scale.
+//! Builds the meshes of the built-in scenes from planar polygons and smooth parametric surfaces, with normals,
+//! tangents and texture coordinates at true scale.
 //!
-//! "Seen from the front" means from the side that the normals point to. On every surface, s or the
-//! image's u runs to the right and t or the image's up runs upwards as seen from the front.
+//! "Seen from the front" means seen from the side to which the normals point. On every surface seen from the
+//! front, s and the image's u run to the right, and t and the image's up direction run upwards.
 
 use crate::scene::{Aabb, Mesh, Vertex};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Half the step of the differences that give a surface its normals, in its parameters.
+/// Half the step, in the surface's parameters, of the differences that give a surface its normals.
 const STEP: f32 = 1.0 / 256.0;
 
 /// A mesh under construction.
 pub struct MeshBuilder {
     name: String,
     material: usize,
-    /// Metres of surface that one image covers.
+    /// Width of surface in metres that one image covers.
     image_m: f32,
-    /// Whether images lie on their side.
+    /// Whether images are turned by a quarter.
     turned: bool,
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
 }
 
-/// A right and an up direction, as seen from the front.
+/// The right and up directions of a surface seen from the front.
 #[derive(Clone, Copy)]
 struct Axes {
     normal: Vec3,
@@ -37,7 +37,7 @@ impl MeshBuilder {
         Self { name: name.into(), material, image_m, turned: false, vertices: Vec::new(), indices: Vec::new() }
     }
 
-    /// Turns images by a quarter: what ran to the right runs upwards.
+    /// Turns images by a quarter, so that their right direction points up.
     pub fn turned(mut self) -> Self {
         self.turned = true;
         self
@@ -48,20 +48,20 @@ impl MeshBuilder {
         Self { turned: self.turned, ..Self::new(name, self.material, self.image_m) }
     }
 
-    /// Whether it has no triangle yet.
+    /// Whether the mesh has no triangles yet.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
 
-    /// The finished mesh.
+    /// Finishes the mesh.
     pub fn build(self) -> Mesh {
         let bounds = Aabb::of(&self.vertices);
         Mesh { name: self.name, vertices: self.vertices, indices: self.indices, material: self.material, bounds }
     }
 
-    /// A flat, convex polygon whose normal points to the side of `facing`, whatever the order of
-    /// its corners. Texture coordinates are the world's metres, so that neighbours in one plane
-    /// continue each other; on walls the image's up is +y, on floors and ceilings +z.
+    /// A flat, convex polygon whose normal points to the side of `facing`, whatever the order of its corners.
+    /// Texture coordinates are world coordinates, so that neighbours in one plane continue each other. On walls
+    /// the image's up direction is +y, on floors and ceilings +z.
     pub fn polygon(&mut self, corners: &[Vec3], facing: Vec3) {
         let area: Vec3 = (2..corners.len()).map(|k| (corners[k - 1] - corners[0]).cross(corners[k] - corners[0])).sum();
         if area.length_squared() < 1e-14 {
@@ -81,19 +81,19 @@ impl MeshBuilder {
         }
     }
 
-    /// A band of flat quadrilaterals between two lines of equally many points, facing `facing`.
+    /// A band of flat quadrilaterals between two polylines with equally many points; it faces `facing`.
     pub fn band(&mut self, lower: &[Vec3], upper: &[Vec3], facing: Vec3) {
         for (a, b) in lower.windows(2).zip(upper.windows(2)) {
             self.polygon(&[a[0], a[1], b[1], b[0]], facing);
         }
     }
 
-    /// A box, faces outwards.
+    /// A box with its faces outwards.
     pub fn cuboid(&mut self, min: Vec3, max: Vec3) {
         self.cuboid_but(min, max, &[]);
     }
 
-    /// A box, faces outwards, without the faces of the given outward directions.
+    /// A box with its faces outwards, without the faces in the directions `open`.
     pub fn cuboid_but(&mut self, min: Vec3, max: Vec3, open: &[Vec3]) {
         let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
         for (a, b, c) in [(Vec3::X, Vec3::Y, Vec3::Z), (Vec3::Y, Vec3::Z, Vec3::X), (Vec3::Z, Vec3::X, Vec3::Y)] {
@@ -107,9 +107,9 @@ impl MeshBuilder {
         }
     }
 
-    /// A rectangle in the plane through `origin` spanned by the unit vectors `right` and `up`, with
-    /// rectangular holes; everything in metres along these, faces to the viewer for whom they run
-    /// right and up. It is cut along all edges of its holes, so that corners meet corners.
+    /// A rectangle with rectangular holes in the plane through `origin` that the unit vectors `right` and `up`
+    /// span. Its sides are in metres along these vectors, and it faces a viewer who sees them pointing right
+    /// and up. It is cut along all edges of its holes, so that corners meet only at corners.
     pub fn panel(&mut self, [origin, right, up]: [Vec3; 3], extent: Rect, holes: &[Rect]) {
         let cuts = |low: f32, high: f32, edges: &dyn Fn(&Rect) -> [f32; 2]| {
             let mut all = vec![low, high];
@@ -132,8 +132,8 @@ impl MeshBuilder {
         }
     }
 
-    /// A rectangle that shows one image from edge to edge, upright for the viewer for whom the halves
-    /// run right and up.
+    /// A rectangle that shows one whole image, upright for a viewer who sees the two half vectors pointing
+    /// right and up.
     pub fn picture(&mut self, centre: Vec3, half_right: Vec3, half_up: Vec3) {
         let (right, up) = (half_right.normalize(), half_up.normalize());
         let axes = Axes { normal: up.cross(right), right, up };
@@ -146,8 +146,8 @@ impl MeshBuilder {
         self.triangle(first, first + 3, first + 2);
     }
 
-    /// A round, smooth bar along a path, open at its ends: `at` gives centre and radius from t = 0 to
-    /// t = 1. `across` is any direction that the path never takes.
+    /// A round, smooth tube along a path, open at its ends. `at` gives the centre and radius for t from 0 to 1.
+    /// `across` is any direction that the path never follows.
     pub fn tube(&mut self, steps: [u32; 2], across: Vec3, at: impl Fn(f32) -> (Vec3, f32)) {
         let points: Vec<(Vec3, f32)> = (0..=16).map(|k| at(k as f32 / 16.0)).collect();
         let length: f32 = points.windows(2).map(|p| p[0].0.distance(p[1].0)).sum();
@@ -162,7 +162,7 @@ impl MeshBuilder {
         });
     }
 
-    /// A disc or regular polygon across y.
+    /// A disc or regular polygon in a horizontal plane.
     pub fn disc(&mut self, centre: Vec3, radius: f32, corners: u32, facing: Vec3) {
         let rim: Vec<Vec3> = (0..corners)
             .map(|k| {
@@ -173,11 +173,11 @@ impl MeshBuilder {
         self.polygon(&rim, facing);
     }
 
-    /// A smooth surface over 0 ≤ s, t ≤ 1, in so many columns and rows.
+    /// A smooth surface over 0 ≤ s, t ≤ 1, with the given numbers of columns and rows.
     ///
-    /// `at` gives a position relative to `origin` and texture coordinates in metres, right and up;
-    /// it is also asked a little outside 0…1, for the normals. Where the surface closes to a point,
-    /// the normal is taken a little nearer to the middle.
+    /// `at` gives a position relative to `origin` and texture coordinates in metres (right and up). It is also
+    /// evaluated slightly outside 0…1, for the normals. Where the surface closes to a point, the normal is
+    /// taken slightly closer to the middle.
     pub fn surface(&mut self, origin: Vec3, [columns, rows]: [u32; 2], at: impl Fn(f32, f32) -> (Vec3, Vec2)) {
         let first = self.vertices.len() as u32;
         for j in 0..=rows {
@@ -197,8 +197,8 @@ impl MeshBuilder {
         }
     }
 
-    /// A surface of revolution about the vertical through `base`: `profile` gives radius and height
-    /// above `base` from t = 0 (below, for the outside to be the front) to t = 1.
+    /// A surface of revolution about the vertical through `base`. `profile` gives the radius and the height
+    /// above `base`; it must run upwards from t = 0 to t = 1 for the outside to be the front.
     pub fn revolve(&mut self, base: Vec3, steps: [u32; 2], profile: impl Fn(f32) -> Vec2) {
         let points: Vec<Vec2> = (0..=32).map(|k| profile(k as f32 / 32.0)).collect();
         let length: f32 = points.windows(2).map(|p| p[0].distance(p[1])).sum();
@@ -211,14 +211,14 @@ impl MeshBuilder {
         });
     }
 
-    /// An upright cylinder with its ends.
+    /// An upright cylinder with its end caps.
     pub fn cylinder(&mut self, base: Vec3, radius: f32, height: f32, segments: u32) {
         self.revolve(base, [segments, 1], |t| Vec2::new(radius, height * t));
         self.disc(base + height * Vec3::Y, radius, segments, Vec3::Y);
         self.disc(base, radius, segments, Vec3::NEG_Y);
     }
 
-    /// A ball.
+    /// A sphere.
     pub fn sphere(&mut self, centre: Vec3, radius: f32, [around, along]: [u32; 2]) {
         self.revolve(centre, [around, along], |t| {
             let (sin, cos) = (std::f32::consts::PI * t).sin_cos();
@@ -249,7 +249,7 @@ impl MeshBuilder {
     }
 }
 
-/// A rectangle in some plane, in metres.
+/// A rectangle in a plane, in metres.
 #[derive(Debug, Clone, Copy)]
 pub struct Rect {
     /// Lower left corner.
@@ -259,7 +259,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// From the ranges of x and of y.
+    /// From its range in x and its range in y.
     pub fn new(x: [f32; 2], y: [f32; 2]) -> Self {
         Self { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) }
     }
@@ -269,14 +269,14 @@ impl Rect {
     }
 }
 
-/// The axes of a plane: up is +y, or +z where the plane is level.
+/// The axes of a plane: up is +y, or +z if the plane is horizontal.
 fn plane_axes(normal: Vec3) -> Axes {
     let above = if normal.y.abs() > 0.999 { Vec3::Z } else { Vec3::Y };
     let right = normal.cross(above).normalize();
     Axes { normal, right, up: right.cross(normal) }
 }
 
-/// The axes of a surface at a point, from central differences of position and texture coordinates.
+/// The axes of a surface at a point, from central differences of its position and texture coordinates.
 fn surface_axes(at: &impl Fn(f32, f32) -> (Vec3, Vec2), s: f32, t: f32) -> Axes {
     let difference = |s: f32, t: f32, ds: f32, dt: f32| {
         let (ahead, behind) = (at(s + ds, t + dt), at(s - ds, t - dt));

@@ -1,10 +1,10 @@
-//! A parked car: the bulk that blocks reflections in the street (Schmidt 2013, figures 32, 41 and 47).
+//! A parked car: the obstacle that blocks reflections in the street (Schmidt 2013, figures 32, 41 and 47).
 
 use super::builder::MeshBuilder;
 use crate::scene::pattern::smoothstep;
 use glam::{Vec2, Vec3};
 
-/// What the parts are made of.
+/// The material indices of a car's parts.
 pub struct Materials {
     pub paint: usize,
     pub glass: usize,
@@ -15,14 +15,14 @@ pub struct Materials {
 
 /// The names of a car's meshes.
 pub const PARTS: [&str; 5] = ["car-body", "car-glass", "car-dark", "car-chrome", "car-tail-lamps"];
-/// Length, width and height of its box in metres.
+/// Width, height and length of the bounding box in metres.
 pub const SIZE: Vec3 = Vec3::new(1.80, 1.46, 4.36);
 
 const HALF_LENGTH: f32 = 0.5 * SIZE.z;
 const WHEEL_RADIUS: f32 = 0.33;
 const AXLES: [f32; 2] = [-1.32, 1.36];
 
-/// A car on the ground with its front to +z.
+/// A car that stands on the ground with its front towards +z.
 pub fn parked(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     let mesh = |part: usize, material: usize| MeshBuilder::new(PARTS[part], material, 1.0);
     let mut body = mesh(0, materials.paint);
@@ -63,8 +63,8 @@ pub fn parked(ground: Vec3, materials: &Materials) -> Vec<MeshBuilder> {
     vec![body, glass, dark, chrome, lamps]
 }
 
-/// A cross-section of a hull at t along it, 0 at the rear: z, half width, lower and upper edge, and how
-/// much narrower it is at the top (0…1).
+/// A cross-section of the hull: its z, half width, lower and upper edge, and how much narrower it is at the top
+/// (0…1).
 struct Section {
     z: f32,
     half_width: f32,
@@ -72,12 +72,12 @@ struct Section {
     tumblehome: f32,
 }
 
-/// A closed, rounded skin through cross-sections.
+/// A closed, rounded surface through cross-sections; `section` takes t from 0 (the rear) to 1.
 fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(f32) -> Section) {
     let outline = |s: f32, t: f32| {
         let at = section(t);
         let (sin, cos) = (std::f32::consts::TAU * s).sin_cos();
-        // A superellipse of exponent 4: nearly a box with round edges.
+        // The cross-section is a superellipse of exponent 4: nearly a box, with rounded edges.
         let round = |v: f32| v.abs().sqrt().copysign(v);
         let up = -round(sin);
         let half_height = 0.5 * (at.heights[1] - at.heights[0]);
@@ -91,7 +91,7 @@ fn hull(mesh: &mut MeshBuilder, ground: Vec3, steps: [u32; 2], section: impl Fn(
     }
 }
 
-/// 1 in the middle of 0…1, falling to 0 at both ends within so much, as a circle does.
+/// 1 in the middle of 0…1, falling to 0 along a quarter circle of width `by` at both ends.
 fn rounded(t: f32, by: f32) -> f32 {
     let near = (t.min(1.0 - t) / by).clamp(0.0, 1.0);
     (1.0 - (1.0 - near).powi(2)).max(0.0).sqrt()
@@ -101,7 +101,7 @@ fn lower(t: f32) -> Section {
     let t = t.clamp(0.0, 1.0);
     let end = rounded(t, 0.10);
     let z = HALF_LENGTH * (2.0 * t - 1.0);
-    // Bonnet falls to the front, boot stays high.
+    // The bonnet falls towards the front; the boot stays high.
     let top = 0.93 - 0.16 * smoothstep(0.45, 1.0, t);
     let middle = 0.58;
     Section {
@@ -141,12 +141,12 @@ fn pillars(mesh: &mut MeshBuilder, ground: Vec3) {
     }
 }
 
-/// A disc with round shoulders whose axle runs along x: half its width, and how round it is.
+/// A disc with rounded shoulders whose axle is parallel to x. `width` is half its width.
 fn wheel(mesh: &mut MeshBuilder, hub: Vec3, radius: f32, width: f32, shoulder: f32) {
     let half = 0.5 * width;
     mesh.tube([24, 8], Vec3::Y, |t| {
         let turn = (t.clamp(0.0, 1.0) - 0.5) * std::f32::consts::PI;
-        // Across the disc, round its shoulder, along its tread, and back.
+        // The profile goes across the disc, around its shoulder, along its tread, and back.
         let (sin, cos) = turn.sin_cos();
         let out = (1.6 * sin).clamp(-1.0, 1.0) * (half - shoulder) + shoulder * sin;
         let size = radius * (1.0 - (1.0 - cos).powi(3)).clamp(0.0, 1.0).min(cos * 1.5);

@@ -1,10 +1,10 @@
-//! `cathedral`: nave, aisles and choir with stained glass, after the third of Schmidt's scenes (2013,
-//! section 5.1, figures 33, 50 and 51c). Its pillars and aisles are what one box can't stand for
-//! when a cube map is corrected for parallax.
+//! `cathedral`: nave, aisles and choir with stained glass, after the third of Schmidt's scenes (2013, section
+//! 5.1, figures 33, 50 and 51c). A single box cannot approximate its pillars and aisles when cube maps are
+//! corrected for parallax.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around, standing};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, thesis_lens, view};
 use crate::scene::pattern::{Pattern, Picture, Wood};
 use crate::scene::{Light, Mesh, Scene};
@@ -19,7 +19,7 @@ const PEW: usize = 5;
 const ALTAR: usize = 6;
 const GOLD: usize = 7;
 const ROSE: usize = 8;
-/// The first of three lancets.
+/// The index of the first of three lancets.
 const LANCET: usize = 9;
 
 const FINISHES: [Finish; 12] = [
@@ -37,18 +37,18 @@ const FINISHES: [Finish; 12] = [
     Finish::picture("lancet-green", Picture::Lancet { design: 2 }),
 ];
 
-/// Bays of the nave along z, and the choir beyond them.
+/// The number of bays of the nave along z; the choir follows them.
 const BAYS: usize = 6;
 const BAY_M: f32 = 5.0;
 const NAVE_END: f32 = BAYS as f32 * BAY_M;
 const CHOIR_END: f32 = NAVE_END + 7.0;
-/// Lines of the arcades and of the outer walls, ±x.
+/// The lines of the arcades and of the outer walls, at ±x.
 const ARCADE_X: f32 = 4.2;
 const OUTER_X: f32 = 8.4;
 const ARCADE_M: f32 = 0.7;
 /// The inner face of the arcades' upper walls.
 const NAVE_X: f32 = ARCADE_X - 0.5 * ARCADE_M;
-/// Heights: where the arcade's arches, the aisles' and the nave's vaults spring, and the walls' top.
+/// Heights: where the arches of the arcade and the vaults of aisles and nave spring, and the top of the walls.
 const ARCADE_SPRING: f32 = 3.6;
 const AISLE_SPRING: f32 = 4.6;
 const NAVE_SPRING: f32 = 10.6;
@@ -59,7 +59,7 @@ const OVERLAP: f32 = 0.02;
 const ROSE_Y: f32 = 8.6;
 const ROSE_M: f32 = 5.2;
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [floors(), arcades(), outer_walls(), ends(), vaults(), pews(), choir(), glass()];
@@ -109,7 +109,7 @@ fn mesh(name: impl Into<String>, material: usize) -> MeshBuilder {
     FINISHES[material].mesh(name, material)
 }
 
-/// The nave's side walls above and between the arches, left and right, as the nave sees them.
+/// The nave's left and right side walls above and between the arches, seen from the nave.
 fn nave_walls() -> [Face; 2] {
     [Face::new([-NAVE_X, 0.0, 0.0], Vec3::Z), Face::new([NAVE_X, 0.0, 0.0], Vec3::NEG_Z)]
 }
@@ -132,7 +132,7 @@ fn floors() -> Vec<MeshBuilder> {
     vec![floor, choir, steps]
 }
 
-/// Pillars, the arches between them, the walls over these, and the shafts up to the vault.
+/// Pillars, the arches between them, the walls above, and the shafts that rise to the vault.
 fn arcades() -> Vec<MeshBuilder> {
     let mut wall = mesh("nave-walls", WALL);
     let mut stone = mesh("pillars", PILLAR);
@@ -146,7 +146,7 @@ fn arcades() -> Vec<MeshBuilder> {
         }
         for k in 0..=BAYS {
             let foot = Vec3::new(x, 0.0, k as f32 * BAY_M);
-            let size = Column { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
+            let size = ColumnSize { radius_m: 0.42, height_m: ARCADE_SPRING, half_plinth_m: 0.62, sides: 24 };
             masonry::column(&mut stone, foot, &size);
             let shaft = Vec3::new(x.signum() * (NAVE_X - 0.02), ARCADE_SPRING - 0.02, foot.z);
             stone.cylinder(shaft, 0.14, NAVE_SPRING - ARCADE_SPRING, 16);
@@ -165,7 +165,7 @@ fn arcades() -> Vec<MeshBuilder> {
     vec![wall, stone]
 }
 
-/// The aisles' outer walls with their mouldings, and the choir's side walls.
+/// The outer walls of the aisles with their mouldings, and the side walls of the choir.
 fn outer_walls() -> Vec<MeshBuilder> {
     let mut wall = mesh("outer-walls", WALL);
     let mut stone = mesh("wall-mouldings", PILLAR);
@@ -192,7 +192,7 @@ fn outer_walls() -> Vec<MeshBuilder> {
     vec![wall, stone]
 }
 
-/// West and east wall of the nave, and the door in the west.
+/// The west and east walls of the nave, and the west door.
 fn ends() -> Vec<MeshBuilder> {
     let mut wall = mesh("end-walls", WALL);
     let across = Rect::new([-ARCADE_X - 0.4, ARCADE_X + 0.4], [0.0, TOP]);
@@ -245,7 +245,7 @@ fn vaults() -> Vec<MeshBuilder> {
     vec![vault, ribs]
 }
 
-/// Two rows of pews that leave the middle free.
+/// Two rows of pews with a free aisle between them.
 fn pews() -> Vec<MeshBuilder> {
     let mut wood = mesh("pews", PEW);
     for row in 0..9 {
@@ -287,7 +287,7 @@ fn choir() -> Vec<MeshBuilder> {
     vec![altar, gold]
 }
 
-/// One window: its wall, its place, and which of the designs it shows.
+/// A window: its wall, its position, and the design it shows.
 struct Window {
     wall: Face,
     rect: Rect,
@@ -319,7 +319,7 @@ fn lancets() -> Vec<Window> {
     all
 }
 
-/// Rose and lancets, each a pane that lies close before its wall, with a stone moulding.
+/// The rose and the lancets, each a pane just in front of its wall with a stone moulding.
 fn glass() -> Vec<MeshBuilder> {
     let mut stone = mesh("window-sills", PILLAR);
     let mut parts = Vec::new();
@@ -341,9 +341,9 @@ fn rose_rect() -> Rect {
     around(0.0, ROSE_Y, ROSE_M, ROSE_M)
 }
 
-/// The meshes and rectangles of the impostors: the rose, the lancets below it, and those of the
-/// clerestory in the two bays before the choir.
-fn impostors() -> Vec<(String, super::portrait::Frame)> {
+/// The meshes and rectangles of the impostors: the rose, the lancets below it, and the clerestory windows of
+/// the two bays in front of the choir.
+fn impostors() -> Vec<(String, super::portrait::ImpostorFrame)> {
     let mut all = vec![("rose".to_owned(), east().portrait("rose", rose_rect(), 0.03, 512))];
     for window in lancets() {
         let middle = window.wall.at(window.rect.min.x, 0.0, 0.0).z;

@@ -1,6 +1,6 @@
 //! `corridor`: one long box with a polished floor, the kind of room that Schmidt recommends for
-//! parallax-corrected cube maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry,
-//! so that a map shifted or mirrored shows.
+//! parallax-corrected cube maps (2013, section 5.2.2). Doors, lamps and pictures break its symmetry, so that a
+//! shifted or mirrored cube map is noticeable.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around, standing};
@@ -20,9 +20,9 @@ const METAL: usize = 7;
 const RED: usize = 8;
 const WINDOW: usize = 9;
 const EXIT: usize = 10;
-/// The first of three paintings.
+/// The index of the first of three paintings.
 const PAINTING: usize = 11;
-/// The first of four number plates.
+/// The index of the first of four number plates.
 const NUMBER: usize = 14;
 
 const FINISHES: [Finish; 18] = [
@@ -73,7 +73,7 @@ const HEIGHT: f32 = 2.7;
 const LENGTH: f32 = 26.0;
 const DADO_TOP: f32 = 0.95;
 const LAMPS_Z: [f32; 5] = [3.0, 8.0, 13.0, 18.0, 23.0];
-/// Middles of the doors along z, left (−x) and right.
+/// The z of the door centres on the left (−x) and on the right.
 const DOORS: [&[f32]; 2] = [&[4.0, 11.0, 18.0], &[8.0, 20.0]];
 /// Width and height of a door.
 const DOOR_M: [f32; 2] = [1.0, 2.1];
@@ -81,7 +81,7 @@ const OVERLAP: f32 = 0.02;
 /// The window at the far end.
 const END_WINDOW: ([f32; 2], [f32; 2]) = ([-0.75, 0.75], [0.85, 2.05]);
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [shell(), doors(), lamps(), things()];
@@ -126,12 +126,12 @@ fn walls() -> [Face; 2] {
     [Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z), Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)]
 }
 
-/// A rectangle on one of the walls by its middle along z.
+/// A rectangle on one of the walls, given by the z of its centre.
 fn along(wall: &Face, z: f32, y: f32, width: f32, height: f32) -> Rect {
     around(z * wall.right.z, y, width, height)
 }
 
-/// Floor, ceiling, walls with their wooden lower part, and the ends.
+/// Floor, ceiling, walls with wooden panelling below, and the end walls.
 fn shell() -> Vec<MeshBuilder> {
     let mut floor = mesh("floor", FLOOR);
     let (x, z) = ([-HALF_WIDTH - OVERLAP, HALF_WIDTH + OVERLAP], [-OVERLAP, LENGTH + OVERLAP]);
@@ -146,7 +146,7 @@ fn shell() -> Vec<MeshBuilder> {
         let extent = Rect::new([ends[0].min(ends[1]), ends[0].max(ends[1])], [0.0, HEIGHT]);
         let holes: Vec<Rect> = doors.iter().map(|z| standing(z * wall.right.z, DOOR_M[0], DOOR_M[1])).collect();
         wall.wall(&mut plaster, extent, &holes);
-        // The boards stand between the doors' frames.
+        // Boards run between the door frames.
         let mut edges: Vec<f32> = holes.iter().flat_map(|h| [h.min.x - 0.09, h.max.x + 0.09]).collect();
         edges.sort_by(f32::total_cmp);
         edges.insert(0, extent.min.x);
@@ -171,7 +171,7 @@ fn shell() -> Vec<MeshBuilder> {
     vec![floor, ceiling, plaster, dado, trim, pane]
 }
 
-/// Door leaves in their recesses, with frames, handles and number plates.
+/// Door leaves in recesses, with frames, handles and number plates.
 fn doors() -> Vec<MeshBuilder> {
     let mut leaves = mesh("doors", DOOR).turned();
     let mut frames = mesh("door-frames", TRIM);
@@ -207,7 +207,7 @@ fn doors() -> Vec<MeshBuilder> {
     parts
 }
 
-/// Panels under the ceiling, lit by the point lights below them.
+/// Panels below the ceiling; the point lights below them light them.
 fn lamps() -> Vec<MeshBuilder> {
     let mut panels = mesh("lamps", LAMP);
     let mut cases = mesh("lamp-cases", METAL);
@@ -221,7 +221,7 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![panels, cases]
 }
 
-/// A lamp's panel as a light with an extent.
+/// The panel of a lamp as an area light.
 fn area_light(z: f32) -> AreaLight {
     let (half_u, half_v) = (0.16 * Vec3::X, 0.7 * Vec3::Z);
     let centre = Vec3::new(0.0, HEIGHT - 0.08, z);

@@ -1,11 +1,11 @@
-//! What is fitted to the walls of houses and rooms: recesses, frames, mouldings and pictures.
+//! Parts that are fitted to walls: recesses, frames, mouldings and pictures.
 
 use super::builder::{MeshBuilder, Rect};
-use super::portrait::Frame;
+use super::portrait::ImpostorFrame;
 use glam::{Vec2, Vec3};
 
-/// The face of an upright wall along x or z. A point of it is `a` metres to the right of the origin
-/// (as seen from the front), at a height, and so many metres out of the wall.
+/// The face of an upright wall along x or z. A point on it is `a` metres to the right of the origin (seen from
+/// the front), at a height, and a distance out of the wall.
 #[derive(Debug, Clone, Copy)]
 pub struct Face {
     /// A point of the face at height 0.
@@ -28,18 +28,18 @@ impl Face {
         self.origin + a * self.right + y * Vec3::Y + out * self.outward()
     }
 
-    /// The face itself with openings.
+    /// Adds the face itself, with openings.
     pub fn wall(&self, mesh: &mut MeshBuilder, extent: Rect, holes: &[Rect]) {
         mesh.panel([self.origin, self.right, Vec3::Y], extent, holes);
     }
 
-    /// A box on or in the face between two distances out of it.
+    /// A box on or in the face, between two distances out of it.
     pub fn block(&self, mesh: &mut MeshBuilder, rect: Rect, [from, to]: [f32; 2]) {
         let (p, q) = (self.at(rect.min.x, rect.min.y, from), self.at(rect.max.x, rect.max.y, to));
         mesh.cuboid(p.min(q), p.max(q));
     }
 
-    /// Four boxes round a rectangle, `width` wide, between two distances out of the face.
+    /// Four boxes around a rectangle, `width` wide, between two distances out of the face.
     pub fn border(&self, mesh: &mut MeshBuilder, rect: Rect, width: f32, out: [f32; 2]) {
         let (low, high) = (rect.min, rect.max);
         let outer = Rect { min: low - width, max: high + width };
@@ -54,7 +54,7 @@ impl Face {
         }
     }
 
-    /// The four reveals of an opening, `depth` into the wall.
+    /// The four reveals of an opening that is `depth` deep.
     pub fn reveals(&self, mesh: &mut MeshBuilder, rect: Rect, depth: f32) {
         let (low, high) = (rect.min, rect.max);
         let corners = [(low.x, low.y), (high.x, low.y), (high.x, high.y), (low.x, high.y)];
@@ -67,16 +67,16 @@ impl Face {
         }
     }
 
-    /// An image from edge to edge of a rectangle.
+    /// A rectangle that shows one whole image.
     pub fn picture(&self, mesh: &mut MeshBuilder, rect: Rect, out: f32) {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
         mesh.picture(self.at(middle.x, middle.y, out), half.x * self.right, half.y * Vec3::Y);
     }
 
-    /// The frame of an impostor over a rectangle.
-    pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> Frame {
+    /// The rectangle of an impostor in front of the face.
+    pub fn portrait(&self, name: &'static str, rect: Rect, out: f32, width: u32) -> ImpostorFrame {
         let (middle, half) = (0.5 * (rect.min + rect.max), 0.5 * (rect.max - rect.min));
-        Frame {
+        ImpostorFrame {
             name,
             centre: self.at(middle.x, middle.y, out),
             half_right: half.x * self.right,
@@ -86,13 +86,13 @@ impl Face {
     }
 }
 
-/// A rectangle by its middle and its size.
+/// A rectangle given by its centre and size.
 pub fn around(a: f32, y: f32, width: f32, height: f32) -> Rect {
     let half = 0.5 * Vec2::new(width, height);
     Rect { min: Vec2::new(a, y) - half, max: Vec2::new(a, y) + half }
 }
 
-/// A rectangle on the ground by its middle and its width, so high.
+/// A rectangle that stands on the ground, given by its centre, width and height.
 pub fn standing(a: f32, width: f32, height: f32) -> Rect {
     Rect::new([a - 0.5 * width, a + 0.5 * width], [0.0, height])
 }

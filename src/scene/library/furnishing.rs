@@ -1,5 +1,4 @@
-//! What stands and hangs in the atrium: curtains and banners, vases and planters, and the lion's
-//! head at its end.
+//! The objects in the atrium: curtains and banners, vases and planters, and the lion's head at its end.
 
 use super::atrium::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
 use super::builder::MeshBuilder;
@@ -7,12 +6,12 @@ use crate::scene::pattern::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 
-/// Everything.
+/// All furnishing.
 pub fn all() -> Vec<MeshBuilder> {
     [curtains(), banners(), vases(), planters(), lion()].into_iter().flatten().collect()
 }
 
-/// A pair of curtains in every bay of the long arcades, tied back to its columns.
+/// A pair of curtains in every bay of the long arcades, tied back to the columns.
 fn curtains() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (row, z) in [LINES_Z[1] + 0.02, LINES_Z[2] - 0.02].into_iter().enumerate() {
@@ -32,8 +31,8 @@ fn curtains() -> Vec<MeshBuilder> {
     parts
 }
 
-/// Half a pair of curtains from its edge at the column over `width` (negative: to −x), 2.7 m high:
-/// full at the pole, gathered where it is tied, and falling from there.
+/// One of a pair of curtains, 2.7 m high, from its edge at the column over `width` (negative: towards −x): wide
+/// at the pole, gathered where it is tied, and hanging straight below.
 fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     const HEIGHT: f32 = 2.7;
     const TIE: f32 = 0.42;
@@ -47,14 +46,14 @@ fn curtain(mesh: &mut MeshBuilder, foot: Vec3, width: f32) {
     };
     let right = width.signum();
     mesh.surface(foot, [48, 14], |s, t| {
-        // Mirrored, so that the front of both halves is on the same side.
+        // Mirrored, so that both curtains have their front on the same side.
         let along = if right > 0.0 { s } else { 1.0 - s };
         let (p, cloth) = surface(along, t);
         (Vec3::new(p.x * width, p.y, p.z), Vec2::new(cloth * right * 1.4 * width.abs(), t * HEIGHT))
     });
 }
 
-/// A round bar between two points on a level, along x.
+/// A horizontal round bar between two points, parallel to x.
 fn rod(mesh: &mut MeshBuilder, from: Vec3, to: Vec3, radius: f32) {
     mesh.surface(from, [12, 1], |s, t| {
         let (sin, cos) = (TAU * s).sin_cos();
@@ -63,7 +62,7 @@ fn rod(mesh: &mut MeshBuilder, from: Vec3, to: Vec3, radius: f32) {
     });
 }
 
-/// Cloths that hang over the parapets, one in every bay.
+/// Cloths that hang over the parapets, one in each bay.
 fn banners() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     for (row, (z, court)) in [(LINES_Z[1], 1.0), (LINES_Z[2], -1.0)].into_iter().enumerate() {
@@ -77,10 +76,10 @@ fn banners() -> Vec<MeshBuilder> {
     parts
 }
 
-/// A point of a banner: from its lower end in the court over the parapet into the gallery.
+/// A point of a banner, which runs from its lower end in the court over the parapet into the gallery.
 fn banner(s: f32, t: f32, court: f32) -> (Vec3, Vec2) {
     const WIDTH: f32 = 2.2;
-    /// Metres that hang into the court, and half of what lies on the parapet.
+    /// The length that hangs into the court, and half the length that lies on the parapet, in metres.
     const OUTSIDE: f32 = 1.45;
     const ROUND: f32 = 0.42;
     let a = WIDTH * (s - 0.5) * court;
@@ -137,14 +136,14 @@ fn planters() -> Vec<MeshBuilder> {
         .collect()
 }
 
-/// A clipped shrub: a ball with lumps.
+/// A clipped shrub: a sphere with bumps.
 fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
     let mut leaves = mesh("bush", LEAF);
     leaves.surface(centre, [28, 16], |s, t| {
         let (sin, cos) = (PI * t).sin_cos();
         let (east, north) = (TAU * s).sin_cos();
         let lumps = fractal(Vec2::new(s * 10.0, t * 7.0), IVec2::new(10, 64), 2, 307);
-        // Smooth towards the poles, where all columns meet.
+        // Smooth towards the poles, where all columns of the grid meet.
         let r = radius * (0.85 + 0.3 * lumps * sin.max(0.0));
         let position = Vec3::new(r * sin * north, -r * cos, r * sin * east);
         (position, Vec2::new(s * 2.4, t * PI * radius))
@@ -152,7 +151,7 @@ fn bush(centre: Vec3, radius: f32) -> MeshBuilder {
     leaves
 }
 
-/// The relief at the end wall: a plate, a disc, and a lion's head on it.
+/// The relief on the end wall: a plate, a disc, and a lion's head on it.
 fn lion() -> Vec<MeshBuilder> {
     const WALL_X: f32 = LINES_X[7];
     const MIDDLE: Vec3 = Vec3::new(WALL_X - 0.12, 1.72, 0.375);
@@ -171,7 +170,7 @@ fn lion() -> Vec<MeshBuilder> {
     vec![plate, head]
 }
 
-/// Height in metres of the lion's head over the plate, in the unit disc, y up.
+/// Height of the lion's head above the plate in metres, over the unit disc with y up.
 fn lion_relief(at: Vec2) -> f32 {
     let r = at.length();
     let angle = at.y.atan2(at.x);

@@ -1,4 +1,4 @@
-//! Fronts of houses: storeys of windows in a wall, a cornice, and what is on the ground floor.
+//! The fronts of houses: windows in several storeys, a cornice, and the ground floor.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around};
@@ -6,35 +6,35 @@ use super::street::{DARK_GLASS, DARK_PANE, DOOR, LIT_PANE, SHOP, TRIM};
 use crate::scene::pattern::unit;
 use glam::{IVec2, Vec3};
 
-/// Height of the ground floor and of each storey above it.
+/// Heights of the ground floor and of each storey above it.
 const GROUND_M: f32 = 4.0;
 const STOREY_M: f32 = 3.15;
-/// A window's width, height, and sill above its storey's floor.
+/// Width and height of a window, and the height of its sill above the storey's floor.
 const WINDOW: [f32; 3] = [1.15, 1.75, 0.85];
 const BAY_M: f32 = 2.55;
 const RECESS_M: f32 = 0.2;
-/// How far a house reaches back, for the gables that stand over lower neighbours.
+/// Depth of a house, for gables that rise above lower neighbours.
 const DEPTH_M: f32 = 7.0;
-/// The share of the windows where somebody is at home.
+/// The share of windows with a lit room.
 const LIT: f32 = 0.3;
 
-/// What the ground floor is.
+/// The kinds of ground floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ground {
     /// Shop windows with doors between.
     Shops,
-    /// Doors and windows as above.
+    /// Doors, and windows like those above.
     Doors,
     /// An entrance with glass doors in the middle.
     Cinema,
 }
 
-/// A house as the street sees it.
+/// A house as seen from the street.
 pub struct Front {
     /// The stem of its meshes' names.
     pub name: &'static str,
     pub face: Face,
-    /// Along the face.
+    /// Its extent along the face.
     pub span: [f32; 2],
     pub height: f32,
     /// An empty mesh of its wall's material.
@@ -47,7 +47,7 @@ pub fn parts(name: &str) -> [String; 7] {
     ["wall", "trim", "dark-panes", "lit-panes", "shops", "doors", "glass"].map(|part| format!("{name}-{part}"))
 }
 
-/// An opening and what fills it.
+/// An opening and its filling.
 #[derive(Clone, Copy)]
 struct Opening {
     rect: Rect,
@@ -62,7 +62,7 @@ enum Filling {
     Door,
 }
 
-/// All meshes of a house.
+/// Builds all meshes of a house.
 pub fn build(front: &Front) -> Vec<MeshBuilder> {
     let names = parts(front.name);
     let mut wall = front.wall.renamed(&names[0]);
@@ -153,7 +153,7 @@ fn openings(front: &Front) -> Vec<Opening> {
     let mut floor = GROUND_M;
     while floor + WINDOW[1] + WINDOW[2] + 0.7 < front.height {
         for k in 0..count {
-            // The cinema's canopy and its sign stand before the lower part of this storey.
+            // The canopy of the cinema and its sign cover the lower part of this storey.
             let rect = window(k, if front.ground == Ground::Cinema { floor + 0.5 } else { floor });
             add(rect, Filling::Pane);
         }
@@ -162,7 +162,7 @@ fn openings(front: &Front) -> Vec<Opening> {
     all
 }
 
-/// The walls to the sides.
+/// The parts of the side walls that rise above lower neighbours.
 fn gables(wall: &mut MeshBuilder, front: &Front) {
     for (a, facing) in [(front.span[0], -front.face.right), (front.span[1], front.face.right)] {
         let at = |y: f32, out: f32| front.face.at(a, y, out);

@@ -1,13 +1,13 @@
-//! Parts that buildings are made of: walls with arches, vaults and columns.
+//! Parts of buildings: walls with arches, vaults and columns.
 
 use super::builder::MeshBuilder;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// Straight pieces that an arch is made of.
+/// The number of straight pieces in an arch.
 const ARCH_STEPS: u32 = 20;
 
-/// An upright wall. A point of it is `origin + a · along`, at a height above `origin`.
+/// An upright wall. A point on it is `origin + a · along`, at a height above `origin`.
 #[derive(Debug, Clone, Copy)]
 pub struct Wall {
     /// A point in the middle of its thickness, at height 0.
@@ -18,7 +18,7 @@ pub struct Wall {
     pub thickness_m: f32,
 }
 
-/// An opening that ends in half an ellipse.
+/// An opening that ends in a half ellipse.
 #[derive(Debug, Clone, Copy)]
 pub struct Arch {
     /// Middle of the opening along the wall.
@@ -36,19 +36,19 @@ impl Wall {
         self.along.cross(Vec3::Y)
     }
 
-    /// A point `side` (−1…1) across the wall.
+    /// A point of the wall; `side` is −1…1 across its thickness.
     fn at(&self, a: f32, height: f32, side: f32) -> Vec3 {
         self.origin + a * self.along + height * Vec3::Y + 0.5 * side * self.thickness_m * self.across()
     }
 
-    /// The same wall, thicker by so much on each side.
+    /// The same wall, thicker by `by_m` on each side.
     fn thickened(self, by_m: f32) -> Self {
         Self { thickness_m: self.thickness_m + 2.0 * by_m, ..self }
     }
 }
 
 impl Arch {
-    /// Along and height of the curve, `turn` from 0 (left spring) to 1 (right spring).
+    /// Position along the wall and height of the curve, for `turn` from 0 (left spring) to 1 (right spring).
     fn curve(&self, turn: f32) -> Vec2 {
         let (sin, cos) = (PI * turn).sin_cos();
         Vec2::new(self.centre_m - self.half_width_m * cos, self.spring_m + self.rise_m * sin)
@@ -59,8 +59,8 @@ impl Arch {
     }
 }
 
-/// Both faces of a wall from `span[0]` to `span[1]` along it and `bottom` to `top` in height, with
-/// arches (in order along the wall) cut out down to `bottom`.
+/// Both faces of a wall from `span[0]` to `span[1]` along it and from `bottom` to `top` in height. The arches,
+/// given in order along the wall, are cut out down to `bottom`.
 pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom, top]: [f32; 2], arches: &[Arch]) {
     for side in [-1.0, 1.0] {
         let facing = side * wall.across();
@@ -85,7 +85,7 @@ pub fn arched_wall(mesh: &mut MeshBuilder, wall: &Wall, span: [f32; 2], [bottom,
     }
 }
 
-/// The inside of an arch through the wall, with its jambs down to `bottom`.
+/// The inner surface of an arch through the wall, with its jambs down to `bottom`.
 pub fn soffit(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, bottom: f32) {
     arch_shell(mesh, wall, arch, true);
     for (a, facing) in
@@ -96,8 +96,8 @@ pub fn soffit(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, bottom: f32) {
     }
 }
 
-/// A raised band of stones round an arch: it stands out of both faces by `proud_m`, is `width_m`
-/// wide, and lines the arch.
+/// A raised band of stones around an arch. It projects by `proud_m` from both faces, is `width_m` wide, and
+/// lines the arch.
 pub fn archivolt(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, width_m: f32, proud_m: f32) {
     let wall = wall.thickened(proud_m);
     let outer = arch.widened(width_m);
@@ -114,7 +114,7 @@ fn arch_points(arch: &Arch) -> Vec<Vec2> {
     (0..=ARCH_STEPS).map(|k| arch.curve(k as f32 / ARCH_STEPS as f32)).collect()
 }
 
-/// The curved surface of an arch, facing in towards its middle or out.
+/// The curved surface of an arch, facing inwards to its centre or outwards.
 fn arch_shell(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, inwards: bool) {
     let length = PI * 0.5 * (arch.half_width_m + arch.rise_m);
     let across = if inwards { 1.0 } else { -1.0 };
@@ -125,8 +125,8 @@ fn arch_shell(mesh: &mut MeshBuilder, wall: &Wall, arch: &Arch, inwards: bool) {
     });
 }
 
-/// A groin vault over a rectangle, seen from below: two crossing half-elliptic barrels that rise
-/// from `spring_m` by `rise_m`.
+/// A groin vault over a rectangle, seen from below: two crossing half-elliptic barrel vaults that spring at
+/// `spring_m` and rise by `rise_m`.
 pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32, rise_m: f32, steps: [u32; 2]) {
     let (centre, half) = (0.5 * (min + max), 0.5 * (max - min));
     let origin = Vec3::new(centre.x, spring_m, centre.y);
@@ -138,7 +138,7 @@ pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32,
             2 => (Vec3::NEG_X, Vec3::NEG_Z),
             _ => (Vec3::Z, Vec3::NEG_X),
         };
-        // The angle runs over the half ellipse; t from the groin (|sine| of the depth) outwards.
+        // s is the angle along the half ellipse; t runs outwards from the groin (|sine| of the depth).
         mesh.surface(origin, steps, |s, t| {
             let (sin, cos) = (PI * s - FRAC_PI_2).sin_cos();
             let groin = sin.abs();
@@ -151,19 +151,19 @@ pub fn groin_vault(mesh: &mut MeshBuilder, [min, max]: [Vec2; 2], spring_m: f32,
 
 /// Sizes of a round column.
 #[derive(Debug, Clone, Copy)]
-pub struct Column {
+pub struct ColumnSize {
     /// Radius of the shaft at its foot.
     pub radius_m: f32,
     /// Height with plinth and abacus.
     pub height_m: f32,
     /// Half the width of the square plinth and abacus.
     pub half_plinth_m: f32,
-    /// Flat sides that stand for its roundness.
+    /// Number of flat sides.
     pub sides: u32,
 }
 
-/// A round column on `foot`: square plinth, base moulding, shaft that tapers, capital and abacus.
-pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &Column) {
+/// A round column on `foot`: square plinth, base moulding, tapering shaft, capital and abacus.
+pub fn column(mesh: &mut MeshBuilder, foot: Vec3, size: &ColumnSize) {
     let (r, h, half) = (size.radius_m, size.height_m, size.half_plinth_m);
     let slab = 0.45 * half;
     let square = |mesh: &mut MeshBuilder, low: f32, high: f32, half: f32| {

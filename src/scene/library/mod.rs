@@ -1,5 +1,5 @@
-//! The built-in scenes: generated, without files, with the views, lights and proportions of the
-//! scenes that the theses show, so that everything runs out of the box.
+//! The built-in scenes. They are generated without files and have the views, lights and proportions of the
+//! scenes in the theses, so that the program can be used without downloads.
 
 mod atrium;
 mod builder;
@@ -27,12 +27,12 @@ pub fn names() -> &'static [&'static str] {
     &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
 }
 
-/// A built-in scene by its name; `None` for a name that is not in [`names`].
+/// A built-in scene; `None` if the name is not in [`names`].
 ///
-/// `rooms` stands for the thesis's two rooms (figures 5.1–5.5 and 5.9), `atrium` for Crytek Sponza
-/// (figures 5.6–5.8). `street`, `museum` and `cathedral` stand for the three scenes of Schmidt's thesis
-/// (2013, section 5.1), `corridor` for the narrow rooms that its section 5.2 recommends for
-/// parallax-corrected cube maps.
+/// `rooms` replaces the thesis's two rooms (figures 5.1–5.5 and 5.9), and `atrium` replaces Crytek Sponza
+/// (figures 5.6–5.8). `street`, `museum` and `cathedral` replace the three scenes of Schmidt's thesis (2013,
+/// section 5.1). `corridor` is a narrow room of the kind that its section 5.2 recommends for parallax-corrected
+/// cube maps.
 pub fn scene(name: &str) -> Option<Scene> {
     match name {
         "rooms" => Some(rooms::scene()),
@@ -45,7 +45,7 @@ pub fn scene(name: &str) -> Option<Scene> {
     }
 }
 
-/// A material of a built-in scene; the scenes keep these in tables and name them by index.
+/// A material of a built-in scene. Each scene keeps its materials in a table and refers to them by index.
 #[derive(Clone, Copy)]
 struct Finish {
     name: &'static str,
@@ -57,16 +57,16 @@ struct Finish {
     normal_deviation: f32,
 }
 
-/// Where a material's images come from.
+/// The source of a material's images.
 #[derive(Clone, Copy, PartialEq)]
 enum Look {
-    /// An image that repeats, with its relief.
+    /// A repeating image with its relief.
     Pattern(Pattern),
-    /// An image from edge to edge.
+    /// One image from edge to edge.
     Picture(Picture),
-    /// None: one even colour.
+    /// No image: one uniform colour.
     Paint,
-    /// None: the surface shows the sky.
+    /// No image: the surface shows the sky.
     Window,
 }
 
@@ -83,7 +83,7 @@ impl Finish {
         Self::of(name, Look::Picture(picture), 0.0)
     }
 
-    /// An even colour, linear albedo.
+    /// A uniform colour, as linear albedo.
     const fn paint(name: &'static str, red: f32, green: f32, blue: f32) -> Self {
         Self::of(name, Look::Paint, 0.0).tinted(red, green, blue)
     }
@@ -100,12 +100,12 @@ impl Finish {
         Self { reflectivity, roughness, ..self }
     }
 
-    /// Polished, so that the relief counts only so far.
+    /// Polished: the relief counts only with this weight.
     const fn smoothed(self, normal_deviation: f32) -> Self {
         Self { normal_deviation, ..self }
     }
 
-    /// An empty mesh with the scale of this material's images.
+    /// An empty mesh with the texture scale of this material.
     fn mesh(&self, name: impl Into<String>, material: usize) -> MeshBuilder {
         let image_m = if let Look::Pattern(pattern) = self.look { pattern.size_m() } else { 1.0 };
         MeshBuilder::new(name, material, image_m)
@@ -137,7 +137,7 @@ impl Look {
     }
 }
 
-/// Materials in the order of the table, and the images they use, each look once.
+/// The materials in the order of the table, and their images; equal looks share images.
 fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     let mut looks: Vec<Look> = Vec::new();
     for finish in finishes {
@@ -180,7 +180,7 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
     (finishes.iter().map(material).collect(), textures)
 }
 
-/// A probe of a box.
+/// A probe with its box.
 fn probe(name: &str, position: [f32; 3], min: [f32; 3], max: [f32; 3]) -> Probe {
     let bounds = Aabb { min: Vec3::from(min), max: Vec3::from(max) };
     Probe { name: name.to_owned(), position: Vec3::from(position), bounds }

@@ -1,10 +1,10 @@
-//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1,
-//! figures 40 and 51b): a dinosaur's skeleton in the middle, paintings, and an exit sign whose
-//! reflection stands in the polished wall beside it.
+//! `museum`: two halls joined by a wide arch, after the second of Schmidt's scenes (2013, section 5.1, figures
+//! 40 and 51b): a dinosaur skeleton in the middle, paintings, and an exit sign that is reflected in the
+//! polished wall beside it.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around, standing};
-use super::masonry::{self, Arch, Column, Wall};
+use super::masonry::{self, Arch, ColumnSize, Wall};
 use super::{Finish, materials, portrait, probe, skeleton, thesis_lens, view};
 use crate::scene::pattern::{Cut, Painting, Pattern, Picture, Sign, Text, Wood};
 use crate::scene::{AreaLight, AreaShape, Light, Mesh, Scene};
@@ -23,7 +23,7 @@ const METAL: usize = 8;
 const LEAF: usize = 9;
 const WINDOW: usize = 10;
 const EXIT: usize = 11;
-/// The first of four paintings.
+/// The index of the first of four paintings.
 const PAINTING: usize = 12;
 
 const FINISHES: [Finish; 16] = [
@@ -56,23 +56,23 @@ const EXIT_SIGN: Sign = Sign {
 
 const HALF_WIDTH: f32 = 6.0;
 const HEIGHT: f32 = 5.0;
-/// The end walls, and the wall between the halls with its thickness.
+/// The z of the end walls, and the z range of the wall between the halls.
 const ENDS_Z: [f32; 2] = [-9.0, 13.0];
 const PARTITION_Z: f32 = 3.2;
 const PARTITION_M: f32 = 0.4;
 const ARCH: Arch = Arch { centre_m: -1.0, half_width_m: 1.9, spring_m: 2.5, rise_m: 1.3 };
 const OVERLAP: f32 = 0.02;
-/// The skylight of the first hall and its well: x and z.
+/// The skylight of the first hall and its well, in x and z.
 const SKYLIGHT: ([f32; 2], [f32; 2]) = ([-1.4, 1.4], [-7.0, 1.0]);
-/// The door in the wall at +x with the exit sign above: z of its middle.
+/// The z of the centre of the door in the wall at +x, below the exit sign.
 const DOOR_Z: f32 = 0.9;
-/// Pendant lamps: x and z of their middles; and their height and radius.
+/// Pendant lamps: x and z of their centres, and their height and radius.
 const LAMPS: [[f32; 2]; 8] =
     [[-3.6, -6.5], [3.6, -6.5], [-3.6, -2.5], [3.6, -2.5], [-3.6, 1.2], [3.6, 1.2], [-2.6, 8.0], [2.6, 8.0]];
 const LAMP_Y: f32 = 3.75;
 const LAMP_RADIUS: f32 = 0.2;
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let parts = [shell(), skylight(), paintings(), exit(), exhibits(), lamps(), furniture()];
@@ -138,22 +138,22 @@ fn left_wall() -> Face {
     Face::new([-HALF_WIDTH, 0.0, 0.0], Vec3::Z)
 }
 
-/// At +x; along it, `a` is −z.
+/// The wall at +x; along it, `a` is −z.
 fn right_wall() -> Face {
     Face::new([HALF_WIDTH, 0.0, 0.0], Vec3::NEG_Z)
 }
 
-/// At +z, facing the viewer of the second hall.
+/// The wall at +z, which faces the second hall.
 fn end_wall() -> Face {
     Face::new([0.0, 0.0, ENDS_Z[1]], Vec3::X)
 }
 
-/// The partition as the first hall sees it.
+/// The partition wall, seen from the first hall.
 fn partition() -> Face {
     Face::new([0.0, 0.0, PARTITION_Z - 0.5 * PARTITION_M], Vec3::X)
 }
 
-/// Floor, walls, the partition with its arch, a stone skirting and a moulding under the ceiling.
+/// Floor, walls, the partition with its arch, a stone skirting, and a moulding below the ceiling.
 fn shell() -> Vec<MeshBuilder> {
     let x = [-HALF_WIDTH, HALF_WIDTH];
     let mut floor = mesh("floor", FLOOR);
@@ -228,7 +228,7 @@ struct Hung {
     rect: Rect,
 }
 
-/// The first six hang in the first hall and have impostors.
+/// All paintings. The first six hang in the first hall and have impostors.
 fn hung() -> Vec<Hung> {
     let (left, right) = (left_wall(), right_wall());
     let from_second = Face::new([0.0, 0.0, PARTITION_Z + 0.5 * PARTITION_M], Vec3::NEG_X);
@@ -250,7 +250,7 @@ fn hung() -> Vec<Hung> {
         .into_iter()
         .enumerate()
         .map(|(number, (k, wall, along, y, width))| {
-            // A wall runs along x or z.
+            // Converts the coordinate to the wall's own; a wall is parallel to x or to z.
             let a = along * (wall.right.x + wall.right.z);
             let ratio = if k == 3 { 1.25 } else { 2.0 / 3.0 };
             let rect = around(a, y, width, width * ratio);
@@ -280,7 +280,7 @@ fn exit_rect() -> Rect {
     around(-DOOR_Z, 2.78, 1.2, 0.4)
 }
 
-/// The door at the side and the sign above it.
+/// The side door and the exit sign above it.
 fn exit() -> Vec<MeshBuilder> {
     let wall = right_wall();
     let hole = standing(-DOOR_Z, 1.5, 2.3);
@@ -328,7 +328,7 @@ fn exhibits() -> Vec<MeshBuilder> {
     let mut ball = mesh("ball", METAL);
     ball.sphere(top + 0.4 * Vec3::Y, 0.4, [40, 20]);
     for (x, z) in [(-4.4, 5.4), (4.4, 5.4)] {
-        let column = Column { radius_m: 0.22, height_m: HEIGHT - 0.08, half_plinth_m: 0.36, sides: 28 };
+        let column = ColumnSize { radius_m: 0.22, height_m: HEIGHT - 0.08, half_plinth_m: 0.36, sides: 28 };
         masonry::column(&mut stone, Vec3::new(x, 0.0, z), &column);
     }
     vec![stone, bones, ring, ball]
@@ -347,7 +347,7 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![globes, rods]
 }
 
-/// Benches before the paintings, ropes round the platform, and potted plants.
+/// Benches in front of the paintings, ropes around the platform, and potted plants.
 fn furniture() -> Vec<MeshBuilder> {
     let mut wood = mesh("benches", WOOD);
     for (x, z) in [(-3.6, -4.8), (3.9, -4.2)] {

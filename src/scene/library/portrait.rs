@@ -1,5 +1,5 @@
-//! The images of impostors: things of a scene drawn straight onto a rectangle, as its lights show
-//! them and transparent around them. So an impostor shows what stands there, and nothing else.
+//! Renders the images of impostors: objects of a scene are drawn orthographically onto a rectangle, lit by the
+//! scene's lights and transparent around them. An impostor therefore shows exactly the object it replaces.
 
 use crate::math::{display_byte, srgb_to_linear};
 use crate::scene::{Encoding, Impostor, Mesh, Scene, Texture, Vertex};
@@ -8,22 +8,23 @@ use rayon::prelude::*;
 
 /// Samples along each side of a texel.
 const OVERSAMPLED: u32 = 2;
-/// Texels of a material's image that a sample averages at most, along each side.
+/// The most texels, along each side, of a material's image that one sample averages.
 const FOOTPRINT_MAX: f32 = 4.0;
 
-/// An impostor before it has its image.
-pub struct Frame {
+/// An impostor whose image has not been rendered yet.
+pub struct ImpostorFrame {
     pub name: &'static str,
     pub centre: Vec3,
-    /// To the right and upwards for a viewer before the image.
+    /// Half vectors to the right and upwards for a viewer in front of the image.
     pub half_right: Vec3,
     pub half_up: Vec3,
-    /// Texels across the image; its height follows.
+    /// Width of the image in texels; the height follows from the aspect ratio.
     pub width: u32,
 }
 
-/// Adds an impostor to the scene: the meshes of some names, seen along the rectangle's normal.
-pub fn add(scene: &mut Scene, meshes: &[&str], frame: &Frame) {
+/// Adds an impostor to the scene. Its image shows the meshes with the given names, seen along the rectangle's
+/// normal.
+pub fn add(scene: &mut Scene, meshes: &[&str], frame: &ImpostorFrame) {
     let ratio = frame.half_up.length() / frame.half_right.length();
     let extent = [frame.width, ((frame.width as f32 * ratio).round() as u32).max(1)];
     let mut impostor = Impostor {
@@ -47,8 +48,7 @@ pub fn add(scene: &mut Scene, meshes: &[&str], frame: &Frame) {
     scene.impostors.push(impostor);
 }
 
-/// What is drawn on: for every sample its height above the rectangle and linear colour, where
-/// anything is.
+/// The drawing surface: for each sample that is covered, its height above the rectangle and its linear colour.
 struct Canvas<'a> {
     scene: &'a Scene,
     impostor: &'a Impostor,
@@ -63,7 +63,7 @@ impl<'a> Canvas<'a> {
         Self { scene, impostor, size, decoded, samples: vec![None; (size[0] * size[1]) as usize] }
     }
 
-    /// The samples with the meshes drawn, rows in parallel.
+    /// Draws the meshes and returns the samples. Rows are drawn in parallel.
     fn drawn(mut self, meshes: &[&Mesh]) -> Vec<Option<(f32, Vec3)>> {
         let mut samples = std::mem::take(&mut self.samples);
         let canvas = &self;
@@ -89,7 +89,7 @@ impl<'a> Canvas<'a> {
         samples
     }
 
-    /// Column and row of a point in samples, and its height above the rectangle.
+    /// The column and row of a point, in samples, and its height above the rectangle.
     fn place(&self, point: Vec3) -> Vec3 {
         let from = point - self.impostor.centre;
         let along = |half: Vec3, count: u32| (0.5 + 0.5 * from.dot(half) / half.length_squared()) * count as f32;
@@ -100,7 +100,7 @@ impl<'a> Canvas<'a> {
         )
     }
 
-    /// One triangle in one row.
+    /// Draws the part of a triangle that lies in one row.
     fn draw(
         &self,
         row: &mut [Option<(f32, Vec3)>],
@@ -132,8 +132,8 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// The lit colour at a point of a triangle, without the relief of its images; `None` where its
-    /// mask says that nothing is there. `area` is twice the triangle's, in samples.
+    /// The lit colour at a point of a triangle, without its normal map; `None` where its mask has a hole.
+    /// `area` is twice the triangle's area, in samples.
     fn colour(&self, mesh: &Mesh, corners: &[&Vertex; 3], weights: Vec3, area: f32) -> Option<Vec3> {
         let material = &self.scene.materials[mesh.material];
         let mix = |of: &dyn Fn(&Vertex) -> Vec3| -> Vec3 { (0..3).map(|k| weights[k] * of(corners[k])).sum() };
@@ -153,7 +153,8 @@ impl<'a> Canvas<'a> {
         Some(material.albedo * image.truncate() * (0.2 + 0.8 * shading.min(1.0)))
     }
 
-    /// The mean of an image over a square of side `footprint` (in texture coordinates), repeating.
+    /// The mean of an image over a square with sides of `footprint` (in texture coordinates); the image
+    /// repeats.
     fn average(&self, texture: &Texture, uv: Vec2, footprint: f32) -> Vec4 {
         let size = Vec2::new(texture.width as f32, texture.height as f32);
         let count = (footprint * size.max_element()).round().clamp(1.0, FOOTPRINT_MAX) as i32;
@@ -175,8 +176,8 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Samples as texels: colour is the mean of what is there, alpha how much is. Texels without anything
-/// have the mean colour of the image, so that no dark seam is filtered in.
+/// Reduces samples to texels: colour is the mean of the covered samples, alpha their share. Texels without any
+/// get the mean colour of the image, so that filtering adds no dark seam.
 fn reduced(samples: &[Option<(f32, Vec3)>], [width, height]: [u32; 2]) -> Vec<u8> {
     let stride = width * OVERSAMPLED;
     let texel = |x: u32, y: u32| {

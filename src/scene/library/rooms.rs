@@ -1,6 +1,6 @@
-//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and
-//! 5.9. Tiled floor, stone walls, wooden ceiling with a skylight, two windows, and wooden things to
-//! be reflected. Every material reflects; the windows show the sky.
+//! `rooms`: two low rooms joined by an arch, after the scene of the thesis's figures 5.1–5.5 and 5.9, with a
+//! tiled floor, stone walls, a wooden ceiling with a skylight, two windows, and wooden objects to be reflected.
+//! Every material reflects, except for the windows, which show the sky.
 
 use super::builder::{MeshBuilder, Rect};
 use super::masonry::{self, Arch, Wall};
@@ -29,21 +29,21 @@ const FINISHES: [Finish; 7] = [
 
 const FLOOR_Y: f32 = -1.0;
 const CEILING_Y: f32 = 1.0;
-/// Floor and ceiling reach a little into the walls, so that no light shows through the corners.
+/// How far floor and ceiling reach into the walls, in metres, so that no light shows through the corners.
 const OVERLAP: f32 = 0.02;
-/// The wall between the rooms, left and right face.
+/// The x of the left and right faces of the wall between the rooms.
 const PARTITION_X: [f32; 2] = [-2.23, -1.9];
-/// Where the glass stands, outside the wall at z = 5.
+/// The z of the panes, outside the wall at z = 5.
 const GLASS_Z: f32 = 5.158;
 
-/// The two windows in the wall at z = 5: x and y.
+/// The x and y ranges of the two windows in the wall at z = 5.
 const WINDOWS: [([f32; 2], [f32; 2]); 2] = [([0.88, 3.22], [0.16, 0.85]), ([-5.15, -3.08], [-0.25, 0.86])];
 
-/// The well of the skylight at the ceiling, and its glass above: x and z.
+/// The x and z ranges of the skylight's well at the ceiling and of its pane above.
 const WELL: ([f32; 2], [f32; 2]) = ([0.6, 3.51], [-3.66, -0.85]);
 const SKYLIGHT: ([f32; 2], [f32; 2]) = ([1.29, 2.82], [-2.99, -1.52]);
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let meshes = [shell(), windows(), blocks(), cylinders(), table()].into_iter().flatten().collect();
@@ -75,7 +75,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// The skylight and the two windows, as bright as their lights make them.
+/// The skylight and the two windows as area lights, as bright as the lights that stand for them.
 fn area_lights() -> Vec<AreaLight> {
     let pane = |min: Vec3, max: Vec3, half_u: Vec3, half_v: Vec3| AreaLight {
         shape: AreaShape::Rectangle { centre: 0.5 * (min + max), half_u, half_v },
@@ -163,7 +163,7 @@ fn windows() -> Vec<Mesh> {
     panes.into_iter().map(MeshBuilder::build).collect()
 }
 
-/// Four sides between two rectangles; `facing` gives a side's direction from the middles of two
+/// Four side faces between two rectangles. `facing` gives the direction of a side from the centres of two
 /// opposite corners.
 fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl Fn(Vec3, Vec3) -> Vec3) {
     for k in 0..4 {
@@ -172,12 +172,12 @@ fn ring(mesh: &mut MeshBuilder, from: &[Vec3; 4], to: &[Vec3; 4], facing: impl F
     }
 }
 
-/// Sixteen brick blocks of several heights with wooden tops, and a ball on one of them.
+/// Sixteen brick blocks of several heights with wooden tops; a ball lies on one of them.
 fn blocks() -> Vec<Mesh> {
     const WIDTH: f32 = 0.6575;
     const CORNER: Vec2 = Vec2::new(1.81, -3.59);
-    /// Rows from −z to +z, each from −x to +x. The last of the first row stays below the eye of
-    /// the view `ceiling`.
+    /// Heights in rows from −z to +z, each from −x to +x. The last of the first row stays below the eye of the
+    /// view `ceiling`.
     const TOPS: [[f32; 4]; 4] = [
         [-0.30, -0.07, -0.80, -0.82],
         [-0.80, -0.80, -0.80, -0.80],

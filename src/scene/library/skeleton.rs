@@ -1,11 +1,11 @@
-//! The skeleton of a large two-legged dinosaur, as Schmidt's museum exhibits one: bars and knobs whose
-//! gaps a screen-space method can't see through.
+//! The skeleton of a large two-legged dinosaur, like the one in Schmidt's museum. Screen-space methods cannot
+//! see through the gaps between its bones.
 
 use super::builder::MeshBuilder;
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Middle of the spine from the tip of the tail to the skull: height and distance along z.
+/// The centre line of the spine from the tip of the tail to the skull: height and position along z.
 const SPINE: [[f32; 2]; 9] = [
     [1.35, -2.75],
     [1.48, -2.1],
@@ -17,10 +17,10 @@ const SPINE: [[f32; 2]; 9] = [
     [2.6, 1.55],
     [2.92, 1.85],
 ];
-/// Where on the spine (0…1) the first and the last pair of ribs are.
+/// The positions on the spine (0…1) of the first and the last pair of ribs.
 const RIBS: [f32; 2] = [0.56, 0.80];
 
-/// Stands on `ground`, tail to −z, head to +z.
+/// A skeleton that stands on `ground`, with its tail towards −z and its head towards +z.
 pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
     let spine = |t: f32| ground + spline(&SPINE.map(|[y, z]| Vec3::new(0.0, y, z)), t);
     bones.tube([8, 48], Vec3::X, |t| (spine(t), 0.02 + 0.05 * (PI * (0.12 + 0.76 * t)).sin()));
@@ -45,7 +45,7 @@ pub fn stand(bones: &mut MeshBuilder, ground: Vec3) {
     skull(bones, spine(1.0));
 }
 
-/// A bone that bulges a little at both ends and is closed there.
+/// A bone that is a little thicker at both ends, where it is closed.
 fn bone(bones: &mut MeshBuilder, from: Vec3, to: Vec3, [thick, thin]: [f32; 2]) {
     let across = (to - from).normalize_or(Vec3::Y).any_orthonormal_vector();
     bones.tube([7, 8], across, |t| {
@@ -56,7 +56,7 @@ fn bone(bones: &mut MeshBuilder, from: Vec3, to: Vec3, [thick, thin]: [f32; 2]) 
     });
 }
 
-/// Half a hoop from the spine out to one side and down: width and depth in metres.
+/// One rib: half a hoop from the spine out to one side and down. Width and depth are in metres.
 fn rib(bones: &mut MeshBuilder, top: Vec3, side: f32, [width, depth]: [f32; 2]) {
     bones.tube([6, 12], Vec3::Z, |t| {
         let (sin, cos) = (PI * 0.92 * t).sin_cos();
@@ -71,7 +71,7 @@ fn leg(bones: &mut MeshBuilder, ground: Vec3, hip: Vec3, side: f32) {
     let knee = ground + Vec3::new(0.36 * side, 1.22, 0.42 + step);
     let ankle = ground + Vec3::new(0.36 * side, 0.52, -0.02 + step);
     let foot = ground + Vec3::new(0.36 * side, 0.07, 0.22 + step);
-    // The blade of the pelvis, and the pubis before it.
+    // The blade of the pelvis, and the pubis in front of it.
     bone(bones, hip + Vec3::new(0.0, 0.18, -0.45), hip + Vec3::new(0.0, 0.22, 0.42), [0.07, 0.07]);
     bone(bones, hip, hip + Vec3::new(-0.12 * side, -0.62, 0.3), [0.07, 0.04]);
     bone(bones, hip, hip + Vec3::new(-0.12 * side, -0.5, -0.5), [0.06, 0.04]);
@@ -99,7 +99,7 @@ fn arm(bones: &mut MeshBuilder, shoulder: Vec3, side: f32) {
     }
 }
 
-/// Two rows of jaw with teeth, cheek arches and the brow between.
+/// Two jaws with teeth, the cheek arches, and the brow between them.
 fn skull(bones: &mut MeshBuilder, back: Vec3) {
     let snout = back + Vec3::new(0.0, -0.12, 0.95);
     bones.tube([12, 10], Vec3::X, |t| {
@@ -125,8 +125,8 @@ fn skull(bones: &mut MeshBuilder, back: Vec3) {
     bone(bones, back + Vec3::new(-0.06, -0.46, 0.86), back + Vec3::new(0.06, -0.46, 0.86), [0.045, 0.045]);
 }
 
-/// A smooth curve through points (Catmull and Rom's), evenly in the points' count; straight on beyond
-/// its ends.
+/// A smooth curve through points (a Catmull-Rom spline, uniform in the points' index), continued straight
+/// beyond its ends.
 fn spline(points: &[Vec3], t: f32) -> Vec3 {
     let last = points.len() - 1;
     let x = t * last as f32;

@@ -1,6 +1,6 @@
-//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013,
-//! section 5.1, figures 27, 32, 36, 39, 41 and 51a): signs and a cinema to be reflected in wet asphalt,
-//! and a parked car that stands between them and the road.
+//! `street`: a street after rain between two rows of houses, after the first of Schmidt's scenes (2013, section
+//! 5.1, figures 27, 32, 36, 39, 41 and 51a). Signs and a cinema are reflected in wet asphalt, and a parked car
+//! stands between them and the road.
 
 use super::builder::{MeshBuilder, Rect};
 use super::fittings::{Face, around};
@@ -24,11 +24,11 @@ pub const SHOP: usize = 10;
 pub const DOOR: usize = 11;
 const METAL: usize = 12;
 const LAMP: usize = 13;
-/// The first of two colours of neon.
+/// The index of the first of two neon colours.
 const NEON_PAINT: usize = 14;
 const RED_PAINT: usize = 16;
 const BLUE_PAINT: usize = 17;
-/// Of cars and the cinema's doors.
+/// Used by cars and by the cinema's doors.
 pub const DARK_GLASS: usize = 18;
 const RUBBER: usize = 19;
 const TAIL_LAMP: usize = 20;
@@ -37,7 +37,7 @@ const CINEMA: usize = 22;
 const HOTEL: usize = 23;
 const BAR: usize = 24;
 const CAFE: usize = 25;
-/// The first of two posters.
+/// The index of the first of two posters.
 const POSTER: usize = 26;
 
 const FINISHES: [Finish; 28] = [
@@ -104,23 +104,23 @@ const CAFE_SIGN: Sign = Sign {
     size: [448, 128],
 };
 
-/// Half the width of the road, and where the houses stand; the street's ends along z.
+/// Half the width of the road, the x of the house fronts, and the z of the street's ends.
 const KERB_X: f32 = 4.0;
 const HOUSE_X: f32 = 6.6;
 const ENDS_Z: [f32; 2] = [-8.0, 40.0];
 const KERB_M: f32 = 0.14;
-/// Height of the tallest houses.
+/// The height of the tallest houses.
 const TOP: f32 = 14.2;
 const CAR: Vec3 = Vec3::new(-2.9, 0.0, 8.4);
 const SECOND_CAR: Vec3 = Vec3::new(2.95, 0.0, 19.5);
-/// Street lamps: x and z of their posts, and how high and how far over the road their globes hang.
+/// Street lamps: x and z of their posts; then the height of their globes and how far these hang over the road.
 const LAMPS: [[f32; 2]; 6] = [[-4.4, 4.4], [4.4, 2.6], [-4.4, 14.5], [4.4, 22.0], [-4.4, 29.0], [4.4, 35.0]];
 const GLOBE: [f32; 2] = [4.3, 0.55];
 const GLOBE_RADIUS: f32 = 0.19;
-/// The cinema's canopy along the houses' front, its heights, and how far it stands out.
+/// The cinema's canopy: its extent along the house fronts, its heights, and how far it projects.
 const CANOPY: ([f32; 2], [f32; 2], f32) = ([7.6, 14.4], [3.35, 4.60], 1.6);
 
-/// The scene.
+/// Builds the scene.
 pub fn scene() -> Scene {
     let (materials, textures) = materials(&FINISHES);
     let mut parts = vec![ground(), cinema(), signs(), lamps()];
@@ -161,12 +161,12 @@ fn car_materials(paint: usize) -> car::Materials {
     car::Materials { paint, glass: DARK_GLASS, dark: RUBBER, chrome: METAL, tail_lamp: TAIL_LAMP }
 }
 
-/// The houses at −x; along it, `a` is z.
+/// The house fronts at −x; along them, `a` is z.
 fn left() -> Face {
     Face::new([-HOUSE_X, 0.0, 0.0], Vec3::Z)
 }
 
-/// The houses at +x; along it, `a` is −z.
+/// The house fronts at +x; along them, `a` is −z.
 fn right() -> Face {
     Face::new([HOUSE_X, 0.0, 0.0], Vec3::NEG_Z)
 }
@@ -215,7 +215,7 @@ fn lights() -> Vec<Light> {
     all
 }
 
-/// Globes, and the two neon tubes.
+/// The globes of the lamps and the two neon tubes.
 fn area_lights() -> Vec<AreaLight> {
     let globe = |[x, z]: [f32; 2]| AreaLight {
         shape: AreaShape::Sphere { centre: Vec3::new(x - x.signum() * GLOBE[1], GLOBE[0], z), radius: GLOBE_RADIUS },
@@ -229,7 +229,7 @@ fn area_lights() -> Vec<AreaLight> {
     all
 }
 
-/// The ends of the neon tubes: under the canopy's edge, and up the corner of the hotel.
+/// The ends of the neon tubes: below the edge of the canopy, and up the corner of the hotel.
 const NEON: [[Vec3; 2]; 2] = [
     [
         Vec3::new(-HOUSE_X + CANOPY.2 + 0.05, CANOPY.1[0] - 0.05, CANOPY.0[0]),
@@ -244,7 +244,7 @@ fn ground() -> Vec<MeshBuilder> {
     let mut road = mesh("road", ROAD);
     let z = [ENDS_Z[0] - 0.02, ENDS_Z[1] + 0.02];
     road.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([-KERB_X, 0.0], z), &[]);
-    // The other lane lies a quarter turned, so that its puddles are not those of the first again.
+    // The second lane is turned by a quarter, so that it does not repeat the puddles of the first.
     let mut lane = mesh("second-lane", ROAD).turned();
     lane.panel([Vec3::ZERO, Vec3::X, Vec3::Z], Rect::new([0.0, KERB_X], z), &[]);
     let mut pavement = mesh("pavement", PAVEMENT);
@@ -274,7 +274,7 @@ fn ground() -> Vec<MeshBuilder> {
     vec![road, lane, pavement, kerb, line, cover]
 }
 
-/// The canopy over the cinema's entrance with its sign, the posters below and the neon tubes.
+/// The canopy above the cinema's entrance with its sign, the posters below, and the neon tubes.
 fn cinema() -> Vec<MeshBuilder> {
     let face = left();
     let (along, heights, out) = CANOPY;
@@ -314,7 +314,7 @@ fn poster_rects() -> [Rect; 2] {
     [around(7.05, 1.75, 1.9, 1.27), around(14.9, 1.75, 1.2, 1.5)]
 }
 
-/// A sign that stands out from the houses across the street: name, material, its plane, its rectangle.
+/// A sign that projects from the houses across the street: name, material, plane and rectangle.
 struct Blade {
     name: &'static str,
     material: usize,
@@ -334,7 +334,7 @@ fn cafe_rect() -> Rect {
     around(-3.8, 3.53, 2.24, 2.24 * 128.0 / 448.0)
 }
 
-/// The signs on the houses; those across the street have a back of their own.
+/// The signs on the houses; those that project across the street have a back side of their own.
 fn signs() -> Vec<MeshBuilder> {
     let mut parts = Vec::new();
     let mut rods = mesh("sign-rods", METAL);
@@ -383,7 +383,8 @@ fn lamps() -> Vec<MeshBuilder> {
     vec![posts, globes]
 }
 
-/// From the farthest from the road to the nearest: Schmidt's listing keeps the last that a ray hits.
+/// Adds the impostors from the farthest from the road to the nearest, because Schmidt's listing keeps the last
+/// one that a ray hits.
 fn add_impostors(scene: &mut Scene) {
     for front in fronts().iter().take(5) {
         let names = house::parts(front.name);

@@ -1,10 +1,10 @@
-//! What must hold of every triangle, material and view of the built-in scenes.
+//! Invariants of every triangle, material and view of the built-in scenes.
 
 use super::*;
 use crate::scene::{AreaShape, Light, Vertex};
 use std::sync::LazyLock;
 
-/// The built-in scenes, made once for all tests.
+/// The built-in scenes, built once for all tests.
 static SCENES: LazyLock<Vec<Scene>> =
     LazyLock::new(|| names().iter().map(|name| scene(name).expect("a built-in scene")).collect());
 
@@ -12,7 +12,7 @@ fn built(name: &str) -> &'static Scene {
     SCENES.iter().find(|s| s.name == name).expect("a built-in scene")
 }
 
-/// The corners of every triangle, with its mesh's name.
+/// The corners of every triangle, with the name of its mesh.
 fn triangles(scene: &Scene) -> impl Iterator<Item = (&str, [Vertex; 3])> {
     scene.meshes.iter().flat_map(|m| {
         m.indices.chunks_exact(3).map(|t| {
@@ -41,7 +41,7 @@ fn indices_materials_and_textures_exist() {
         for material in &scene.materials {
             let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
             assert!(maps.into_iter().flatten().all(|t| t < scene.textures.len()), "{material:?}");
-            // What shows no image has a colour of its own, or is a window.
+            // A material without images must have a colour of its own or be a window.
             let is_even = maps == [None; 4] && material.albedo != Vec3::ONE;
             assert!(is_even || maps[0].is_some() == (material.surface == Surface::Lit), "{material:?}");
         }
@@ -101,7 +101,7 @@ fn tangents_follow_the_texture() {
                 wrong += 1;
             }
         }
-        // Where a surface closes to a point, the texture is twisted within one triangle.
+        // Where a surface closes to a point, the texture is twisted within one triangle, so a few may differ.
         assert!(wrong * 200 < all, "{}: {wrong} of {all}", scene.name);
     }
 }
@@ -134,8 +134,8 @@ fn is_near(point: Vec3, [a, b, c]: [Vec3; 3], reach: f32) -> bool {
     if point.cmplt(low).any() || point.cmpgt(high).any() {
         return false;
     }
-    // Ericson, Real-Time Collision Detection, 5.1.5, without the early outs: inside the prism the
-    // plane counts, else the nearest edge.
+    // Ericson, Real-Time Collision Detection, 5.1.5, without the early outs: inside the triangle's prism the
+    // plane decides, outside it the nearest edge.
     let n = (b - a).cross(c - a);
     let inside = [(a, b), (b, c), (c, a)].iter().all(|&(p, q)| (q - p).cross(point - p).dot(n) >= 0.0);
     if inside {
@@ -153,7 +153,7 @@ fn eyes_have_free_space_around_them() {
         for view in &scene.views {
             for (name, corners) in triangles(scene) {
                 let corners = corners.map(|v| Vec3::from(v.position));
-                assert!(!is_near(view.eye, corners, 0.1), "{}: {name} before the eye", view.name);
+                assert!(!is_near(view.eye, corners, 0.1), "{}: {name} close in front of the eye", view.name);
             }
         }
     }
@@ -177,7 +177,7 @@ fn probes_stand_free_inside_boxes_that_fit_the_scene() {
     }
 }
 
-/// Every length of an area light: those between its points, and its own.
+/// Every length in an area light: the distances between its points, and its radius.
 fn lengths(shape: &AreaShape) -> Vec<f32> {
     match *shape {
         AreaShape::Sphere { centre, radius } => vec![centre.length(), radius],

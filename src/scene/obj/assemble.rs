@@ -1,27 +1,27 @@
-//! Meshes from triangles: tangents, splitting in space, welding.
+//! Makes meshes from triangles: adds tangents, splits large groups in space, and welds equal vertices.
 
-use super::polygons::{Part, Triangle};
+use super::polygons::{GroupPart, Triangle};
 use super::tangents;
 use crate::scene::{Aabb, Mesh};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-/// A mesh has no more triangles than this: fine enough for frustum culling, coarse enough for draws.
+/// The most triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.
 const MAX_TRIANGLES: usize = 8192;
 
-/// With more groups than this, a file's groups are no use as units of culling (some exporters write
-/// one a face); each material's triangles are then pooled and split in space alone.
+/// If a file has more groups than this (some exporters write one per face), its groups are useless as units of
+/// culling. The triangles of each material are then pooled and only split in space.
 const MAX_PARTS: usize = 2048;
 
-/// The meshes of a file's parts, with the scene's material index for each.
-pub(super) fn meshes(mut parts: Vec<Part>, material_of: impl Fn(&Part) -> usize + Sync) -> Vec<Mesh> {
+/// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part.
+pub(super) fn meshes(mut parts: Vec<GroupPart>, material_of: impl Fn(&GroupPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
         parts = pool(parts);
     }
-    let meshes_of = |part: Part| {
+    let meshes_of = |part: GroupPart| {
         let material = material_of(&part);
-        let Part { name, mut triangles, .. } = part;
+        let GroupPart { name, mut triangles, .. } = part;
         tangents::generate(&mut triangles);
         let mut chunks = Vec::new();
         split(&mut triangles, &mut chunks);
@@ -32,9 +32,9 @@ pub(super) fn meshes(mut parts: Vec<Part>, material_of: impl Fn(&Part) -> usize 
     parts.into_par_iter().flat_map_iter(meshes_of).collect()
 }
 
-/// One part a material.
-fn pool(parts: Vec<Part>) -> Vec<Part> {
-    let mut pooled: Vec<Part> = Vec::new();
+/// Merges the parts of each material into one.
+fn pool(parts: Vec<GroupPart>) -> Vec<GroupPart> {
+    let mut pooled: Vec<GroupPart> = Vec::new();
     let mut place: HashMap<usize, usize> = HashMap::new();
     for part in parts {
         match place.get(&part.material) {
@@ -48,7 +48,8 @@ fn pool(parts: Vec<Part>) -> Vec<Part> {
     pooled
 }
 
-/// Halves triangles at the median of their centres along the longest axis until they are few.
+/// Splits the triangles at the median of their centres along the longest axis, recursively, until each chunk is
+/// small enough.
 fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
     if triangles.len() <= MAX_TRIANGLES {
         chunks.push(triangles);
@@ -67,13 +68,13 @@ fn split<'a>(triangles: &'a mut [Triangle], chunks: &mut Vec<&'a [Triangle]>) {
     split(high, chunks);
 }
 
-/// An indexed mesh in which vertices that are equal bit by bit are one.
+/// Makes an indexed mesh in which vertices that are equal bit by bit are stored once.
 fn weld(name: String, material: usize, triangles: &[Triangle]) -> Mesh {
     let mut index_of: HashMap<[u32; 12], u32> = HashMap::with_capacity(triangles.len());
     let mut vertices = Vec::new();
     let mut indices = Vec::with_capacity(3 * triangles.len());
     for &vertex in triangles.iter().flatten() {
-        // A chunk has at most 3 · MAX_TRIANGLES vertices, which is far below 2³².
+        // A chunk has at most 3 · MAX_TRIANGLES vertices, far fewer than 2³².
         let next = vertices.len() as u32;
         let index = *index_of.entry(bytemuck::cast(vertex)).or_insert_with(|| {
             vertices.push(vertex);

@@ -1,4 +1,5 @@
-//! The images of materials: found on disk, decoded in parallel, replaced where they are missing.
+//! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
+//! missing.
 
 use crate::error::Result;
 use crate::scene::pattern;
@@ -7,25 +8,25 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// The most texels of a scene's images together: 4 GiB.
+/// The most texels that all images of a scene may have together: 4 GiB.
 const MAX_TEXELS: u64 = 1 << 30;
 
-/// An image as an MTL file states it.
+/// An image as an MTL file names it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ImageStatement {
-    /// The file name as it stands there.
+    /// The file name as written in the statement.
     pub name: String,
-    /// The MTL file, beside which the image lies.
+    /// The MTL file; the image is looked up relative to it.
     pub mtl_path: PathBuf,
-    /// The line there.
+    /// The line of the statement.
     pub line: usize,
-    /// `-bm`.
+    /// The bump multiplier (`-bm`).
     pub multiplier: f32,
-    /// Whether `-s`, `-o` or `-t` would move the texture coordinates.
+    /// Whether the statement has `-s`, `-o` or `-t`, which transform texture coordinates.
     pub transformed: bool,
 }
 
-/// The images that a material asks for.
+/// The images that a material names.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct MaterialImages {
     /// `map_Kd`.
@@ -41,13 +42,13 @@ pub(super) struct MaterialImages {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Use {
     Albedo,
-    /// With the bits of the multiplier.
+    /// Holds the bits of the bump multiplier.
     Normal(u32),
     Mask,
     Reflectivity,
 }
 
-/// An image in one use; two materials that ask for the same share it.
+/// An image in one role. Materials that request the same image in the same role share it.
 #[derive(Debug, PartialEq, Eq, Hash, Clone)]
 struct Request {
     path: PathBuf,
@@ -56,8 +57,8 @@ struct Request {
 
 /// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
 ///
-/// Every image that is missing or cannot be read is one warning. In its place comes a generated one
-/// if its name suggests it; else the material's colour, no normal map, no mask, a reflectivity of
+/// Each image that is missing or cannot be read adds one warning. A generated image replaces it if its file
+/// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or a reflectivity of
 /// `Ks` alone.
 pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>) {
     let mut requests = Requests::default();
@@ -106,7 +107,7 @@ fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialImages]) {
         let all = [&images.albedo, &images.normal, &images.mask, &images.reflectivity];
         if let Some(image) = all.into_iter().flatten().find(|i| i.transformed) {
             let place = format!("{}:{}", image.mtl_path.display(), image.line);
-            let what = "the options -s, -o and -t of maps are not supported and left out";
+            let what = "the options -s, -o and -t of maps are not supported and were ignored";
             scene.warnings.push(format!("{place}: material {}: {what}", material.name));
         }
     }
@@ -115,7 +116,7 @@ fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialImages]) {
 #[derive(Default)]
 struct Requests {
     list: Vec<Request>,
-    /// The statement that asked first.
+    /// For each request, the statement that made it first.
     statements: Vec<ImageStatement>,
     index: HashMap<Request, usize>,
     found: HashMap<(PathBuf, String), PathBuf>,
@@ -126,7 +127,7 @@ impl Requests {
         let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
         let key = (folder.to_owned(), statement.name.clone());
         let path = self.found.entry(key).or_insert_with(|| {
-            // A path that does not exist stands for the missing image.
+            // If the image is missing, a path that does not exist takes its place.
             resolve(folder, &statement.name).unwrap_or_else(|| folder.join(forward_slashes(&statement.name)))
         });
         let request = Request { path: path.clone(), role };
@@ -137,7 +138,7 @@ impl Requests {
         })
     }
 
-    /// The requests, each with whether it still fits into [`MAX_TEXELS`].
+    /// The requests, each with a flag that says whether it still fits into [`MAX_TEXELS`].
     fn within_budget(&self) -> Vec<(&Request, bool)> {
         let mut texels = 0;
         let with_size = self.list.iter().map(|request| {
@@ -150,11 +151,11 @@ impl Requests {
     }
 }
 
-/// What became of a request.
+/// The result of a request.
 struct Loaded {
     path: PathBuf,
     texture: Option<Texture>,
-    /// Why it is not the image that was asked for, and what there is instead.
+    /// Why the requested image is not used, and what replaces it.
     problem: Option<String>,
     instead: &'static str,
 }
@@ -178,7 +179,7 @@ fn load((request, fits): (&Request, bool)) -> Loaded {
         Use::Mask | Use::Reflectivity => None,
     };
     let instead = match role {
-        _ if texture.is_some() => "a generated one takes its place",
+        _ if texture.is_some() => "a generated image takes its place",
         Use::Albedo => "the material's colour takes its place",
         Use::Normal(_) => "the surface is smooth",
         Use::Mask => "the surface is opaque",
@@ -200,9 +201,9 @@ fn forward_slashes(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }
 
-/// The file that a name means, looked for from `folder`: with backslashes as separators, without
-/// regard to case where it does not exist as written, and, where its folders do not exist (paths of
-/// the author's own machine), by its last component.
+/// Finds the file that a name refers to, starting from `folder`. Backslashes separate folders, as slashes do.
+/// If the name does not exist as written, case is ignored; if its folders do not exist (for example, because
+/// the path comes from the author's own machine), only its last component is looked up.
 pub(in crate::scene) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
     let name = forward_slashes(name);
     let last = name.rsplit('/').next().unwrap_or(&name);
@@ -227,6 +228,6 @@ fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
     let wanted = name.to_lowercase();
     let entries = std::fs::read_dir(folder).ok()?.flatten();
     let matching = entries.filter(|e| e.file_name().to_string_lossy().to_lowercase() == wanted);
-    // The order of a folder's entries is arbitrary.
+    // The order of a folder's entries is arbitrary, so the first in order of name is taken.
     matching.map(|e| e.path()).min()
 }

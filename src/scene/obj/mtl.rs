@@ -1,12 +1,12 @@
-//! Materials from MTL files: which statements count, and what they mean here.
+//! Reads materials from MTL files.
 //!
-//! tobj's own reader panics on a `Kd` of one number and keeps the options of maps in the file name,
-//! so that the few statements that matter are read here, with line numbers:
+//! tobj's own reader panics on a `Kd` with one number and keeps the options of maps in the file name. This
+//! module therefore reads the few statements that matter itself, with line numbers:
 //!
 //! | statement | meaning |
 //! |---|---|
 //! | `Kd` | albedo, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
-//! | `Ks` | its luminance is the reflectivity; without it, 1 |
+//! | `Ks` | its luminance is the reflectivity; 1 if absent |
 //! | `Pr` | roughness |
 //! | `Ns` | without `Pr`: Phong exponent, see [`roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
 //! | `map_Kd`, `map_Ks`, `map_d` | albedo image, factor on the reflectivity, alpha mask |
@@ -15,13 +15,14 @@
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::{read_limited, text::NO_MATERIAL};
 use crate::error::{Error, Result};
+use crate::math::constants;
 use crate::scene::{Material, texture::luminance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
 
-/// ξ of the lobe (DEFINITIONS, "Surfaces").
-const XI: f32 = 0.244;
+/// ξ of the lobe (docs/definitions.md, "Surfaces").
+const XI: f32 = constants::XI as f32;
 
 /// One `newmtl` block.
 #[derive(Debug, Clone, Default)]
@@ -34,7 +35,7 @@ pub(super) struct Definition {
 }
 
 impl Definition {
-    /// The material without name, surface and images.
+    /// The material without its name, surface and images.
     pub(super) fn material(&self) -> Material {
         let roughness = self.roughness.or(self.exponent.map(roughness_of_exponent));
         let mut albedo = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
@@ -49,19 +50,19 @@ impl Definition {
         }
     }
 
-    /// The images that the material asks for.
+    /// The images that the material names.
     pub(super) fn images(&self) -> MaterialImages {
         self.images.clone()
     }
 }
 
-/// The roughness ϱ = 2 arccos(ξ^(1/(α+1))) of a Phong exponent α, 0…1; 0 for α ≤ 0.
+/// The roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, of a Phong exponent α; 0 for α ≤ 0.
 pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
     if exponent > 0.0 { (2.0 * XI.powf(1.0 / (exponent + 1.0)).acos()).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Reads what the `mtllib` statements of the OBJ file at `obj_path` name. A file that is missing is a
-/// warning; a name with blanks is one file if there is such a file, else several.
+/// Reads the files that the `mtllib` statements of the OBJ file at `obj_path` name. A missing file adds a
+/// warning. A name with blanks is one file if such a file exists, and several files otherwise.
 pub(super) fn read_libraries(
     obj_path: &Path,
     statements: &[(usize, String)],
@@ -95,7 +96,7 @@ pub(super) fn read_libraries(
     Ok(definitions)
 }
 
-/// Adds the materials of one MTL file; of two with the same name the last counts.
+/// Adds the materials of one MTL file; if a name occurs twice, the last definition counts.
 fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) -> Result<()> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut current: Option<(String, Definition)> = None;
@@ -116,7 +117,7 @@ fn read(path: &Path, text: &str, definitions: &mut HashMap<String, Definition>) 
     Ok(())
 }
 
-/// Where a statement stands.
+/// The file and line of a statement.
 struct Place<'a> {
     path: &'a Path,
     line: usize,
@@ -146,7 +147,8 @@ fn number(place: &Place, keyword: &str, rest: &str) -> Result<f32> {
     })
 }
 
-/// A colour of three numbers, or one for all three; spectral curves and CIE XYZ are not read.
+/// A colour given as three numbers, or as one number for all three channels. Spectral curves and CIE XYZ are
+/// not supported.
 fn colour(place: &Place, keyword: &str, rest: &str) -> Result<Option<Vec3>> {
     let words: Vec<&str> = rest.split_whitespace().take_while(|w| !w.starts_with('#')).collect();
     if matches!(words.first(), Some(&("spectral" | "xyz"))) {
@@ -163,14 +165,14 @@ fn colour(place: &Place, keyword: &str, rest: &str) -> Result<Option<Vec3>> {
     }
 }
 
-/// The options and file name of a map; `None` without a name.
+/// Parses the options and the file name of a map; `None` if there is no file name.
 fn image_statement(place: &Place, rest: &str) -> Option<ImageStatement> {
     let mut rest = rest;
     let mut multiplier = 1.0;
     let mut transformed = false;
     while rest.starts_with('-') {
         let (option, mut after) = take_word(rest);
-        // How many words belong to the option, and whether they must be numbers.
+        // The most words that belong to the option, and whether they must be numbers.
         let (most, numeric) = match option {
             "-bm" | "-boost" | "-texres" => (1, true),
             "-mm" => (2, true),
@@ -239,7 +241,7 @@ mod tests {
         assert_eq!(roughness_of_exponent(-3.0), 0.0);
         assert_eq!(roughness_of_exponent(1.0), 1.0);
         let rough = roughness_of_exponent(100.0);
-        // The inverse, α(ϱ) = ln ξ / ln cos(ϱ/2) − 1.
+        // The inverse function: α(ϱ) = ln ξ / ln cos(ϱ/2) − 1.
         assert!((XI.ln() / (0.5 * rough).cos().ln() - 1.0 - 100.0).abs() < 0.1, "{rough}");
         assert!(roughness_of_exponent(1000.0) < rough);
     }

@@ -1,4 +1,4 @@
-//! Triangles with normals, in world space, from the groups and polygons that tobj finds.
+//! Makes triangles with normals, in world space, from the groups and polygons that tobj finds.
 
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
@@ -9,29 +9,29 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// A triangle's corners; normals that are zero are not known yet.
+/// The corners of a triangle. A normal of zero is not known yet.
 pub(super) type Triangle = [Vertex; 3];
 
-/// The triangles of one group and one material.
+/// The triangles of one group that have one material.
 #[derive(Debug)]
-pub(super) struct Part {
-    /// Group or object name.
+pub(super) struct GroupPart {
+    /// Name of the group or object.
     pub name: String,
     /// Index into the file's material names.
     pub material: usize,
-    /// Triangles with unit normals and matching winding; no tangents yet.
+    /// Triangles with unit normals and matching winding; they have no tangents yet.
     pub triangles: Vec<Triangle>,
     /// Smoothing group of each triangle.
     smoothing: Vec<u32>,
 }
 
-/// The parts of the file at `path` (which errors and warnings name).
+/// Builds the parts of the file at `path`; errors and warnings name that path.
 pub(super) fn build(
     path: &Path,
     statements: Statements,
     options: &ObjOptions,
     warnings: &mut Vec<String>,
-) -> Result<Vec<Part>> {
+) -> Result<Vec<GroupPart>> {
     let Statements { vertices, faces, material_names, smoothing, .. } = statements;
     let materials: Vec<_> =
         (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
@@ -48,7 +48,7 @@ pub(super) fn build(
     for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
         let corners = world_vertices(path, &mesh, options)?;
         let material = mesh.material_id.unwrap_or_default();
-        let mut part = Part { name, material, triangles: Vec::new(), smoothing: Vec::new() };
+        let mut part = GroupPart { name, material, triangles: Vec::new(), smoothing: Vec::new() };
         let mut start = 0;
         let uniform = mesh.face_arities.is_empty().then_some(3);
         let arities = mesh.face_arities.iter().map(|&n| n as usize);
@@ -65,21 +65,21 @@ pub(super) fn build(
         return Err(Error::malformed(path, None, "no face of this file has an area"));
     }
     if without_area > 0 {
-        let plural = if without_area == 1 { "triangle" } else { "triangles" };
-        warnings.push(format!("{}: {without_area} {plural} without area left out", path.display()));
+        let (plural, were) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
+        warnings.push(format!("{}: {without_area} {plural} without area {were} left out", path.display()));
     }
     parts.retain(|p| !p.triangles.is_empty());
     fill_normals(&mut parts);
     Ok(parts)
 }
 
-/// The vertices of a group in world space; a normal that is missing or has no length is zero.
+/// The vertices of a group in world space. A normal that is missing or has no length becomes zero.
 fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Result<Vec<Vertex>> {
     let mirror = match options.handedness {
         Handedness::Right => Vec3::new(1.0, 1.0, -1.0),
         Handedness::Left => Vec3::ONE,
     };
-    // Adding zero as in `fill_normals`.
+    // Zero is added for the same reason as in `fill_normals`.
     let to_world = |v: &[f32], factor: Vec3| Vec3::new(v[0], v[1], v[2]) * factor + Vec3::ZERO;
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
@@ -90,7 +90,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
             return Err(Error::malformed(path, None, message));
         }
         let normal = to_world(normal, mirror).as_dvec3().normalize_or_zero().as_vec3();
-        // A corner without texture coordinates has NaN here.
+        // tobj marks a corner without texture coordinates by NaN.
         let uv = if uv[0].is_nan() { [0.0, 0.0] } else { [uv[0] + 0.0, 1.0 - uv[1]] };
         let position = position.to_array();
         Ok(Vertex { position, normal: normal.to_array(), uv, tangent: [0.0; 4] })
@@ -98,9 +98,9 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
     vertices.collect()
 }
 
-impl Part {
-    /// Adds a polygon's triangles, with the winding that its stated normals ask for, and says how
-    /// many had no area and were left out.
+impl GroupPart {
+    /// Adds a polygon's triangles, wound as its stated normals require. Returns how many had no area and were
+    /// left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
         let positions: Vec<DVec3> = polygon.iter().map(position).collect();
@@ -125,11 +125,11 @@ impl Part {
     }
 }
 
-/// Gives every vertex without a normal that of its smoothing group, or of its face.
+/// Gives every vertex that lacks a normal the normal of its smoothing group or of its face.
 ///
-/// The faces of a group count by their angles in the position: weights by area would depend on where
-/// a quad's diagonal runs.
-fn fill_normals(parts: &mut [Part]) {
+/// Within a group, faces are weighted by their angle at the vertex. Weights by area would depend on which
+/// diagonal splits a quad.
+fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
@@ -145,9 +145,9 @@ fn fill_normals(parts: &mut [Part]) {
             let face = twice_area(triangle).normalize();
             for vertex in triangle.iter_mut().filter(|v| v.normal == [0.0; 3]) {
                 let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
-                // Across a fold the mean may point behind the face.
+                // At a sharp fold, the mean may point behind the face.
                 let normal = if mean.dot(face) > 0.0 { mean } else { face };
-                // Adding zero makes −0 equal 0 bit by bit, for welding.
+                // Adding zero turns −0 into 0, so that welding finds equal bits.
                 vertex.normal = (normal.as_vec3().normalize() + Vec3::ZERO).to_array();
             }
         }
@@ -158,7 +158,7 @@ fn position(vertex: &Vertex) -> DVec3 {
     Vec3::from(vertex.position).as_dvec3()
 }
 
-/// (b − a) × (c − a): along the face's normal, as long as twice its area.
+/// (b − a) × (c − a): the face's normal, scaled to twice the triangle's area.
 pub(super) fn twice_area(triangle: &Triangle) -> DVec3 {
     let [a, b, c] = triangle.each_ref().map(position);
     (b - a).cross(c - a)
@@ -170,8 +170,8 @@ fn angle(triangle: &Triangle, corner: usize) -> f64 {
     (next - at).angle_between(last - at)
 }
 
-/// Cuts a polygon into n − 2 triangles of its orientation: a fan if it is convex, else by cutting
-/// off ears. What is left of a polygon that crosses itself is cut as a fan.
+/// Cuts a polygon into n − 2 triangles of the same orientation: as a fan if it is convex, and by cutting off
+/// ears otherwise. The remainder of a polygon that crosses itself is cut as a fan.
 fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     let fan = |corners: &[usize]| -> Vec<[usize; 3]> {
         corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]).collect()
@@ -205,7 +205,7 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
     triangles
 }
 
-/// The polygon in its own plane (Newell's normal), counter-clockwise.
+/// Projects the polygon to its own plane (with Newell's normal), counter-clockwise.
 fn project(polygon: &[DVec3]) -> Vec<DVec2> {
     let next = polygon.iter().cycle().skip(1);
     let normal: DVec3 = polygon.iter().zip(next).map(|(a, b)| (a - polygon[0]).cross(b - polygon[0])).sum();
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn any_polygon_gives_two_triangles_less_than_corners() {
+    fn any_polygon_gives_two_fewer_triangles_than_corners() {
         let crossing = [[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0], [1.0, 5.0]];
         let polygon = crossing.map(|[x, y]| DVec3::new(x, y, 0.0));
         assert_eq!(triangulate(&polygon).len(), 3);

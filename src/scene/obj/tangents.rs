@@ -1,14 +1,14 @@
-//! Tangents by MikkTSpace, the convention that normal maps are baked with.
+//! Computes tangents with MikkTSpace, the convention for which normal maps are baked.
 
 use super::polygons::Triangle;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 
-/// Sets the tangents of triangles that have normals and matching winding. Where the texture
-/// coordinates say nothing, a tangent is any unit vector orthogonal to the normal.
+/// Sets the tangents of triangles that have normals and matching winding. Where the texture coordinates are
+/// degenerate, the tangent is any unit vector orthogonal to the normal.
 pub(super) fn generate(triangles: &mut [Triangle]) {
     let textured = triangles.iter().flatten().any(|v| v.uv != [0.0; 2]);
-    // The error type has no values.
+    // The call returns no reason for a failure.
     if textured && generate_tangents(&mut Triangles(triangles)).is_err() {
         return;
     }
@@ -16,10 +16,10 @@ pub(super) fn generate(triangles: &mut [Triangle]) {
         let normal = Vec3::from(vertex.normal);
         let [x, y, z, sign] = vertex.tangent;
         let along = Vec3::new(x, y, z).reject_from_normalized(normal);
-        // A tangent along the normal says nothing; what rounding leaves of it least of all.
+        // A tangent almost parallel to the normal is mostly rounding error, so it is discarded.
         let unit = along.try_normalize().filter(|_| along.length() > 1e-2);
         let tangent = unit.unwrap_or_else(|| normal.any_orthonormal_vector());
-        // Adding zero makes −0 equal 0 bit by bit, for welding.
+        // Adding zero turns −0 into 0, so that welding finds equal bits.
         vertex.tangent = (tangent + Vec3::ZERO).extend(if sign < 0.0 { -1.0 } else { 1.0 }).to_array();
     }
 }
@@ -43,7 +43,7 @@ impl Geometry for Triangles<'_> {
         self.0[face][corner].normal
     }
 
-    /// With v upwards, so that the bitangent runs along a normal map's green axis.
+    /// Returns texture coordinates with v upwards, so that the bitangent follows a normal map's green axis.
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
         let [u, v] = self.0[face][corner].uv;
         [u, -v]

@@ -1,9 +1,9 @@
-//! Checks the statements of an OBJ file and rewrites them so that tobj reads them without surprises.
+//! Checks the statements of an OBJ file and rewrites them into a form that tobj reads reliably.
 //!
-//! tobj has no line numbers, accepts numbers that are not finite, loses track of the corners that
-//! lack a texture coordinate or normal, and fails on short texture coordinates and vertex colours.
-//! What it gets to read is therefore plain: three numbers a vertex, absolute indices that exist, and
-//! for what a corner does not state the index of a NaN (which no file can bring in itself).
+//! tobj reports no line numbers, accepts numbers that are not finite, loses track of corners that lack a
+//! texture coordinate or normal, and fails on short texture coordinates and on vertex colours. It is therefore
+//! given a plain file: three numbers per vertex, absolute indices that exist, and, where a corner lacks an
+//! attribute, the index of a NaN entry (which no file can contain itself).
 
 use crate::error::{Error, Result};
 use std::borrow::Cow;
@@ -11,31 +11,33 @@ use std::collections::HashMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The name of the material of faces before any `usemtl`.
+/// The name of the material of faces that precede any `usemtl`.
 pub(super) const NO_MATERIAL: &str = "default";
 
-/// The most vertices, texture coordinates, normals and triangles of a file.
+/// The most vertices, texture coordinates, normals and triangles that a file may have.
 const MAX_COUNT: usize = 1 << 24;
 
-/// The most corners of a face; concave faces are cut up in time that grows with its cube.
+/// The most corners that a face may have. The time to triangulate a concave face grows with the cube of its
+/// corners.
 const MAX_CORNERS: usize = 1024;
 
-/// An OBJ file as tobj reads it, and what tobj does not tell.
+/// A normalised OBJ file, and the information that tobj does not report.
 #[derive(Debug)]
 pub(super) struct Statements {
-    /// `v`, `vt` and `vn`; the first `vt` and the first `vn` are NaN and mean "none stated".
+    /// The `v`, `vt` and `vn` statements. The first `vt` and the first `vn` are NaN and stand for a missing
+    /// attribute.
     pub vertices: String,
-    /// `g`, `usemtl` (by index into `material_names`) and `f`.
+    /// The `g`, `usemtl` (by index into `material_names`) and `f` statements.
     pub faces: String,
-    /// The materials, in the order of their first use.
+    /// The names of the materials in the order of their first use.
     pub material_names: Vec<String>,
-    /// What `mtllib` statements name, with their lines.
+    /// The file names in `mtllib` statements, with their line numbers.
     pub libraries: Vec<(usize, String)>,
-    /// The smoothing group of each face in file order; 0 is none.
+    /// The smoothing group of each face, in file order; 0 is none.
     pub smoothing: Vec<u32>,
 }
 
-/// Normalises the text of the file at `path` (which errors name).
+/// Normalises the text of the file at `path`; errors name that path.
 pub(super) fn normalise(path: &Path, text: &str) -> Result<Statements> {
     let mut scan = Scan::new(path);
     for (line, statement) in logical_lines(text) {
@@ -45,8 +47,8 @@ pub(super) fn normalise(path: &Path, text: &str) -> Result<Statements> {
     scan.finish()
 }
 
-/// The lines with their numbers, those that end in a backslash joined with the next (but for
-/// statements that end in a name, which may well end so).
+/// The lines with their numbers. A line that ends in a backslash is joined with the next, except for statements
+/// that end in a name, because a name may end in a backslash.
 fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     let separator = if text.contains('\n') { '\n' } else { '\r' };
     let mut lines = text.split(separator).enumerate();
@@ -67,7 +69,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
 #[derive(Debug, Default)]
 struct Counter {
     count: usize,
-    /// The highest index that a face states, and its line.
+    /// The highest index that a face uses, and the line where it does.
     highest: (usize, usize),
 }
 
@@ -128,8 +130,8 @@ impl<'a> Scan<'a> {
         }
     }
 
-    /// A vertex, texture coordinate or normal: at least `needed` numbers, of which `kept` are kept,
-    /// 0 for those that are not there; what follows (weights, colours) is left out.
+    /// Reads a vertex, texture coordinate or normal: it must have at least `needed` numbers, and `kept` of them
+    /// are kept, with 0 for missing ones. Further numbers (weights, colours) are ignored.
     fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
         let mut words = rest.split_whitespace();
         self.out.vertices.push_str(["v", "vt", "vn"][kind]);
@@ -144,10 +146,10 @@ impl<'a> Scan<'a> {
             match word.parse::<f32>() {
                 Ok(number) if number.is_finite() => {}
                 Ok(_) => {
-                    return Err(self.error(format!("a {} has {word:?}, which is not finite", KINDS[kind])));
+                    return Err(self.error(format!("{word:?} in a {} is not finite", KINDS[kind])));
                 }
                 Err(_) => {
-                    return Err(self.error(format!("a {} has {word:?}, which is no number", KINDS[kind])));
+                    return Err(self.error(format!("{word:?} in a {} is not a number", KINDS[kind])));
                 }
             }
             self.out.vertices.push(' ');
@@ -169,7 +171,7 @@ impl<'a> Scan<'a> {
         let mut corners = 0;
         for word in rest.split_whitespace().take_while(|w| !w.starts_with('#')) {
             let [v, vt, vn] = self.corner(word)?;
-            // Texture coordinates and normals come after the NaN that stands for none.
+            // Texture coordinates and normals are numbered after the NaN entry that stands for a missing one.
             let _ = write!(face, " {v}/{}/{}", vt + 1, vn + 1);
             corners += 1;
         }
@@ -193,18 +195,18 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// The absolute indices of a corner, from 1; 0 for a texture coordinate or normal not stated.
+    /// The absolute indices of a corner, counted from 1; 0 for a missing texture coordinate or normal.
     fn corner(&mut self, word: &str) -> Result<[usize; 3]> {
         let mut indices = [0; 3];
         for (kind, index) in word.split('/').enumerate() {
             if kind > 2 || (kind == 0 && index.is_empty()) {
-                return Err(self.error(format!("a face has the corner {word:?}, which is no v/vt/vn")));
+                return Err(self.error(format!("{word:?} in a face is not of the form v/vt/vn")));
             }
             if index.is_empty() {
                 continue;
             }
             let Ok(stated) = index.parse::<i64>() else {
-                return Err(self.error(format!("a face has the corner {word:?}, which is no v/vt/vn")));
+                return Err(self.error(format!("{word:?} in a face is not of the form v/vt/vn")));
             };
             let count = self.counters[kind].count;
             let absolute = if stated < 0 { stated.saturating_add(count as i64 + 1) } else { stated };

@@ -1,26 +1,27 @@
-//! A lens and a view that show something plausible of a scene that states none.
+//! Chooses a lens and a view for a scene that defines none.
 
 use crate::scene::{Aabb, Lens, Scene, Vertex, View};
 use glam::Vec3;
 
-/// Directions round the horizon that are looked along.
+/// The number of horizontal directions that are examined.
 const AZIMUTHS: usize = 16;
 
-/// The nearest near plane, in metres, however small the scene.
+/// The least distance of the near plane, in metres, even for tiny scenes.
 const LEAST_NEAR_M: f32 = 1e-6;
 
-/// The default lens, with its planes moved where the bounds would not fit between them.
+/// The default lens, with its near and far planes moved if the scene's bounds would not fit between them.
 pub(super) fn lens(bounds: Aabb) -> Lens {
     let lens = Lens::default();
     let diagonal = (bounds.max - bounds.min).length();
     Lens { near_m: lens.near_m.min(diagonal * 1e-2).max(LEAST_NEAR_M), far_m: lens.far_m.max(diagonal * 4.0), ..lens }
 }
 
-/// A view named `default`, towards the middle of the bounds.
+/// A view named `default` towards the centre of the bounds.
 ///
-/// If the first surface that is seen from the middle faces it in half of the directions, the scene is
-/// an interior: the eye stands where the free horizontal path from the middle is longest. Else it
-/// stands outside, in front and a little above, so far that the bounding sphere fits.
+/// If, in at least half of the horizontal directions, the first surface seen from the centre faces the centre,
+/// the scene is an interior: the eye is placed where the free horizontal path from the centre is longest.
+/// Otherwise the eye is outside, in front and slightly above, far enough away for the bounding sphere to fit
+/// into the image.
 pub(in crate::scene) fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
@@ -49,7 +50,7 @@ fn round(height: f32) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The nearest surface along a direction; its distance is infinite if there is none.
+/// The nearest surface in a direction; the distance is infinite if there is none.
 #[derive(Clone, Copy)]
 struct Hit {
     distance: f32,

@@ -1,5 +1,5 @@
-//! What each pattern is made of: its relief in metres and its linear albedo at a point of the
-//! image. One height function gives both the picture and the normal map.
+//! The formulas of the patterns: each gives relief in metres and linear albedo at a point of the image. One
+//! height function determines both the picture and the normal map.
 
 use super::noise::{cells, fractal, smoothstep, unit};
 use glam::{IVec2, Vec2, Vec3};
@@ -14,7 +14,7 @@ pub struct Sample {
     pub albedo: Vec3,
 }
 
-/// Noise of the whole image, `frequency` lattice cells across each side.
+/// Noise over the whole image with `frequency` lattice cells along each side.
 fn grain(at: Vec2, frequency: [i32; 2], octaves: u32, seed: u32) -> f32 {
     let period = IVec2::from_array(frequency);
     fractal(at * period.as_vec2(), period, octaves, seed)
@@ -38,11 +38,11 @@ pub fn stones(at: Vec2, size_m: f32) -> Sample {
     Sample { height_m: face * (0.006 + 0.004 * dome + 0.005 * rough) + 0.001 * rough, albedo: mortar.lerp(stone, face) }
 }
 
-/// What tells one kind of square tile from another.
+/// The parameters of a kind of square tile.
 pub struct TileLook {
-    /// Tiles across the image.
+    /// Number of tiles along each side of the image.
     pub count: i32,
-    /// Whether odd rows are shifted by half a tile; the count must then be even.
+    /// Whether odd rows are shifted by half a tile; `count` must then be even.
     pub staggered: bool,
     /// Linear albedo of the palest and the darkest tile.
     pub tones: [Vec3; 2],
@@ -89,7 +89,7 @@ pub fn bricks(at: Vec2, size_m: f32) -> Sample {
     Sample { height_m: face * (0.005 + lift) + 0.0012 * rough, albedo: mortar.lerp(brick, face) }
 }
 
-/// Planks along the image's width, one joint in each; `tone` is the linear albedo of pale wood.
+/// Planks along the image's width, with one joint in each; `tone` is the linear albedo of pale wood.
 pub fn wood(at: Vec2, size_m: f32, tone: Vec3) -> Sample {
     let planks = 10;
     let laid = at.y * planks as f32;
@@ -109,7 +109,7 @@ pub fn wood(at: Vec2, size_m: f32, tone: Vec3) -> Sample {
     Sample { height_m: 0.0014 * face - 0.0003 * streaks, albedo: albedo * (0.25 + 0.75 * face) }
 }
 
-/// Pale cut stone with faint clouds and pits: columns, arches, vases.
+/// Pale cut stone with faint clouds and pits, for columns, arches and vases.
 pub fn limestone(at: Vec2) -> Sample {
     let clouds = grain(at, [4, 4], 5, 109);
     let pits = smoothstep(0.27, 0.15, grain(at, [72, 72], 2, 113));
@@ -133,7 +133,7 @@ pub fn stucco(at: Vec2) -> Sample {
     Sample { height_m: 0.003 * strokes, albedo: Vec3::new(0.51, 0.49, 0.45) * (0.94 + 0.12 * strokes) }
 }
 
-/// Woven cloth of one colour with a lozenge ornament in a paler one.
+/// Woven cloth of one colour with a lozenge ornament in a paler shade.
 pub fn cloth(at: Vec2, dye: Vec3) -> Sample {
     let threads = 64.0;
     let warp = (TAU * at.x * threads).cos();
@@ -149,7 +149,7 @@ pub fn cloth(at: Vec2, dye: Vec3) -> Sample {
     Sample { height_m: 0.0006 * weave + 0.0008 * ornament, albedo }
 }
 
-/// Leaves over one another.
+/// Overlapping leaves.
 pub fn foliage(at: Vec2, size_m: f32) -> Sample {
     let grid = IVec2::new(18, 22);
     let wobble = Vec2::new(grain(at, [20, 20], 2, 139), grain(at, [20, 20], 2, 149)) - 0.5;
@@ -161,7 +161,7 @@ pub fn foliage(at: Vec2, size_m: f32) -> Sample {
     Sample { height_m: 0.005 * depth + 0.003 * tone, albedo: leaf * (0.35 + 0.65 * depth) }
 }
 
-/// How wet a road is at a point: 1 in a puddle, between 0.2 and 0.35 where it is only damp.
+/// The wetness of a road: 1 in a puddle, between 0.2 and 0.35 where it is only damp.
 pub fn wetness(at: Vec2) -> f32 {
     0.2 + 0.15 * grain(at, [12, 12], 3, 163) + 0.65 * puddle(at)
 }

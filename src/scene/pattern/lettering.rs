@@ -1,21 +1,21 @@
-//! Capital letters and digits as strokes, for signs: each a set of polylines on a grid of four by six,
-//! y downwards, so that they stay round and even at every size, like bent glass tubes.
+//! Capital letters and digits for signs, as strokes: each is a set of polylines on a grid of four by six, y
+//! downwards. Strokes stay round and even at every size, like bent glass tubes.
 
 use glam::Vec2;
 
 /// Width and height of a letter in its own units.
 const LETTER: Vec2 = Vec2::new(4.0, 6.0);
-/// Room between two letters, along the text or (stacked) down it.
+/// Space between two letters, along the text or (stacked) down it.
 const GAP: Vec2 = Vec2::new(1.9, 2.1);
 
 type Stroke = &'static [(f32, f32)];
 
-/// A line of text, or letters below one another.
+/// A line of text, or letters stacked on top of one another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Text {
-    /// Capital letters, digits, space and `>` (an arrow); anything else is left blank.
+    /// Capital letters, digits, space and `>` (an arrow); any other character is blank.
     pub letters: &'static str,
-    /// Whether the letters stand below one another.
+    /// Whether the letters are stacked vertically.
     pub stacked: bool,
 }
 
@@ -31,8 +31,8 @@ impl Text {
         }
     }
 
-    /// Distance from a point to the nearest stroke, in units of the grid, the text's top left being
-    /// the origin. Only letters within a gap of the point count.
+    /// Distance from a point to the nearest stroke, in units of the grid; the text's top left is the origin.
+    /// Only letters within one gap of the point are considered.
     pub fn distance(&self, at: Vec2) -> f32 {
         let step = if self.stacked { Vec2::new(0.0, LETTER.y + GAP.y) } else { Vec2::new(LETTER.x + GAP.x, 0.0) };
         let letters = self.letters.chars().enumerate();
@@ -48,7 +48,7 @@ fn to_stroke(at: Vec2, stroke: Stroke) -> f32 {
     stroke.windows(2).map(|ends| to_segment(at, ends[0].into(), ends[1].into())).fold(f32::INFINITY, f32::min)
 }
 
-/// Distance from a point to the segment between two others.
+/// Distance from a point to a line segment.
 pub fn to_segment(at: Vec2, a: Vec2, b: Vec2) -> f32 {
     let along = ((at - a).dot(b - a) / (b - a).length_squared().max(1e-12)).clamp(0.0, 1.0);
     at.distance(a.lerp(b, along))

@@ -1,9 +1,9 @@
-//! Generated tiling images: the surfaces of the built-in scenes, and stand-ins for the textures of
-//! the thesis's rooms, which were never published.
+//! Generated images that tile: the surfaces of the built-in scenes, and replacements for the textures of the
+//! thesis's rooms, which were never published.
 //!
-//! Every pattern is one function of relief and albedo (in `designs`), sampled into an sRGB albedo
-//! image and the tangent-space normal map of the same relief. All are seamless and the same on
-//! every machine and at every call.
+//! Each pattern is one function of relief and albedo (in `designs`). It is sampled into an sRGB albedo image
+//! and the tangent-space normal map of the same relief. All images are seamless and identical on every machine
+//! and at every call.
 
 mod designs;
 mod lettering;
@@ -22,7 +22,7 @@ use rayon::prelude::*;
 /// Side of a generated image in texels.
 pub const SIZE: u32 = 512;
 
-/// Which of a pattern's two images.
+/// Selects one of a pattern's two images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// sRGB albedo.
@@ -31,7 +31,7 @@ pub enum Role {
     Normal,
 }
 
-/// How dark a wood is.
+/// How dark the wood is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wood {
     /// Ceilings.
@@ -76,16 +76,16 @@ pub enum Pattern {
     Cloth(Dye),
     /// Leaves.
     Foliage,
-    /// A road after rain: its hollows are puddles, which reflect.
+    /// A wet road. Its hollows are puddles, which reflect.
     Asphalt,
     /// Polished squares of white and black marble.
     Marble,
-    /// Polished cast floor with chips of stone, in large fields.
+    /// Polished cast floor with stone chips, in large fields.
     Terrazzo,
 }
 
 impl Pattern {
-    /// How many metres of surface one image covers, for texture coordinates in true scale.
+    /// The width of surface in metres that one image covers, for texture coordinates at true scale.
     pub fn size_m(self) -> f32 {
         match self {
             Self::Stones | Self::Slabs | Self::Plaster | Self::Stucco | Self::Marble | Self::Terrazzo => 2.4,
@@ -96,7 +96,7 @@ impl Pattern {
         }
     }
 
-    /// The pattern at a point of the image: (0, 0) top left, repeating after 1.
+    /// The pattern at a point of the image: (0, 0) is the top left, and the pattern repeats after 1.
     fn sample(self, at: Vec2) -> Sample {
         let size_m = self.size_m();
         match self {
@@ -116,7 +116,7 @@ impl Pattern {
         }
     }
 
-    /// Factor on the reflectivity at a point of the image, where it is not the same everywhere.
+    /// The factor on the reflectivity at a point of the image, if it varies.
     fn reflectivity(self) -> Option<fn(Vec2) -> f32> {
         match self {
             Self::Asphalt => Some(designs::wetness),
@@ -181,8 +181,8 @@ impl Dye {
     }
 }
 
-/// The pattern that a texture's file name speaks of (any case, folders left out): wood, brick,
-/// stone or tile; wood is pale with "ceiling" in the name, dark with a 2, else between.
+/// The pattern that a texture's file name suggests (case and folders are ignored): wood, brick, stone or tile.
+/// Wood is pale if the name contains "ceiling", dark if it contains a 2, and medium otherwise.
 pub fn named(file_name: &str) -> Option<Pattern> {
     let name = file_name.rsplit(['/', '\\']).next().unwrap_or(file_name).to_lowercase();
     let has = |word| name.contains(word);
@@ -199,8 +199,8 @@ pub fn named(file_name: &str) -> Option<Pattern> {
         .find_map(|(word, pattern)| has(word).then_some(pattern))
 }
 
-/// The generated image that stands for a texture of this file name; `None` where the name says
-/// nothing of stone, tile, brick or wood.
+/// The generated image that replaces a texture of this file name; `None` if the name suggests no stone, tile,
+/// brick or wood.
 pub fn by_name(file_name: &str, role: Role) -> Option<Texture> {
     let (albedo, normal) = images(named(file_name)?);
     Some(match role {
@@ -232,15 +232,15 @@ pub fn images(pattern: Pattern) -> (Texture, Texture) {
     (texture("albedo", albedo, Encoding::Srgb), texture("normal", normal, Encoding::Linear))
 }
 
-/// A pattern's factor on the reflectivity (red, linear), [`SIZE`] × [`SIZE`]; `None` where it is the
-/// same everywhere.
+/// A pattern's factor on the reflectivity (red, linear), [`SIZE`] × [`SIZE`] texels; `None` if it does not
+/// vary.
 pub fn reflectivity_image(pattern: Pattern) -> Option<Texture> {
     let factor = pattern.reflectivity()?;
     let name = format!("generated {} reflectivity", pattern.label());
     Some(image(name, [SIZE, SIZE], Encoding::Linear, |at| rgba(Vec3::splat(factor(at)))))
 }
 
-/// A picture (sRGB with alpha), and its alpha as a mask (red, linear) where parts of it are not there.
+/// A picture (sRGB with alpha) and, if it has holes, its alpha as a mask (red, linear).
 pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
     let name = format!("generated {}", picture.label());
     let colour = image(name.clone(), picture.size(), Encoding::Srgb, |at| {
@@ -256,7 +256,7 @@ pub fn picture_images(picture: Picture) -> (Texture, Option<Texture>) {
     (colour, mask)
 }
 
-/// An image from its value at the middle of each texel.
+/// Makes an image by evaluating a function at the centre of each texel.
 fn image(
     name: String,
     [width, height]: [u32; 2],
@@ -286,7 +286,7 @@ fn byte(x: f32) -> u8 {
     (x.clamp(0.0, 1.0) * 255.0).round() as u8
 }
 
-/// IEC 61966-2-1.
+/// The sRGB transfer function (IEC 61966-2-1), linear to encoded.
 fn srgb_from_linear(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
@@ -317,7 +317,7 @@ mod tests {
         Pattern::Terrazzo,
     ];
 
-    /// Every pattern with its two images, made once for all tests.
+    /// Every pattern with its two images, generated once for all tests.
     static IMAGES: LazyLock<Vec<(Pattern, Texture, Texture)>> = LazyLock::new(|| {
         ALL.into_iter()
             .map(|pattern| {
@@ -327,13 +327,13 @@ mod tests {
             .collect()
     });
 
-    /// Points all over the image, none of them on a seam.
+    /// Points spread over the image, none of them on a seam.
     fn points() -> impl Iterator<Item = Vec2> {
         (0..400).map(|k| Vec2::new(k as f32 * 0.618_034 + 0.0017, k as f32 * 0.754_878 + 0.0013).fract())
     }
 
     #[test]
-    fn every_pattern_repeats_after_one() {
+    fn every_pattern_has_period_one() {
         for pattern in ALL {
             for at in points() {
                 let here = pattern.sample(at);
@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn images_join_over_their_borders_as_within() {
+    fn images_are_as_continuous_across_their_borders_as_inside() {
         let step = |t: &Texture, a: [u32; 2], b: [u32; 2]| -> f32 {
             let texel = |[x, y]: [u32; 2]| &t.rgba[((y * SIZE + x) * 4) as usize..][..3];
             texel(a).iter().zip(texel(b)).map(|(&p, &q)| f32::from(p.abs_diff(q))).sum()
@@ -385,8 +385,8 @@ mod tests {
 
     #[test]
     fn normals_lean_away_from_the_slope() {
-        // The left edge of a tile rises to the right: its normal leans left; the upper edge rises
-        // downwards in the image: its normal leans up.
+        // The left edge of a tile rises to the right, so its normal leans left. The upper edge rises downwards
+        // in the image, so its normal leans up.
         let tiles = IMAGES.iter().find(|(pattern, ..)| *pattern == Pattern::Tiles);
         let normal = &tiles.expect("tiles").2;
         let tile = SIZE / 4;

@@ -1,11 +1,11 @@
-//! Lattice noise and cells that repeat, from an integer hash: the same bits on every machine.
+//! Lattice noise and cells that repeat, from an integer hash, so that the bits are the same on every machine.
 //!
-//! Coordinates are in lattice units; every function repeats after a whole number of them, which is
-//! what makes the patterns tile.
+//! Coordinates are in lattice units. Every function repeats after a whole number of them, so that the patterns
+//! tile.
 
 use glam::{IVec2, Vec2};
 
-/// A hash of a lattice point: three odd multipliers, then MurmurHash3's 32-bit finaliser.
+/// A hash of a lattice point: three odd multipliers, followed by MurmurHash3's 32-bit finaliser.
 fn hash(at: IVec2, seed: u32) -> u32 {
     let mut h = (at.x as u32).wrapping_mul(0x9E37_79B1)
         ^ (at.y as u32).wrapping_mul(0x85EB_CA77)
@@ -17,7 +17,7 @@ fn hash(at: IVec2, seed: u32) -> u32 {
     h ^ (h >> 16)
 }
 
-/// A random number in 0…1 (1 excluded) of a lattice point.
+/// A pseudo-random number, 0 ≤ u < 1, for a lattice point.
 pub fn unit(at: IVec2, seed: u32) -> f32 {
     (hash(at, seed) >> 8) as f32 / 16_777_216.0
 }
@@ -28,7 +28,7 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Value noise in 0…1 with continuous slope, repeating after `period` lattice units.
+/// Value noise in 0…1 with a continuous slope, repeating after `period` lattice units.
 pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
     let cell = at.floor();
     let f = at - cell;
@@ -39,7 +39,7 @@ pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
     lower + (upper - lower) * f.y
 }
 
-/// Octaves of [`value`], each of twice the frequency and half the weight; 0…1.
+/// Sum of octaves of [`value`], each with twice the frequency and half the weight of the previous; 0…1.
 pub fn fractal(at: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for octave in 0..octaves {
@@ -51,18 +51,18 @@ pub fn fractal(at: Vec2, period: IVec2, octaves: u32, seed: u32) -> f32 {
     sum / weights
 }
 
-/// The cell that a point falls in.
+/// The Voronoi cell that contains a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cell {
-    /// Which cell: a lattice point within the period, to hash for the cell's own tone.
+pub struct VoronoiCell {
+    /// The lattice point of the cell within the period; hash it for properties of the cell, such as its tone.
     pub id: IVec2,
     /// Distance to the nearest border with another cell, in the unit of `cell_size`.
     pub border: f32,
 }
 
-/// Voronoi cells around one jittered point per lattice cell; odd rows are shifted by half a cell,
-/// as a mason lays stones. `jitter` is 0…1, `period.y` must be even.
-pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> Cell {
+/// Finds the Voronoi cell of a point, with one jittered site per lattice cell. Odd rows are shifted by half a
+/// cell, as in masonry. `jitter` is 0…1; `period.y` must be even.
+pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -> VoronoiCell {
     let row = (at.y / cell_size.y).floor() as i32;
     let centre = |ix: i32, iy: i32| {
         let id = IVec2::new(ix, iy).rem_euclid(period);
@@ -90,7 +90,7 @@ pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -
             border = border.min((middle - at).dot(apart.normalize()));
         }
     }
-    Cell { id: nearest.0, border: border.max(0.0) }
+    VoronoiCell { id: nearest.0, border: border.max(0.0) }
 }
 
 #[cfg(test)]
@@ -121,8 +121,8 @@ mod tests {
 
     #[test]
     fn cells_without_jitter_have_known_borders() {
-        // Square unit cells, odd rows shifted by a half: in the middle of a cell of row 0 the
-        // nearest neighbours are left and right, their borders half a cell away.
+        // Square unit cells with odd rows shifted by half a cell: from the middle of a cell in row 0, the
+        // nearest neighbours are left and right, and their borders are half a cell away.
         let cell = cells(Vec2::new(2.5, 0.5), Vec2::ONE, IVec2::new(8, 8), 0.0, 3);
         assert_eq!(cell.id, IVec2::new(2, 0));
         assert!((cell.border - 0.5).abs() < 1e-5, "{}", cell.border);

@@ -1,5 +1,5 @@
-//! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass.
-//! None is its own mirror image, so that a reflection on the wrong side shows.
+//! Images that cover a surface once, from edge to edge: signs, paintings, panes and stained glass. None is
+//! symmetric, so that a mirrored or misplaced reflection is visible.
 
 use super::lettering::{Text, to_segment};
 use super::noise::{cells, fractal, smoothstep, unit};
@@ -9,20 +9,20 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 /// An image that can be generated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Picture {
-    /// Letters on a ground, cut to a shape.
+    /// Letters on a coloured ground, cut to a shape.
     Sign(&'static Sign),
-    /// Something to hang on a wall.
+    /// A painting on a wall.
     Painting(Painting),
     /// A window as seen from the street: four panes in a white frame.
     Pane {
-        /// Whether somebody is at home.
+        /// Whether the room behind it is lit.
         lit: bool,
     },
     /// A shop window: shelves with goods in warm light, a counter on the right.
     Shop,
     /// A church window that ends in a pointed arch; transparent outside it.
     Lancet {
-        /// Which of the designs, for the colours of its glass.
+        /// Which design and colours of glass.
         design: u32,
     },
     /// A round church window with twelve petals; transparent outside it.
@@ -32,7 +32,7 @@ pub enum Picture {
 /// A painting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Painting {
-    /// Hills under a low sun on the left, a poplar on the right.
+    /// Hills under a low sun on the left, with a poplar on the right.
     Landscape,
     /// A sailing ship, its bow to the right.
     Ship,
@@ -42,31 +42,31 @@ pub enum Painting {
     Portrait,
 }
 
-/// What a sign is cut to.
+/// The outline of a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cut {
     /// A plate with rounded corners.
     Plate,
     /// A plate whose right side runs out into the tip of an arrow.
     Arrow,
-    /// A pointed flag: its lower end is cut at a slant.
+    /// A pointed flag whose lower end is cut at a slant.
     Slant,
 }
 
 /// A sign. Colours are linear.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sign {
-    /// What it says.
+    /// The text.
     pub text: Text,
-    /// What it is cut to.
+    /// The outline.
     pub cut: Cut,
     /// Colour of the letters.
     pub ink: Vec3,
     /// Colour of the ground.
     pub ground: Vec3,
-    /// Lamps along the border, as cinemas have.
+    /// Whether lamps run along the border, as on cinemas.
     pub bulbs: bool,
-    /// Size in texels; its ratio is that of the surface.
+    /// Size in texels, with the aspect ratio of the surface.
     pub size: [u32; 2],
 }
 
@@ -84,12 +84,12 @@ impl Picture {
         }
     }
 
-    /// Whether parts of the image are not there.
+    /// Whether the image has holes.
     pub fn has_alpha(self) -> bool {
         matches!(self, Self::Sign(_) | Self::Lancet { .. } | Self::Rose)
     }
 
-    /// Linear colour and coverage at a point of the image, (0, 0) top left, (1, 1) bottom right.
+    /// Linear colour and coverage at a point of the image; (0, 0) is the top left, (1, 1) the bottom right.
     pub fn sample(self, at: Vec2) -> Vec4 {
         match self {
             Self::Sign(sign) => sign.sample(at),
@@ -101,7 +101,7 @@ impl Picture {
         }
     }
 
-    /// What names of images call it.
+    /// A label for the names of images.
     pub fn label(self) -> String {
         match self {
             Self::Sign(sign) => format!("sign {}", sign.text.letters),
@@ -119,7 +119,7 @@ impl Sign {
         let size = Vec2::new(self.size[0] as f32, self.size[1] as f32) / self.size[0].min(self.size[1]) as f32;
         let p = at * size;
         let rim = self.rim_distance(p, size);
-        // Letters fill the plate but for a margin; an arrow's tip is left free.
+        // Letters fill the plate except for a margin; the tip of an arrow stays free.
         let free = match self.cut {
             Cut::Plate => size,
             Cut::Arrow => size - Vec2::new(0.45, 0.0),
@@ -144,7 +144,7 @@ impl Sign {
         colour.extend(smoothstep(-0.004, 0.004, rim))
     }
 
-    /// Distance from the sign's edge inwards, in units of its shorter side.
+    /// Distance inwards from the sign's edge, in units of its shorter side.
     fn rim_distance(&self, p: Vec2, size: Vec2) -> f32 {
         let half = 0.5 * size;
         let plate = |half: Vec2, at: Vec2| {
@@ -154,7 +154,7 @@ impl Sign {
         let body = plate(half, p - half);
         match self.cut {
             Cut::Plate => body,
-            // The half planes of the tip: through the right edge's middle, at 45°.
+            // The half planes that bound the tip: through the middle of the right edge, at 45°.
             Cut::Arrow => body.min((size.x - p.x - (p.y - half.y).abs()) * 0.707),
             Cut::Slant => body.min((size.y - 0.45 * (size.x - p.x) - p.y) * 0.912),
         }
@@ -174,17 +174,17 @@ impl Painting {
     }
 }
 
-/// Paints `colour` where `inside` (a distance, positive within) is above 0.
+/// Paints `colour` over `below` where `inside` (a distance that is positive inside) is above 0.
 fn over(below: Vec3, colour: Vec3, inside: f32) -> Vec3 {
     below.lerp(colour, smoothstep(-0.004, 0.004, inside))
 }
 
-/// Positive in an ellipse.
+/// A distance that is positive inside an ellipse.
 fn ellipse(at: Vec2, centre: Vec2, radii: Vec2) -> f32 {
     (1.0 - ((at - centre) / radii).length()) * radii.min_element()
 }
 
-/// Positive in a convex polygon whose corners run clockwise on the screen (y downwards).
+/// A distance that is positive inside a convex polygon whose corners run clockwise on the screen (y downwards).
 fn polygon(at: Vec2, corners: &[(f32, f32)]) -> f32 {
     (0..corners.len())
         .map(|k| {
@@ -259,8 +259,7 @@ fn portrait(at: Vec2) -> Vec3 {
     over(c, Vec3::new(0.62, 0.14, 0.12), ellipse(at, Vec2::new(0.45, 0.56), Vec2::new(0.055, 0.016)))
 }
 
-/// Four panes in a frame: a warm room with a lamp and a curtain on the left, or dark glass with the
-/// same curtain.
+/// Four panes in a frame: a lit room with a lamp, or dark glass; both with a curtain on the left.
 fn pane(at: Vec2, lit: bool) -> Vec3 {
     let frame = Vec3::splat(0.62);
     let edge = (0.5 - (at - 0.5).abs()).min_element();
@@ -298,7 +297,7 @@ fn shop(at: Vec2) -> Vec3 {
         .clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// Pieces of coloured glass in lead; `tone` 0…1 runs from blue through red and gold to green.
+/// Pieces of coloured glass in lead; `tone` from 0 to 1 runs from blue through red and gold to green.
 fn glass(at: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 {
     const COLOURS: [Vec3; 5] = [
         Vec3::new(0.06, 0.14, 0.85),
@@ -314,10 +313,10 @@ fn glass(at: Vec2, grid: IVec2, tone: impl Fn(IVec2) -> f32, seed: u32) -> Vec3 
     Vec3::splat(0.012).lerp(colour * bright * streaks, smoothstep(0.045, 0.085, cell.border))
 }
 
-/// A figure in a cloak over a ground of small panes, in a pointed arch with a stone border.
+/// A figure in a cloak on a ground of small panes, in a pointed arch with a stone border.
 fn lancet(at: Vec2, design: u32) -> Vec4 {
     let p = Vec2::new((at.x - 0.5) * 1.5, at.y * 4.0);
-    // The arch: inside two circles round the opposite springs (y = 1.3), straight below.
+    // The arch: inside two circles around the opposite springs (y = 1.3), straight below.
     let sides = 0.75 - p.x.abs();
     let rim = if p.y < 1.3 { 1.5 - Vec2::new(p.x.abs() + 0.75, p.y - 1.3).length() } else { sides }.min(4.0 - p.y);
     let figure = polygon(p, &[(-0.05, 1.3), (0.36, 1.9), (0.46, 3.5), (-0.48, 3.5), (-0.38, 1.9)]);
@@ -331,7 +330,7 @@ fn lancet(at: Vec2, design: u32) -> Vec4 {
         over(over(ground, Vec3::new(1.0, 0.78, 0.2), halo), lead, figure + 0.03)
     };
     c = over(c, Vec3::new(0.95, 0.68, 0.50), ellipse(p, Vec2::new(-0.06, 1.26), Vec2::new(0.15, 0.19)));
-    // A staff in one hand: the figure has a left and a right.
+    // The figure holds a staff in one hand, so that its left and right differ.
     let (head, foot) = (Vec2::new(0.52, 1.1), Vec2::new(0.42, 3.5));
     c = over(c, Vec3::new(1.0, 0.85, 0.35), 0.035 - to_segment(p, head, foot));
     c = over(c, lead, 0.012 - (p.y - 3.55).abs());
@@ -339,7 +338,7 @@ fn lancet(at: Vec2, design: u32) -> Vec4 {
     over(c, stone, 0.09 - rim).extend(smoothstep(-0.01, 0.01, rim))
 }
 
-/// Twelve petals round a flower, their colours running round the circle once.
+/// Twelve petals around a flower; their colours run once around the circle.
 fn rose(at: Vec2) -> Vec4 {
     let p = (at - 0.5) * 2.0;
     let (r, turn) = (p.length(), p.x.atan2(-p.y) / TAU + 0.5);
@@ -413,8 +412,8 @@ mod tests {
     }
 
     #[test]
-    fn letters_stand_where_they_should() {
-        // The upright of an L is on its left, its foot below.
+    fn letters_are_placed_correctly() {
+        // The upright of an L is on its left, its foot at the bottom.
         let text = Text { letters: "LX", stacked: false };
         assert_eq!(text.size(), Vec2::new(9.9, 6.0));
         assert!(text.distance(Vec2::new(0.0, 3.0)) < 1e-6 && text.distance(Vec2::new(2.0, 6.0)) < 1e-6);

@@ -1,7 +1,6 @@
-//! The sections of a scene file that place probes, impostors and area lights
-//! ([`crate::scene::proxies`]).
+//! The sections of a scene file that define probes, impostors and area lights ([`crate::scene::proxies`]).
 
-use super::Source;
+use super::SourceText;
 use crate::error::Result;
 use crate::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj};
 use glam::Vec3;
@@ -9,7 +8,7 @@ use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
 
-/// Cosine of the angle up to which two halves of a rectangle count as orthogonal.
+/// Two halves of a rectangle count as orthogonal if the cosine of the angle between them is at most this.
 const ORTHOGONAL: f32 = 1e-3;
 
 #[derive(Deserialize)]
@@ -24,7 +23,7 @@ pub(super) struct ProbeSection {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImpostorSection {
-    /// Without it, the file's name.
+    /// If absent, the file name is used.
     name: Option<String>,
     file: Spanned<String>,
     centre: Spanned<[f32; 3]>,
@@ -53,7 +52,7 @@ pub(super) struct AreaLightSection {
     half_v: Option<Spanned<[f32; 3]>>,
 }
 
-impl Source<'_> {
+impl SourceText<'_> {
     pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
         let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
         if !min.cmplt(max).all() {
@@ -66,14 +65,14 @@ impl Source<'_> {
         Ok(Probe { name: section.name.clone(), position, bounds: Aabb { min, max } })
     }
 
-    /// The impostor, and the image that its index shall point to.
+    /// Reads an impostor and its image. The caller sets the impostor's texture index.
     pub(super) fn impostor(&self, section: &ImpostorSection) -> Result<(Impostor, Texture)> {
         let centre = self.vector("centre", &section.centre)?;
         let [half_u, half_v] = self.halves(&section.half_u, &section.half_v)?;
         let name = section.file.get_ref();
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let Some(path) = obj::resolve(folder, name) else {
-            return Err(self.error(section.file.span(), format!("there is no file {name:?} here")));
+            return Err(self.error(section.file.span(), format!("there is no file {name:?}")));
         };
         let texture = Texture::decode(&path, Encoding::Srgb)?;
         let name = section.name.clone().unwrap_or_else(|| texture.name.clone());
@@ -107,13 +106,13 @@ impl Source<'_> {
                     AreaKind::Capsule => "a capsule has a, b and a radius",
                     AreaKind::Rectangle => "a rectangle has a centre, half_u and half_v",
                 };
-                return Err(self.error(section.span(), format!("{has}, and nothing else beside its radiance")));
+                return Err(self.error(section.span(), format!("{has} beside its radiance, and no other key")));
             }
         };
         Ok(AreaLight { shape, radiance })
     }
 
-    /// The halves of a rectangle: two vectors that are not zero and stand at right angles.
+    /// The two half vectors of a rectangle, which must not be zero and must be orthogonal.
     fn halves(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
         let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
         for (what, vector, at) in [("half_u", u, half_u), ("half_v", v, half_v)] {

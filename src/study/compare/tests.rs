@@ -3,24 +3,18 @@
 use super::*;
 
 fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSample {
-    TimeSample {
-        scene: "rooms".into(),
-        view: "hall".into(),
-        method: method.into(),
-        preset: "published".into(),
-        width: 8,
-        height: 4,
-        roughness: None,
-        normal_deviation: None,
-        resolution_scale: Some(1.0),
-        split: Some(false),
-        fallback: Some("none".into()),
-        oracle: OracleVersion::V1,
-        sample,
-        pass: pass.into(),
-        counted,
-        ms,
-    }
+    let set = [
+        ("scene", "rooms"),
+        ("view", "hall"),
+        ("method", method),
+        ("preset", "published"),
+        ("width", "8"),
+        ("roughness", ""),
+        ("resolution_scale", "1"),
+        ("cone_samples", "7"),
+    ];
+    let subject = Subject(set.map(|(name, value)| (name.to_owned(), value.to_owned())).into());
+    TimeSample { subject, sample, pass: pass.into(), counted, ms }
 }
 
 /// Six frames of a method: an uncounted pass and two counted ones.
@@ -53,8 +47,8 @@ fn totals_are_sums_of_counted_passes_frame_by_frame() {
 fn what_one_run_lacks_is_listed_without_a_verdict() {
     let records = times(&run("ssct", 1.0), &run("hzct", 1.0), 0.05);
     assert_eq!(records.len(), 8);
-    assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.method == "ssct"));
-    assert!(records[4..].iter().all(|r| r.only_in == Some(Side::B) && r.subject.method == "hzct"));
+    assert!(records[..4].iter().all(|r| r.only_in == Some(Side::A) && r.subject.get("method") == "ssct"));
+    assert!(records[4..].iter().all(|r| r.only_in == Some(Side::B) && r.subject.get("method") == "hzct"));
     assert!(records.iter().all(|r| r.verdict.is_none() && r.ratio.is_none()));
 }
 
@@ -71,35 +65,48 @@ fn a_subject_measured_twice_is_pooled_and_few_samples_decide_nothing() {
 }
 
 #[test]
-fn a_setting_that_differs_is_another_subject_unless_a_run_does_not_say_it() {
+fn a_setting_that_differs_is_another_subject_and_is_named() {
     let plain = run("ssct", 1.0);
-    let changed = |change: fn(&mut TimeSample)| {
+    let changed = |name: &str, value: &str| {
         let mut run = plain.clone();
-        run.samples.iter_mut().for_each(change);
+        for s in &mut run.samples {
+            s.subject.0.insert(name.into(), value.into());
+        }
         run
     };
-    let changes: [fn(&mut TimeSample); 5] = [
-        |s| s.split = Some(true),
-        |s| s.normal_deviation = Some(0.1),
-        |s| s.resolution_scale = Some(0.5),
-        |s| s.fallback = Some("pccm".into()),
-        |s| s.oracle = OracleVersion::V2,
-    ];
-    for change in changes {
-        let records = times(&plain, &changed(change), 0.05);
+    for (name, before, after) in
+        [("cone_samples", "7", "3"), ("resolution_scale", "1", "0.5"), ("roughness", "not set", "0.1")]
+    {
+        let records = times(&plain, &changed(name, after), 0.05);
         assert_eq!(
             records.iter().map(|r| r.only_in).collect::<Vec<_>>(),
             [[Some(Side::A); 4], [Some(Side::B); 4]].concat()
         );
+        let expected = format!("{name} {before} in A, {after} in B");
+        assert!(records.iter().all(|r| r.differs.as_ref() == Some(&expected)), "{expected}: {:?}", records[0].differs);
     }
-    let older = changed(|s| *s = s.bare());
-    for (a, b, who) in
-        [(&plain, &older, "B's samples"), (&older, &plain, "A's samples"), (&older, &older, "A's and B's")]
-    {
+}
+
+#[test]
+fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
+    let plain = run("ssct", 1.0);
+    let mut older = plain.clone();
+    for s in &mut older.samples {
+        s.subject.0.remove("cone_samples");
+    }
+    for (a, b, who) in [(&plain, &older, "B's samples"), (&older, &plain, "A's samples")] {
         let records = times(a, b, 0.05);
         assert!(records.len() == 4 && records.iter().all(|r| r.only_in.is_none()), "{records:?}");
-        assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("not told apart")));
+        assert!(records[0].warning.as_ref().is_some_and(|w| w.contains(who) && w.contains("cone_samples")));
     }
+    assert!(times(&older, &older, 0.05)[0].warning.as_ref().is_some_and(|w| !w.contains("samples do not say")));
+    // What the other run's other methods are set to is no setting of this one's.
+    let mut both = plain.clone();
+    both.samples.extend(run("poster", 1.0).samples.into_iter().map(|mut s| {
+        s.subject.0.insert("edge_retries".into(), "0".into());
+        s
+    }));
+    assert_eq!(times(&plain, &both, 0.05).iter().filter(|r| r.only_in.is_none()).count(), 4);
 }
 
 #[test]

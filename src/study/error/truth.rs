@@ -84,7 +84,7 @@ pub(super) fn truth(
             image: Reference::new(&image.color, image.overall_standard_error),
         }
     };
-    let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.oracle).collect();
+    let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.effect().oracle).collect();
     versions.sort_by_key(|v| u32::from(*v));
     versions.dedup();
     let screens = versions.into_iter().map(screen).collect();

@@ -7,14 +7,14 @@ mod storage;
 pub use storage::{ColorFormat, DepthFormat, NormalFormat, Storage};
 
 use super::gbuffer::{hit_positions, reflection};
-use super::record::Head;
+use super::journal::{digest, scene_digest};
+use super::record::{Head, Of};
 use super::stage::Globals;
-use super::timing::camera;
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
-use crate::methods::{Effect, Input, MethodInfo, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Setup, Wants, unified};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
@@ -26,12 +26,14 @@ use crate::scene::{Camera, GBufferData, Scene, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Name in records of the oracle itself on the stored G-buffer: what storage alone costs, whatever the
 /// arithmetic behind it.
 pub const ORACLE: &str = "oracle";
 
-/// What a method makes of a G-buffer that was stored in some formats.
+/// What a method makes of a G-buffer that was stored in some formats. (`unified` loads normals as 16-bit floats: finer
+/// ones are rounded to them before it begins, and coarser ones by up to an eighth of their step.)
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PrecisionRecord {
     /// What it is of; "precision".
@@ -136,7 +138,7 @@ impl Truth {
     fn new(spec: &PrecisionSpec) -> Self {
         let materials = spec.globals.materials(spec.scene, spec.view);
         let world = World::new(spec.scene, &materials);
-        let exact = Exact::trace(&world, &camera(spec.scene, spec.view, spec.setup.extent), spec.setup.extent);
+        let exact = Exact::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
         let mirrors = mask.iter().zip(&exact.data.roughness).all(|(m, r)| !m || *r <= 0.0);
         let screen = screen(&exact.data, &mask, spec.rays);
@@ -152,14 +154,14 @@ impl Truth {
     fn record(
         &self,
         spec: &PrecisionSpec,
-        method: &str,
+        of: Of,
         (storage, stored): (Storage, &GBufferData),
         color: &[[f32; 3]],
         hits: Option<&Hits>,
     ) -> PrecisionRecord {
         let compared = self.hits.as_ref().zip(hits);
         PrecisionRecord {
-            head: Head::new("precision", spec.scene, spec.view, method, &spec.setup, &spec.globals, spec.gpu),
+            head: Head::new("precision", spec.gpu, (spec.scene, spec.view), of, &spec.setup, &spec.globals),
             storage,
             bytes_per_pixel: storage.bytes_per_pixel(),
             lost: self.mask.iter().zip(&stored.depth).filter(|(m, d)| **m && **d <= 0.0).count(),
@@ -181,12 +183,20 @@ fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
     (0..mask.len() as u32).into_par_iter().map(|i| hit(i).flatten()).collect()
 }
 
+impl PrecisionSpec<'_> {
+    /// Everything that the records depend on.
+    pub fn digest(&self) -> String {
+        let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
+        let (scene, view) = (scene_digest(self.scene), format!("{:?}", self.view));
+        digest(self.gpu, &json!([scene, view, self.globals, methods, self.rays]))
+    }
+}
+
 /// Every rung of the ladder for a view: the oracle (mirrors only) and each method.
 pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     let truth = Truth::new(spec);
     let mut context = FrameContext::new(spec.gpu)?;
-    let setup = Setup { split: true, ..spec.setup };
-    let effect = |m: &&'static MethodInfo| Ok((m.name, Effect::new(&mut context, m, &setup, None)?));
+    let effect = |m: &&'static MethodInfo| Ok((*m, Effect::new(&mut context, m, &spec.setup, Wants::HITS, None)?));
     let effects = spec.methods.iter().map(effect).collect::<Result<Vec<_>>>()?;
     let mut records = Vec::new();
     for storage in Storage::ladder() {
@@ -194,10 +204,19 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
         if truth.hits.is_some() {
             let color: Vec<_> = screen(&stored, &truth.mask, spec.rays).color.iter().map(Vec3::to_array).collect();
             let hits = oracle_hits(&stored, &truth.mask);
-            records.push(truth.record(spec, ORACLE, (storage, &stored), &color, Some(&hits)));
+            records.push(truth.record(
+                spec,
+                Of::Other { name: ORACLE, method: None },
+                (storage, &stored),
+                &color,
+                Some(&hits),
+            ));
         }
-        let images = GBufferImages::upload_wide(&mut context, &stored)?;
-        for (name, effect) in &effects {
+        // `unified` loads normals as 16-bit floats, and nothing else: of normals in 32-bit floats it sees those.
+        let [wide, own] = [true, false].map(|normals| GBufferImages::upload_wide(&mut context, &stored, normals));
+        let (wide, own) = (wide?, own?);
+        for (method, effect) in &effects {
+            let images = if method.name == unified::INFO.name { &own } else { &wide };
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
             let input = Input { gbuffer: images.gbuffer(), camera: &stored.camera, scene: None };
@@ -206,7 +225,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
             let hits = output.traced.hits.map(|h| context.read(h.0.all())).transpose()?;
             let hits = hits.map(|image| hit_positions(&image));
-            records.push(truth.record(spec, name, (storage, &stored), &color, hits.as_ref()));
+            records.push(truth.record(spec, Of::Method(method), (storage, &stored), &color, hits.as_ref()));
         }
     }
     Ok(records)

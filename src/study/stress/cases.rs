@@ -1,5 +1,5 @@
 //! Adversarial G-buffers, each made from its name's seed alone: sizes, depth ranges, depths, ray
-//! directions, normals, colours and roughness that break renderers (NUMERICS, "Faults of the engines").
+//! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
 use crate::reference::random::Stream;
 use crate::scene::{Camera, GBufferData, Lens};
@@ -182,7 +182,7 @@ const ODD: [u32; 2] = [127, 61];
 const LARGE: u32 = 4_000_000;
 
 /// Pixels along a side of such a tile.
-const TILE: u32 = 16;
+const PATCH: u32 = 16;
 
 /// Every case; `quick` leaves the large images out.
 pub fn cases(quick: bool) -> Vec<Case> {
@@ -204,9 +204,9 @@ fn sizes(quick: bool) -> Vec<Case> {
         if extent[0] * extent[1] < LARGE {
             return Case::new(name, *extent, Lens::default(), |p: &Pixel| p.facet_texel(1));
         }
-        let name = format!("{name}, a quarter of its {TILE}x{TILE} tiles reflecting");
+        let name = format!("{name}, a quarter of its {PATCH}x{PATCH} tiles reflecting");
         Case::new(name, *extent, Lens::default(), |p: &Pixel| {
-            let tile = u64::from(p.x / TILE) + (u64::from(p.y / TILE) << 20);
+            let tile = u64::from(p.x / PATCH) + (u64::from(p.y / PATCH) << 20);
             let shown = p.facet_texel(1);
             if Stream::new(8, tile).uniform(0) < 0.25 { shown } else { Texel { reflectivity: 0.0, ..shown } }
         })

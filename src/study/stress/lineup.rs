@@ -4,7 +4,7 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, FrameReport, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Output, Setup};
+use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::passes::GBuffer;
 use crate::passes::gbuffer::Drawn;
 use crate::scene::{Camera, GBufferData, Material, Scene};
@@ -30,11 +30,6 @@ impl Made {
     }
 }
 
-/// Hits beside the reflection, where the method has them.
-fn with_hits(extent: [u32; 2]) -> Setup {
-    Setup { split: true, ..Setup::new(extent) }
-}
-
 /// The screen-space ones of some methods, for G-buffers of one size.
 pub struct ScreenLineup {
     pub(super) context: FrameContext,
@@ -45,10 +40,10 @@ impl ScreenLineup {
     /// Makes the methods; those that see more than the screen are left out.
     pub fn new(gpu: &Gpu, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
         let mut context = FrameContext::new(gpu)?;
-        let setup = with_hits(extent);
+        let setup = Setup::new(extent);
         let mut effects = Vec::new();
         for method in methods.iter().filter(|m| m.is_screen_space()) {
-            effects.push((*method, Effect::new(&mut context, method, &setup, None)?));
+            effects.push((*method, Effect::new(&mut context, method, &setup, Wants::HITS, None)?));
         }
         Ok(Self { context, effects })
     }
@@ -89,24 +84,25 @@ pub struct SceneLineup {
 impl SceneLineup {
     /// Makes methods that show hits beside their reflection, where they have them.
     pub fn with_hits(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, with_hits(extent), methods)
+        Self::with(gpu, scene, extent, Wants::HITS, methods)
     }
 
     /// Makes methods as they are shown.
     pub fn new(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, Setup::new(extent), methods)
+        Self::with(gpu, scene, extent, Wants::REFLECTION, methods)
     }
 
-    fn with(gpu: &Gpu, scene: Scene, setup: Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
+    fn with(gpu: &Gpu, scene: Scene, extent: [u32; 2], wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
+        let setup = Setup::new(extent);
         let mut stage = Stage::new(gpu, &scene)?;
         let view = scene.views.first().cloned().unwrap_or_default();
-        let camera = crate::study::timing::camera(&scene, &view, setup.extent);
+        let camera = view.camera(&scene, extent);
         let materials = scene.materials_in(&view);
         let mut shots = Vec::new();
         for method in methods {
-            shots.push((*method, Shot::new(&mut stage, method, &setup, camera, materials.clone())?));
+            shots.push((*method, Shot::new(&mut stage, method, &setup, wants, camera, materials.clone())?));
         }
-        Ok(Self { scene, extent: setup.extent, stage, shots, drawn: Drawn::default() })
+        Ok(Self { scene, extent, stage, shots, drawn: Drawn::default() })
     }
 
     /// The methods, in order.

@@ -6,13 +6,12 @@ pub mod lineup;
 pub mod motion;
 
 use super::gbuffer::hit_positions;
-use super::record::{DEFINITIONS, Head};
+use super::record::{Provenance, RecordedSetup, recorded};
 use super::stage::Globals;
-use super::timing::camera;
 use crate::error::Result;
-use crate::gpu::{DeviceInfo, Gpu, Pixels};
-use crate::methods::MethodInfo;
-use crate::metrics::hits::Verdict;
+use crate::gpu::{Gpu, Pixels};
+use crate::methods::{MethodInfo, Setup};
+use crate::metrics::hits::HitVerdict;
 use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
@@ -37,19 +36,17 @@ pub const AGREEMENT: f64 = 0.9999;
 /// Far above any method on any device; a loop without an end is further.
 const RUNAWAY_MS: (f64, f64) = (5_000.0, 0.02);
 
+/// The factors of a case: its G-buffer's own values.
+const AS_IN_CASE: Globals = Globals { roughness: None, reflectivity: 1.0, normal_deviation: None };
+
 /// What a method made of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StressRecord {
     /// "stress".
     pub kind: String,
-    /// The version of DEFINITIONS.
-    pub definitions: u32,
-    /// Of this program.
-    pub version: String,
-    /// Of its source.
-    pub commit: String,
-    /// Device.
-    pub device: DeviceInfo,
+    /// Which program measured on what.
+    #[serde(flatten)]
+    pub program: Provenance,
     /// What was tried.
     pub case: String,
     /// Method name.
@@ -58,6 +55,8 @@ pub struct StressRecord {
     pub width: u32,
     /// Pixels.
     pub height: u32,
+    /// All that was set.
+    pub setup: RecordedSetup,
     /// Pixels of the image.
     pub pixels: usize,
     /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
@@ -130,7 +129,7 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
-        records.push(made.judge(gpu, &case.name, method, &data, truth.as_ref()));
+        records.push(made.judge(gpu, &case.name, method, &data, &AS_IN_CASE, truth.as_ref()));
     }
     Ok(records)
 }
@@ -159,8 +158,8 @@ impl<'a> Truth<'a> {
     /// Pixels that agree, and those that disagree by rounding alone, if that is asked for: each takes hundreds
     /// of rays to find out.
     fn compare(&self, hits: &[Option<[f64; 2]>], ties: bool) -> (usize, Option<usize>) {
-        let verdict = |n: usize| Verdict::of(hits[self.pixels[n] as usize], self.hits[n]);
-        let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != Verdict::Agrees).collect();
+        let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
+        let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
         let tie = |n: &&usize| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize]);
         (self.pixels.len() - wrong.len(), ties.then(|| wrong.par_iter().filter(tie).count()))
     }
@@ -179,7 +178,7 @@ impl<'a> Truth<'a> {
             let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
             segment.start.z *= 1.0 + few * signs[n / 27 % 3];
             let ends = self.hierarchy.possible_ends(&segment, few);
-            ends.into_iter().any(|end| Verdict::of(hit, end) == Verdict::Agrees)
+            ends.into_iter().any(|end| HitVerdict::of(hit, end) == HitVerdict::Agrees)
         })
     }
 }
@@ -191,6 +190,7 @@ impl Made {
         case: &str,
         method: &MethodInfo,
         data: &GBufferData,
+        globals: &Globals,
         truth: Option<&Truth>,
     ) -> StressRecord {
         let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
@@ -208,14 +208,12 @@ impl Made {
         let agrees = compared.is_none_or(|(n, agree, ties)| (agree + ties.unwrap_or(0)) as f64 >= AGREEMENT * n as f64);
         StressRecord {
             kind: "stress".to_owned(),
-            definitions: DEFINITIONS,
-            version: Head::VERSION.to_owned(),
-            commit: Head::COMMIT.to_owned(),
-            device: gpu.info().clone(),
+            program: Provenance::on(gpu),
             case: case.to_owned(),
             method: method.name.to_owned(),
             width: data.width,
             height: data.height,
+            setup: recorded(&Setup::new([data.width, data.height]), Some(method), &data.camera.lens, globals),
             pixels,
             nan: wrong.nan,
             inf: wrong.inf,
@@ -288,7 +286,7 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
     let mut view = place.view.clone();
     view.eye += place.offset;
     view.look_at += place.offset;
-    let camera = camera(&lineup.scene, &view, lineup.extent);
+    let camera = view.camera(&lineup.scene, lineup.extent);
     let mut records = Vec::new();
     for roughness in [0.0, 0.3] {
         let globals = Globals { roughness: Some(roughness), ..Globals::default() };
@@ -297,7 +295,8 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let Some(data) = lineup.draw(camera)? else { continue };
         let made = lineup.made()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
-        let judged = lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, truth.as_ref()));
+        let judged =
+            lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, &globals, truth.as_ref()));
         records.extend(judged);
     }
     Ok(records)

@@ -3,14 +3,13 @@
 
 use super::lineup::SceneLineup;
 use crate::error::Result;
-use crate::gpu::{DeviceInfo, Gpu};
+use crate::gpu::Gpu;
 use crate::math::OracleVersion;
-use crate::methods::MethodInfo;
+use crate::methods::{MethodInfo, Setup};
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
-use crate::study::record::{DEFINITIONS, Head};
-use crate::study::timing::camera;
+use crate::study::record::{Provenance, RecordedSetup, recorded};
 use glam::{DMat4, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -59,14 +58,9 @@ impl Motion {
 pub struct MotionRecord {
     /// "motion".
     pub kind: String,
-    /// The version of DEFINITIONS.
-    pub definitions: u32,
-    /// Of this program.
-    pub version: String,
-    /// Of its source.
-    pub commit: String,
-    /// Device.
-    pub device: DeviceInfo,
+    /// Which program measured on what.
+    #[serde(flatten)]
+    pub program: Provenance,
     /// Scene.
     pub scene: String,
     /// View that the camera starts from.
@@ -81,6 +75,8 @@ pub struct MotionRecord {
     pub height: u32,
     /// Global roughness.
     pub roughness: f32,
+    /// All that was set.
+    pub setup: RecordedSetup,
     /// Pairs of a pixel and the same surface a frame before.
     pub pairs: usize,
     /// Mean absolute difference of the linear reflection colour over the pairs and channels.
@@ -115,7 +111,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     lineup.set_materials(&globals.materials(&lineup.scene, spec.view))?;
     let extent = spec.extent;
     let cameras: Vec<Camera> = (0..spec.frames)
-        .map(|n| camera(&lineup.scene, &motion.view(&lineup.scene, spec.view, n, extent[1]), extent))
+        .map(|n| motion.view(&lineup.scene, spec.view, n, extent[1]).camera(&lineup.scene, extent))
         .collect();
     let methods: Vec<_> = lineup.methods().collect();
     let mut screens: Vec<GBufferData> = Vec::new();
@@ -133,6 +129,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
     let expected = changes(&pairs, &reference, extent);
     let reference_flicker = mean(&expected, |_, change| change);
+    let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
     let record = |(method, made): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
         let made = changes(&pairs, made, extent);
         let flicker = mean(&made, |_, change| change);
@@ -140,10 +137,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
         MotionRecord {
             kind: "motion".to_owned(),
-            definitions: DEFINITIONS,
-            version: Head::VERSION.to_owned(),
-            commit: Head::COMMIT.to_owned(),
-            device: gpu.info().clone(),
+            program: Provenance::on(gpu),
             scene: lineup.scene.name.clone(),
             view: spec.view.name.clone(),
             motion,
@@ -151,6 +145,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
             width: extent[0],
             height: extent[1],
             roughness: spec.roughness,
+            setup: recorded(&Setup::new(extent), Some(method), &lens, &globals),
             pairs: made.len(),
             flicker,
             reference_flicker,
@@ -220,7 +215,8 @@ fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
     pairs
 }
 
-/// Within 2 % of the depth of each other: DEFINITIONS' tolerance for what the screen shows.
+/// Within 2 % of the depth of each other: the tolerance of docs/definitions.md, "World agreement", for what the screen
+/// shows.
 fn is_one_surface(a: DVec3, b: DVec3) -> bool {
     (a.z - b.z).abs() <= 0.02 * b.z
 }

@@ -1,12 +1,12 @@
 //! The figures of Schmidt 2013.
 
-use super::{Plate, QHD, Size, Source};
 use crate::app::figures::draw;
+use crate::app::figures::plate::{Document, Plate, QHD, Size};
 
-/// Of Schmidt's thesis.
+/// The figures of Schmidt's thesis.
 pub const PLATES: &[Plate] = &[
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "27",
         title: "the G-buffer",
         print: "Positions and normals in world space (a) and view space (b), albedo and reflectance (c), the lit scene (d).",
@@ -16,7 +16,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::gbuffer,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "32",
         title: "parallax-corrected cube maps in the street",
         print: "Left: without normal mapping; things inside the scene, such as the car, are not reflected. Right: close-up \
@@ -30,7 +30,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "33",
         title: "parallax-corrected cube maps in the cathedral",
         print: "Left: a box is too simple a proxy for pillars and the walls behind them. Right: small errors of parallax at \
@@ -44,7 +44,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "39",
         title: "billboard reflections in the street",
         print: "(a) Only the reflections, (b) without and (c) with normal mapping; below, details.",
@@ -61,7 +61,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::with_details,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "40",
         title: "billboard reflections in the museum",
         print: "The exit sign is reflected by the wall.",
@@ -71,7 +71,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "41",
         title: "missing occlusion",
         print: "A billboard's reflection on the street that the parked car should block.",
@@ -89,7 +89,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "47",
         title: "screen-space reflections beside a ray traced image",
         print: "Left: ray traced off line with Mental Ray, about 10 minutes. Right: the optimised march with normal mapping, \
@@ -103,7 +103,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "48",
         title: "pixel steps of the march",
         print: "The brute-force march with growing steps: ribbons and holes.",
@@ -124,7 +124,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "49",
         title: "fading at the screen's border",
         print: "Left: reflections are clipped where the screen ends. Right: they fade out.",
@@ -137,7 +137,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Schmidt,
+        source: Document::Schmidt,
         number: "50",
         title: "the optimised march in the cathedral",
         print: "Above with normal mapping, below without.",

@@ -1,16 +1,16 @@
-//! The figures of Hermanns 2015, and that of the poster before it.
+//! The figures of Hermanns 2015 and of the poster that preceded it.
 
-use super::{HD, Plate, QHD, Size, Source};
 use crate::app::figures::draw;
+use crate::app::figures::plate::{Document, HD, Plate, QHD, Size};
 
-/// What all of the thesis's chapter 5 has here.
+/// The note shared by all figures of the thesis's chapter 5.
 const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives no roughness for this figure; here \
     roughness and normal deviation are 0.1, those of table 5.8's rougher rows.";
 
-/// Of the thesis.
+/// The figures of the thesis.
 pub const PLATES: &[Plate] = &[
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.1",
         title: "how a Hi-Z buffer is made of minima",
         print: "A depth buffer of numbers; four texels at a time become one with the least of them.",
@@ -20,7 +20,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::even_chain,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.2",
         title: "odd sizes, without Eq. 4.1",
         print: "Always two by two texels: of an odd size the last row or column is lost, on every level anew.",
@@ -30,7 +30,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::undersized_chain,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.3",
         title: "odd sizes, with Eq. 4.1",
         print: "The second texel is taken one further where a side is odd: a wider range is captured.",
@@ -41,7 +41,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::odd_chain,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.4",
         title: "the chain of the visibility buffer",
         print: "All levels for 512 × 512 but level 0, which is white.",
@@ -51,7 +51,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.5",
         title: "which rays take which way",
         print: "Rays away from the camera, by Hi-Z, in green; rays towards it, by the linear march, in red.",
@@ -61,7 +61,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.6",
         title: "a ray's way through the hierarchy",
         print: "A sketch: bars of the Hi-Z buffer, cell boundaries, the ray, and its level going up and down.",
@@ -76,7 +76,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::ray,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.7",
         title: "the cone as a triangle with circles",
         print: "A sketch: an isosceles triangle with circles that touch, whose radii say the mip level.",
@@ -90,7 +90,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::cone,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.8",
         title: "fading at the screen's border",
         print: "(a) Off: reflections end at sharp edges on the floor. (b) On: they fade out.",
@@ -103,7 +103,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.9",
         title: "the chain of SSLR's ray trace colour",
         print: "The first five mip levels of the ray trace colour buffer.",
@@ -116,7 +116,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "4.10",
         title: "the chain of SSLR's mask",
         print: "The first five mip levels of the mask buffer.",
@@ -129,7 +129,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.1",
         title: "a cylinder that reflects the tiles",
         print: "SSCT beside HZCT, looking down at a wooden cylinder on the floor.",
@@ -142,7 +142,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.2",
         title: "a window reflected by the floor",
         print: "HZCT catches a little of the window, SSCT more of it, and the floor in the front wall too; 2.25 against \
@@ -162,7 +162,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.3",
         title: "the corridor",
         print: "SSCT beside SSLR along the corridor, and a part of the left wall enlarged, where SSCT keeps more detail.",
@@ -176,7 +176,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::corridor_with_wall,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.4",
         title: "two cylinders",
         print: "Many rays of the floor point towards the camera: SSCT is slower here, 3.94 against 1.30 ms of SSLR.",
@@ -195,7 +195,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.5",
         title: "the window and its surrounding, with the difference",
         print: "SSCT is more precise and, at 1920 × 1080, faster: 6.83 against 9.08 ms; (c) is the differential image.",
@@ -212,7 +212,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::with_difference,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.6",
         title: "the Sponza atrium",
         print: "Only the stone floor reflects; SSCT and SSLR take 1.20 ms each.",
@@ -225,7 +225,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.7",
         title: "the lion's head above a rough floor",
         print: "The head reflected on a rough surface; 0.74 ms for SSCT, 0.83 for SSLR.",
@@ -238,7 +238,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.8",
         title: "floor and walls of the atrium",
         print: "For long rays SSLR shows artefacts on the walls, from its constant step; table 5.8 times this view.",
@@ -251,7 +251,7 @@ pub const PLATES: &[Plate] = &[
         make: draw::beside,
     },
     Plate {
-        source: Source::Thesis,
+        source: Document::Thesis,
         number: "5.9",
         title: "the corridor beside the ground truth",
         print: "SSCT (2.87 ms) beside Mitsuba (04:05 min); SSCT's shading was dimmed, as Mitsuba's scene had no other light.",
@@ -269,9 +269,9 @@ pub const PLATES: &[Plate] = &[
     },
 ];
 
-/// Of the poster.
+/// The figure of the poster.
 pub const POSTER: &[Plate] = &[Plate {
-    source: Source::Poster,
+    source: Document::Poster,
     number: "2",
     title: "the cone march through a pre-filtered G-buffer",
     print: "(a) Filtering by mip-mapping may cause artifacts; (b) the Gaussian filter is smoother; (c) with fading at \

@@ -1,14 +1,14 @@
-//! Any intermediate at any mip level, with range and exposure.
+//! Shows any intermediate image at any mip level, with range and exposure.
 
-use super::{Done, Told, heading};
+use super::shared::{PanelActions, PanelData, heading};
 use crate::app::view::state::{Inside, STEPS, State};
 use egui::{ComboBox, DragValue, RichText, Slider, Ui};
 
-pub fn show(ui: &mut Ui, state: &mut State, told: &Told, done: &mut Done) {
+pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     heading(ui, "Image");
     ui.selectable_value(&mut state.inside, None, "the finished image");
     let chosen = state.inside.as_ref().map(|i| i.name.clone());
-    for image in told.images {
+    for image in data.images {
         let [width, height] = image.extent;
         let levels = if image.levels > 1 { format!(", {} levels", image.levels) } else { String::new() };
         let text = format!("{}  ({width}×{height}{levels})", image.name);
@@ -23,13 +23,13 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told, done: &mut Done) {
         state.tone.range = [0.0, 64.0];
     }
     let Some(inside) = &mut state.inside else { return };
-    if inside.name == STEPS && told.answers.is_some_and(|a| a.steps.is_none()) {
+    if inside.name == STEPS && data.analysis.is_some_and(|a| a.steps.is_none()) {
         ui.colored_label(ui.visuals().warn_fg_color, "this method's steps are not counted, or not at this resolution");
     }
     heading(ui, "Level");
-    let levels = told.images.iter().find(|i| i.name == inside.name).map_or(1, |i| i.levels);
-    // Before the first frame nothing is known of the levels.
-    if !told.images.is_empty() {
+    let levels = data.images.iter().find(|i| i.name == inside.name).map_or(1, |i| i.levels);
+    // Before the first frame, the number of levels is unknown.
+    if !data.images.is_empty() {
         ui.add_enabled(levels > 1, Slider::new(&mut inside.level, 0..=levels - 1).text("mip level"));
     }
     heading(ui, "Shades");
@@ -50,7 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told, done: &mut Done) {
         ui.add(DragValue::new(low).speed(speed).max_decimals(5));
         ui.label("to");
         ui.add(DragValue::new(high).speed(speed).max_decimals(5));
-        done.fit_range = ui.button("fit").on_hover_text("to the least and greatest number shown").clicked();
+        actions.fit_range = ui.button("fit").on_hover_text("to the least and greatest number shown").clicked();
         if ui.button("0 to 1").clicked() {
             state.tone.range = [0.0, 1.0];
             state.tone.exposure_stops = 0.0;

@@ -1,28 +1,27 @@
-//! Times of the last frames as stacked bars, the work that was counted, and the error against a cached
-//! reference.
+//! Times of recent frames as stacked bars, counted work, and the error against a cached reference.
 
-use super::{Told, heading};
-use crate::app::view::against::Answer;
+use super::shared::{PanelData, heading};
 use crate::app::view::history::{History, StageTime};
 use crate::app::view::inspect::Inspection;
+use crate::app::view::reference_error::ComparisonOutcome;
 use crate::app::view::state::State;
 use crate::passes::tiles::TILE;
 use egui::{Color32, Grid, Rect, RichText, Sense, Stroke, Ui, pos2, vec2};
 
-/// Height of the bars in points.
+/// Height of the bars, in points.
 const HEIGHT: f32 = 110.0;
 
-pub fn show(ui: &mut Ui, state: &State, told: &Told) {
-    for (n, (history, side)) in told.histories.iter().zip(state.rendered()).enumerate() {
+pub fn show(ui: &mut Ui, state: &State, data: &PanelData) {
+    for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
         heading(ui, format!("Time of {}", side.method.name));
-        // Two tables of one name would fight over their columns, drawing after drawing.
+        // Each table needs an id of its own; otherwise the two would overwrite each other's column widths.
         ui.push_id(n, |ui| times(ui, history));
     }
-    work(ui, state, told);
-    error(ui, state, told);
+    work(ui, state, data);
+    error(ui, state, data);
 }
 
-/// A stage's colour: grey for scene passes.
+/// The colour of a stage; scene passes are grey.
 fn color(index: usize, counted: bool) -> Color32 {
     const HUES: [Color32; 8] = [
         Color32::from_rgb(86, 156, 214),
@@ -58,7 +57,7 @@ fn times(ui: &mut Ui, history: &History) {
     });
 }
 
-/// A bar a frame, the newest at the right; the line is the median of the method's time.
+/// One bar per frame, the newest at the right. The line is the median of the method's time.
 fn bars(ui: &mut Ui, history: &History) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width() - 8.0, HEIGHT), Sense::hover());
     let painter = ui.painter_at(rect);
@@ -74,7 +73,7 @@ fn bars(ui: &mut Ui, history: &History) {
             break;
         }
         let mut below = 0.0;
-        // The method's passes stand at the bottom, so that their sum can be read off.
+        // The method's passes are at the bottom, so that their sum can be read off.
         let order =
             (0..stages.len()).filter(|i| stages[*i].counted).chain((0..stages.len()).filter(|i| !stages[*i].counted));
         for i in order {
@@ -96,17 +95,17 @@ fn bars(ui: &mut Ui, history: &History) {
     );
 }
 
-fn work(ui: &mut Ui, state: &State, told: &Told) {
-    for (n, (history, side)) in told.histories.iter().zip(state.rendered()).enumerate() {
+fn work(ui: &mut Ui, state: &State, data: &PanelData) {
+    for (n, (history, side)) in data.histories.iter().zip(state.rendered()).enumerate() {
         heading(ui, format!("Passes of {}", side.method.name));
         ui.push_id(("passes", n), |ui| passes(ui, history));
     }
     heading(ui, format!("Work of {}", state.sides[0].method.name));
-    let Some(answers) = told.answers else {
+    let Some(analysis) = data.analysis else {
         ui.label(RichText::new("counted when nothing moves").weak());
         return;
     };
-    if let Some(inspection) = &answers.inspection {
+    if let Some(inspection) = &analysis.inspection {
         let reflecting = inspection.reflecting();
         ui.label(format!("{reflecting} reflecting pixels of {}", inspection.gbuffer.depth.len()));
         Grid::new("rays").num_columns(3).striped(true).show(ui, |ui| {
@@ -121,7 +120,7 @@ fn work(ui: &mut Ui, state: &State, told: &Told) {
             classes(ui, inspection);
         }
     }
-    if let Some(steps) = &answers.steps {
+    if let Some(steps) = &analysis.steps {
         let traced: Vec<u32> = steps.iter().copied().filter(|n| *n > 0).collect();
         let mean = traced.iter().map(|n| f64::from(*n)).sum::<f64>() / traced.len().max(1) as f64;
         let most = traced.iter().max().copied().unwrap_or(0);
@@ -133,7 +132,7 @@ fn work(ui: &mut Ui, state: &State, told: &Told) {
                 ui.label(RichText::new(title).weak());
             }
             ui.end_row();
-            for (name, work) in &answers.work {
+            for (name, work) in &analysis.work {
                 ui.label(name);
                 ui.label(work.fragment_invocations.to_string());
                 ui.label(work.compute_invocations.to_string());
@@ -143,7 +142,7 @@ fn work(ui: &mut Ui, state: &State, told: &Told) {
     });
 }
 
-/// What `unified` finds in the frame: rays a class of pixels, and tiles.
+/// What `unified` finds in the frame: rays per class of pixels, and tiles.
 fn classes(ui: &mut Ui, inspection: &Inspection) {
     let (p, t) = (inspection.pixels(), inspection.tiles());
     ui.label(format!("{} rays:", p.rays()));
@@ -174,7 +173,7 @@ fn classes(ui: &mut Ui, inspection: &Inspection) {
     });
 }
 
-/// What was recorded, and what was not and why.
+/// The passes that were recorded, and those that were skipped with the reasons.
 fn passes(ui: &mut Ui, history: &History) {
     ui.collapsing(format!("{} recorded", history.recorded.len()), |ui| ui.label(history.recorded.join(", ")));
     ui.label(format!("{} skipped", history.skipped.len()));
@@ -183,10 +182,10 @@ fn passes(ui: &mut Ui, history: &History) {
     }
 }
 
-fn error(ui: &mut Ui, state: &State, told: &Told) {
+fn error(ui: &mut Ui, state: &State, data: &PanelData) {
     heading(ui, "Error against the world reference");
-    match &told.against.answer {
-        Some(Answer::Errors { samples, standard_error, methods }) => {
+    match &data.reference_error.outcome {
+        Some(ComparisonOutcome::Errors { samples, standard_error, methods }) => {
             ui.label(format!("{samples} rays a pixel, own standard error {standard_error:.4}"));
             Grid::new("errors").num_columns(4).striped(true).show(ui, |ui| {
                 for title in ["", "RMSE", "relative MSE", "FLIP"] {
@@ -202,11 +201,11 @@ fn error(ui: &mut Ui, state: &State, told: &Told) {
                 }
             });
         }
-        Some(Answer::NoReference) => {
+        Some(ComparisonOutcome::NoReference) => {
             ui.label("none is kept of this view, size and these materials; this makes one:");
-            ui.label(RichText::new(told.reference_command).monospace().small());
+            ui.label(RichText::new(data.reference_command).monospace().small());
         }
-        None if told.against.is_waiting() => drop(ui.label(RichText::new("looking for one …").weak())),
+        None if data.reference_error.is_waiting() => drop(ui.label(RichText::new("looking for one …").weak())),
         None => drop(ui.label(RichText::new("looked for when nothing moves").weak())),
     }
 }

@@ -1,5 +1,5 @@
-//! The panel beside the picture, and what is drawn over the picture: egui on the state, told by what was
-//! measured. It renders nothing itself, and knows no window.
+//! The panel beside the picture, and what is drawn over the picture. It uses egui to change the state and to
+//! display measurements; it renders no frames itself and does not depend on the window.
 
 mod inside;
 mod live;
@@ -7,72 +7,29 @@ pub mod options;
 mod path;
 mod ray;
 mod shaders;
+mod shared;
 mod tune;
 
-use super::against::Against;
-use super::inspect::PickedRay;
 use super::path::PathEditor;
-use super::pictures::{Answers, ImageInfo};
-use super::reload::Said;
 use super::state::{State, Tab};
 use crate::passes::look::Compare;
-use crate::scene::{Camera, View};
 use egui::{Color32, Rect, RichText, Sense, Ui};
 use glam::Vec2;
+use shared::dot;
+pub use shared::{PanelActions, PanelData};
 
-/// Width of the panel in points.
+/// Width of the panel, in points.
 pub const WIDTH: f32 = 340.0;
-/// Narrowest picture beside it, in points; a narrower window shows no panel.
+/// The least width of the picture beside the panel, in points; a narrower window shows no panel.
 const NARROWEST_PICTURE: f32 = 80.0;
 
-/// What the panel tells.
-pub struct Told<'a> {
-    /// Names of the scenes there are.
-    pub scenes: &'a [String],
-    /// Views of the scene.
-    pub views: &'a [View],
-    /// Times of the methods that are shown.
-    pub histories: Vec<&'a super::history::History>,
-    /// What the first method made.
-    pub images: &'a [ImageInfo],
-    /// What the frame at rest was asked, if it was.
-    pub answers: Option<&'a Answers>,
-    /// The picked ray.
-    pub ray: Option<&'a PickedRay>,
-    /// The error against a cached reference.
-    pub against: &'a Against,
-    /// The command that would make that reference.
-    pub reference_command: &'a str,
-    /// The camera, and the width and height of the pictures in pixels.
-    pub camera: Camera,
-    /// See `camera`.
-    pub extent: [u32; 2],
-    /// The folder that is watched for shaders, and what was said of each that changed.
-    pub shaders: Option<(&'a str, &'a [Said])>,
-    /// Frames rendered, drawings of the panel, submissions to the device.
-    pub counts: [u64; 3],
-    /// Whether there is nothing to render.
-    pub idle: bool,
-}
-
-/// What the user did that is more than a change of the state.
-#[derive(Debug, Default)]
-pub struct Done {
-    /// Where the pictures are, in points.
-    pub area: Option<Rect>,
-    /// Whether the mouse turns the camera.
-    pub looking: bool,
-    /// Whether the range of the shown picture is to be fitted to its numbers.
-    pub fit_range: bool,
-}
-
-/// Panel and picture of one frame.
-pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, told: &Told) -> Done {
-    let mut done = Done::default();
+/// Draws the panel and the picture of one frame.
+pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, data: &PanelData) -> PanelActions {
+    let mut actions = PanelActions::default();
     let width = ui.available_width();
     if state.tab != Tab::None && width >= WIDTH + NARROWEST_PICTURE {
         egui::Panel::right("panel").exact_size(WIDTH).show(ui, |ui| {
-            egui::Panel::bottom("status").show(ui, |ui| status(ui, told));
+            egui::Panel::bottom("status").show(ui, |ui| status(ui, data));
             ui.horizontal(|ui| {
                 for (tab, title) in Tab::SHOWN {
                     ui.selectable_value(&mut state.tab, tab, title);
@@ -80,24 +37,24 @@ pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, told: &Told) 
             });
             ui.separator();
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.tab {
-                Tab::Tune => tune::show(ui, state, told),
-                Tab::Live => live::show(ui, state, told),
-                Tab::Inside => inside::show(ui, state, told, &mut done),
-                Tab::Ray => ray::show(ui, state, told),
+                Tab::Tune => tune::show(ui, state, data),
+                Tab::Live => live::show(ui, state, data),
+                Tab::Inside => inside::show(ui, state, data, &mut actions),
+                Tab::Ray => ray::show(ui, state, data),
                 Tab::Path => path::show(ui, state, path),
-                Tab::Shaders => shaders::show(ui, told),
+                Tab::Shaders => shaders::show(ui, data),
                 Tab::None => {}
             });
         });
     }
     let area = ui.available_rect_before_wrap();
-    picture(ui, area, state, told, &mut done);
-    done.area = Some(area);
-    done
+    picture(ui, area, state, data, &mut actions);
+    actions.area = Some(area);
+    actions
 }
 
-/// The mouse on the picture: it turns the camera, moves the split, picks a ray, changes the speed.
-fn picture(ui: &mut Ui, area: Rect, state: &mut State, told: &Told, done: &mut Done) {
+/// Handles the mouse on the picture: it turns the camera, moves the split, picks a ray or changes the speed.
+fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions: &mut PanelActions) {
     let response = ui.allocate_rect(area, Sense::click_and_drag());
     let split_x = area.left() + state.split * area.width();
     if state.compare == Compare::Split {
@@ -111,8 +68,8 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, told: &Told, done: &mut D
         }
     }
     if response.dragged() {
-        done.looking = true;
-        // The mouse's own motion goes on where the cursor is held.
+        actions.looking = true;
+        // While the cursor is held in place, only the mouse's own motion continues.
         let drag = response.drag_delta() * ui.pixels_per_point();
         let turned = ui.input(|i| i.pointer.motion()).unwrap_or(drag);
         if turned != egui::Vec2::ZERO {
@@ -123,7 +80,7 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, told: &Told, done: &mut D
         }
     }
     if let (true, Tab::Ray, Some(at)) = (response.clicked(), state.tab, response.interact_pointer_pos()) {
-        state.picked = Some(pixel_at(area, told.extent, at));
+        state.picked = Some(pixel_at(area, data.extent, at));
     }
     if response.hovered() {
         let notches: f32 = ui.input(|i| i.events.iter().filter_map(notches).sum());
@@ -134,15 +91,15 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, told: &Told, done: &mut D
             });
         }
     }
-    if let (Tab::Ray, Some(ray)) = (state.tab, told.ray) {
-        ray::draw(&ui.painter_at(area), area, told.extent, ray);
+    if let (Tab::Ray, Some(ray)) = (state.tab, data.ray) {
+        ray::draw(&ui.painter_at(area), area, data.extent, ray);
     }
     if state.compare != Compare::One && state.tab != Tab::None {
         names(ui, area, split_x, state);
     }
 }
 
-/// Which method is where.
+/// Writes the names of the methods over their parts of the picture.
 fn names(ui: &Ui, area: Rect, split_x: f32, state: &State) {
     let painter = ui.painter_at(area);
     let text = |at: egui::Pos2, align: egui::Align2, text: &str| {
@@ -170,18 +127,18 @@ fn notches(event: &egui::Event) -> Option<f32> {
     }
 }
 
-/// The pixel of the picture at a point of the window.
+/// The pixel of the picture at a position in the window.
 fn pixel_at(area: Rect, extent: [u32; 2], at: egui::Pos2) -> [u32; 2] {
     let share = (at - area.min) / area.size();
     [0, 1].map(|i| ((share[i] * extent[i] as f32).max(0.0) as u32).min(extent[i].saturating_sub(1)))
 }
 
-/// The last lines of the panel, whatever is open.
-fn status(ui: &mut Ui, told: &Told) {
-    let [frames, drawings, submissions] = told.counts;
-    let total = told.histories.first().map(|h| h.total());
+/// The last lines of the panel, which are always shown.
+fn status(ui: &mut Ui, data: &PanelData) {
+    let [frames, drawings, submissions] = data.counts;
+    let total = data.histories.first().map(|h| h.total());
     ui.horizontal(|ui| {
-        let (text, color) = if told.idle {
+        let (text, color) = if data.idle {
             ("idle: nothing to render", Color32::from_rgb(110, 190, 120))
         } else {
             ("rendering", Color32::from_rgb(230, 170, 60))
@@ -193,16 +150,4 @@ fn status(ui: &mut Ui, told: &Told) {
         }
     });
     ui.label(RichText::new(format!("{frames} frames, {drawings} drawings, {submissions} submissions")).weak().small());
-}
-
-/// A filled circle.
-fn dot(ui: &mut Ui, color: Color32) {
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
-    ui.painter().circle_filled(rect.center(), 4.0, color);
-}
-
-/// A heading of a part.
-fn heading(ui: &mut Ui, text: impl Into<String>) {
-    ui.add_space(6.0);
-    ui.label(RichText::new(text).strong());
 }

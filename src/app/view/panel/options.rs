@@ -1,42 +1,16 @@
-//! A method and every parameter that it reads. The rows are the flags of the command line, so that a new
-//! flag is a new row.
+//! A method and every parameter that it reads, as rows that are made from the parameters' tables.
 
-use super::dot;
-use super::{Told, heading};
-use crate::app::view::state::{SWITCHED_ON, Side, State};
-use crate::methods::thesis::{self, Variant};
-use crate::methods::{METHODS, MethodInfo, Preset, Tuning};
-use crate::scene::Camera;
-use clap::ArgAction;
+use super::shared::{dot, heading};
+use crate::app::view::state::{Side, State};
+use crate::methods::METHODS;
+use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
 use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
 
 /// What marks a value that is the published one.
 pub const PUBLISHED: Color32 = Color32::from_rgb(110, 190, 120);
 
-/// Whether a method reads a flag. Of a flag or a method that is not listed here it is assumed.
-pub fn reads(method: &MethodInfo, flag: &str) -> bool {
-    match flag {
-        "resolution-scale" | "fallback" => method.is_screen_space(),
-        "split" => method.is_screen_space(),
-        "preset" => ["ssct", "hzct", "sslr", "linear", "poster"].contains(&method.name),
-        "iterations" | "start-level" | "cone-samples" => ["ssct", "hzct"].contains(&method.name),
-        "chain-filter" => ["ssct", "hzct", "ssr-fast"].contains(&method.name),
-        "march-stride" => ["ssct", "linear", "poster"].contains(&method.name),
-        "oracle" => method.name == "unified",
-        "march" => method.name == "linear",
-        "poster-filter" => method.name == "poster",
-        "pixel-step" => ["ssr", "ssr-fast"].contains(&method.name),
-        "distance-blur" => method.name == "ssr-fast",
-        "billboard-order" | "billboard-occlusion" => method.name == "billboard",
-        "planar-variant" | "planar-planes" => method.name == "planar",
-        // SSLR keeps no hit whose distance from the border could be known.
-        "fade" => method.is_screen_space() && method.name != "sslr",
-        _ => true,
-    }
-}
-
 /// A side: its method, and the rows of it.
-pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &Told) {
+pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
     let title = if state.rendered().len() == 1 { "Method" } else { ["Left method", "Right method"][index] };
     heading(ui, title);
     ui.push_id(("side", index), |ui| {
@@ -55,13 +29,15 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &Told) {
         }
         ui.label(RichText::new(format!("{} ({})", method.summary, method.source)).weak().small());
         let side = &mut state.sides[index];
-        let command = Side::command();
+        let rows = side.method.read();
         Grid::new("options").num_columns(3).show(ui, |ui| {
-            for argument in command.get_arguments() {
-                if let Some(flag) = argument.get_long().filter(|flag| reads(side.method, flag)) {
-                    option(ui, side, argument, flag, told);
-                    ui.end_row();
-                }
+            if rows.iter().any(|row| row.author != row.published) {
+                preset(ui, side);
+                ui.end_row();
+            }
+            for row in &rows {
+                option(ui, side, row);
+                ui.end_row();
             }
         });
         if let Some(fault) = &side.fault {
@@ -70,89 +46,68 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize, told: &Told) {
     });
 }
 
-/// A row: the option's name, its control, and whether its value is the published one.
-fn option(ui: &mut Ui, side: &mut Side, argument: &clap::Arg, flag: &str, told: &Told) {
-    let help = argument.get_help().map(ToString::to_string).unwrap_or_default();
-    ui.label(flag.replace('-', " ")).on_hover_text(help);
-    let given = side.options.get(flag).cloned();
-    let default = argument.get_default_values().first().map(|v| v.to_string_lossy().into_owned());
-    let values = argument.get_possible_values();
-    let mut now = given.clone();
-    if matches!(argument.get_action(), ArgAction::SetTrue) {
-        let mut on = given.is_some();
-        ui.checkbox(&mut on, "");
-        now = on.then(|| SWITCHED_ON.to_owned());
-    } else if !values.is_empty() {
-        let shown = given.clone().or(default.clone()).unwrap_or_default();
-        ComboBox::from_id_salt(flag).selected_text(&shown).show_ui(ui, |ui| {
-            for value in &values {
-                let about = value.get_help().map(ToString::to_string).unwrap_or_default();
-                if ui.selectable_label(value.get_name() == shown, value.get_name()).on_hover_text(about).clicked() {
-                    now = Some(value.get_name().to_owned());
-                }
-            }
-        });
-    } else {
-        number(ui, side, flag, default.as_deref(), &mut now, told);
-    }
-    // A flag without a default is a number that replaces the preset's.
-    let published = match (&now, &default) {
-        (None, Some(_)) => true,
-        (Some(now), Some(default)) => now == default,
-        (value, None) => match published(Preset::Published, flag, told) {
-            Some(n) => value.as_ref().map_or(published(side.setup.preset, flag, told), |v| v.parse().ok()) == Some(n),
-            None => value.is_none(),
-        },
-    };
-    if published {
+/// The row of the preset.
+fn preset(ui: &mut Ui, side: &mut Side) {
+    ui.label("preset").on_hover_text("Whose constants a published method uses.");
+    let (before, mut now) = (side.setup.values.preset, side.setup.values.preset);
+    ComboBox::from_id_salt("preset").selected_text(now.name()).show_ui(ui, |ui| {
+        for (preset, choice) in Preset::ALL.iter().zip(Preset::CHOICES) {
+            ui.selectable_value(&mut now, *preset, choice.name).on_hover_text(choice.help);
+        }
+    });
+    if now == Preset::default() {
         dot(ui, PUBLISHED);
     }
-    if now != given {
-        side.set(flag, now);
+    if now != before {
+        side.set("preset", (now != Preset::default()).then(|| now.name().to_owned()));
     }
 }
 
-/// A number: the flag's own default or the preset's, or what replaces it.
-fn number(ui: &mut Ui, side: &Side, flag: &str, default: Option<&str>, now: &mut Option<String>, told: &Told) {
-    let base = default.and_then(|d| d.parse().ok()).or_else(|| published(side.setup.preset, flag, told));
-    ui.horizontal(|ui| {
-        let Some(base) = base else {
-            let mut text = now.clone().unwrap_or_default();
-            let edit = egui::TextEdit::singleline(&mut text).desired_width(60.0).hint_text("default");
-            if ui.add(edit).changed() {
-                *now = (!text.is_empty()).then_some(text);
-            }
-            return;
-        };
-        let is_whole = base.fract() == 0.0;
-        let mut value = now.as_ref().and_then(|v| v.parse().ok()).unwrap_or(base);
-        let speed = if is_whole { 0.2 } else { base.abs().max(1e-4) * 0.02 };
-        let drag = DragValue::new(&mut value).range(0.0..=f64::INFINITY).speed(speed);
-        if ui.add(drag.max_decimals(if is_whole { 0 } else { 5 })).changed() {
-            *now = Some(format!("{value}"));
+/// A row: the parameter's name, its control, and whether its value is the published one.
+fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
+    let name = row.typed_name();
+    ui.label(name.replace('-', " ")).on_hover_text(about(row));
+    let before = side.setup.values.of(row);
+    let base = row.of(side.setup.values.preset);
+    let mut now = before;
+    match (&row.domain, &mut now) {
+        (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),
+        (Domain::Choices(_) | Domain::Numbers(_), now) => list(ui, row, now),
+        (Domain::Count(least, most), Value::Count(n)) => {
+            ui.add(DragValue::new(n).range(*least..=*most).speed(0.2));
         }
-        if now.is_some() && ui.small_button("back").on_hover_text("to the default").clicked() {
-            *now = None;
+        (Domain::Number { least, most, .. }, Value::Number(n)) => {
+            let speed = f64::from(n.abs().max(1e-4)) * 0.02;
+            ui.add(DragValue::new(n).range(*least..=*most).speed(speed).max_decimals(6));
         }
-        if let Some(n) = published(Preset::Published, flag, told) {
-            ui.label(RichText::new(format!("published {n}")).weak().small());
+        _ => {}
+    }
+    if now == row.published {
+        dot(ui, PUBLISHED);
+    } else if ui.small_button("back").on_hover_text(format!("to the published value, {}", row.published)).clicked() {
+        now = row.published;
+    }
+    if now != before && row.domain.has(now) {
+        side.set(&name, (now != base).then(|| now.to_string()));
+    }
+}
+
+/// A choice among few values.
+fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
+    let help = |value: &Value| match &row.domain {
+        Domain::Choices(all) => all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help),
+        _ => "",
+    };
+    ComboBox::from_id_salt(row.name).selected_text(now.to_string()).show_ui(ui, |ui| {
+        for value in row.domain.few().unwrap_or_default() {
+            ui.selectable_value(now, value, value.to_string()).on_hover_text(help(&value).trim());
         }
     });
 }
 
-/// The number that a preset has for a flag.
-fn published(preset: Preset, flag: &str, told: &Told) -> Option<f64> {
-    let variant = Variant { preset, tuning: Tuning::default(), fallback: true, fade: true };
-    let camera: &Camera = &told.camera;
-    let block = thesis::parameters(&variant, camera, told.extent, crate::gpu::image::full_chain(told.extent));
-    Some(match flag {
-        "iterations" => f64::from(block.iterations),
-        "start-level" => f64::from(block.start_level),
-        "cone-samples" => f64::from(block.cone_samples),
-        // The decimal that is printed, not its nearest binary fraction.
-        "march-stride" => block.linear_march_stride.to_string().parse().ok()?,
-        // Schmidt's listing 4.
-        "pixel-step" => 1.0,
-        _ => return None,
-    })
+/// What is told of a parameter: what it does, its unit, both presets' values, and where they are from.
+fn about(row: &Parameter) -> String {
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" In {}.", row.unit) };
+    let author = if row.author == row.published { String::new() } else { format!("; author: {}", row.author) };
+    format!("{}{unit}\nPublished: {}{author}\nSource: {}", row.help, row.published, row.source)
 }

@@ -1,6 +1,6 @@
-//! Camera key frames: recorded, saved, loaded, played.
+//! Camera key frames: recording, saving, loading and playing.
 
-use super::heading;
+use super::shared::heading;
 use crate::app::view::path::PathEditor;
 use crate::app::view::state::State;
 use egui::{Grid, RichText, Slider, Ui};

@@ -1,7 +1,7 @@
-//! A picked ray through the Hi-Z, cell by cell (the thesis's figure 4.6, live), beside what the oracle
-//! says of it.
+//! The picked ray through the Hi-Z chain, cell by cell (the thesis's figure 4.6, live), beside the result of
+//! the oracle.
 
-use super::{Told, heading};
+use super::shared::{PanelData, heading};
 use crate::app::view::inspect::{PickedRay, WalkEnd};
 use crate::app::view::state::State;
 use crate::reference::Outcome;
@@ -11,23 +11,23 @@ const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
 const WALK: Color32 = Color32::from_rgb(255, 230, 60);
 const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
 
-/// A level's colour: fine levels are green, coarse ones red.
+/// The colour of a level: from green for fine levels to red for coarse ones.
 fn level_color(level: u32) -> Color32 {
     let share = (level as f32 / 7.0).min(1.0);
     Color32::from_rgb((90.0 + 165.0 * share) as u8, (220.0 - 150.0 * share) as u8, 120)
 }
 
-pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
+pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
     ui.label("Click into the picture to pick a pixel's mirror ray.");
-    // Before the first frame nothing is known of the size.
-    if let (Some([x, y]), false) = (&mut state.picked, told.images.is_empty()) {
+    // Before the first frame, the image's size is unknown.
+    if let (Some([x, y]), false) = (&mut state.picked, data.images.is_empty()) {
         ui.horizontal(|ui| {
             ui.label("pixel");
-            ui.add(egui::DragValue::new(x).range(0..=told.extent[0].saturating_sub(1)));
-            ui.add(egui::DragValue::new(y).range(0..=told.extent[1].saturating_sub(1)));
+            ui.add(egui::DragValue::new(x).range(0..=data.extent[0].saturating_sub(1)));
+            ui.add(egui::DragValue::new(y).range(0..=data.extent[1].saturating_sub(1)));
         });
     }
-    let Some(ray) = told.ray else {
+    let Some(ray) = data.ray else {
         if state.picked.is_some() {
             ui.label(RichText::new("traced when nothing moves").weak());
         }
@@ -56,7 +56,7 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     }
 }
 
-/// What each says of the ray's end.
+/// Lists where the ray ends according to the method, its twin and the oracle.
 fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     heading(ui, "Where it ends");
     let at = |x: f64, y: f64| format!("at {x:.1}, {y:.1}");

@@ -1,10 +1,10 @@
-//! Shaders that reload, with the compiler's message.
+//! The shaders that are reloaded when they change, with the compiler's messages.
 
-use super::{Told, heading};
+use super::shared::{PanelData, heading};
 use egui::{Color32, RichText, Ui};
 
-pub fn show(ui: &mut Ui, told: &Told) {
-    let Some((folder, changes)) = told.shaders else {
+pub fn show(ui: &mut Ui, data: &PanelData) {
+    let Some((folder, changes)) = data.shaders else {
         ui.label("No shaders are watched: start in the repository, or name their folder with --shaders.");
         return;
     };

@@ -1,13 +1,13 @@
-//! Scene, view, methods and materials; the methods' own rows are [`super::options`].
+//! Scene, view, methods and materials; [`super::options`] draws the methods' own options.
 
 use super::options::{PUBLISHED, side};
-use super::{Told, dot, heading};
+use super::shared::{PanelData, dot, heading};
 use crate::app::view::state::State;
 use crate::passes::look::Compare;
 use egui::{ComboBox, Grid, RichText, Slider, Ui};
 
-pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
-    place(ui, state, told);
+pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData) {
+    place(ui, state, data);
     heading(ui, "Compare");
     ui.horizontal(|ui| {
         for (compare, text) in
@@ -24,7 +24,7 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
         }
     }
     for i in 0..state.rendered().len() {
-        side(ui, state, i, told);
+        side(ui, state, i);
     }
     materials(ui, state);
     ui.add_space(8.0);
@@ -34,11 +34,11 @@ pub fn show(ui: &mut Ui, state: &mut State, told: &Told) {
     });
 }
 
-fn place(ui: &mut Ui, state: &mut State, told: &Told) {
+fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
     Grid::new("place").num_columns(2).show(ui, |ui| {
         ui.label("scene");
         ComboBox::from_id_salt("scene").selected_text(&state.scene).show_ui(ui, |ui| {
-            for name in told.scenes {
+            for name in data.scenes {
                 ui.selectable_value(&mut state.scene, name.clone(), name);
             }
         });
@@ -49,7 +49,7 @@ fn place(ui: &mut Ui, state: &mut State, told: &Told) {
         ui.horizontal(|ui| {
             let text = format!("{}{moved}", state.view.name);
             ComboBox::from_id_salt("view").selected_text(text).show_ui(ui, |ui| {
-                for (i, view) in told.views.iter().enumerate() {
+                for (i, view) in data.views.iter().enumerate() {
                     if ui.selectable_label(view.name == state.view.name, format!("{}  {}", i + 1, view.name)).clicked()
                     {
                         chosen = Some(view);

@@ -1,9 +1,10 @@
-//! What is on screen: panel, methods, intermediates, at any size, and nothing where nothing changes.
+//! Tests of what is on the screen: panel, methods and intermediates at any size, and no work if nothing
+//! changes.
 
-use super::super::fly_camera::Motion;
+use super::super::fly_camera::FlyMotion;
 use super::super::input::Action;
 use super::super::state::{Inside, STEPS, Tab};
-use super::super::viewer::Input;
+use super::super::viewer::ViewerInput;
 use super::{Bench, EXTENT};
 use crate::gpu::Pixels;
 use crate::methods::METHODS;
@@ -11,7 +12,7 @@ use crate::passes::look::Compare;
 use egui::RawInput;
 use std::collections::HashSet;
 
-/// Different colours in some columns, of 16 shades a channel.
+/// The number of different colours in a range of columns, with 16 levels per channel.
 fn colors(pixels: &Pixels, columns: std::ops::Range<u32>) -> usize {
     let of = |(x, y)| pixels.at(x, y)[..3].iter().map(|v| (v * 15.0).round() as u8).collect::<Vec<_>>();
     let texels = (0..pixels.height).flat_map(|y| columns.clone().map(move |x| (x, y)));
@@ -47,7 +48,7 @@ fn every_part_of_the_panel_opens_and_every_method_is_shown() {
         bench.settle();
         assert!(colors(&bench.screen(), 0..200) > 40, "{}", info.name);
     }
-    // The difference of a method from itself is black.
+    // The difference of a method from itself must be black.
     bench.viewer.state.choose(1, &METHODS[0]);
     bench.viewer.state.choose(0, &METHODS[0]);
     (bench.viewer.state.compare, bench.viewer.state.tab) = (Compare::Difference, Tab::None);
@@ -71,12 +72,12 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
             bench.is_valid(image.name);
         }
     }
-    // Level 3 of the chain is blocks of 8 pixels, of one colour each.
+    // Level 3 of the chain consists of blocks of 8 pixels with one colour each.
     bench.viewer.state.inside = Some(Inside { name: "hi-z".into(), level: 3 });
     bench.settle();
     let picture = bench.viewer.read_picture().unwrap().unwrap();
     let block = |x: u32, y: u32| (0..8).all(|i| picture.at(8 * x + i, 8 * y) == picture.at(8 * x, 8 * y + i));
-    assert!((0..20).all(|i| block(i, i)), "a level's texels are as large as its cells");
+    assert!((0..20).all(|i| block(i, i)), "texels of a level must be as large as its cells");
     bench.viewer.state.inside = Some(Inside { name: STEPS.into(), level: 0 });
     bench.settle();
     let steps = bench.viewer.read_picture().unwrap().unwrap();
@@ -97,9 +98,9 @@ fn at_rest_nothing_is_submitted_and_a_change_renders_one_frame() {
         bench.settle();
         let (frames, submissions) = (bench.viewer.counts()[0], bench.gpu.submissions());
         let egui = RawInput { time: Some(bench.time + 1.0), ..RawInput::default() };
-        let input = Input { egui, motion: Motion::default(), seconds: 0.02, extent: bench.extent };
-        assert_eq!(bench.viewer.update(input).unwrap().again, None, "{title}: it asks for another drawing");
-        assert_eq!(bench.gpu.submissions(), submissions, "{title}: a round without a change submits nothing");
+        let input = ViewerInput { egui, motion: FlyMotion::default(), seconds: 0.02, extent: bench.extent };
+        assert_eq!(bench.viewer.update(input).unwrap().again, None, "{title}: it must not ask for another drawing");
+        assert_eq!(bench.gpu.submissions(), submissions, "{title}: a round without a change must submit nothing");
         bench.time += 1.0;
         bench.viewer.act(Action::Roughness(1.0));
         bench.settle();
@@ -122,7 +123,7 @@ fn a_storm_of_sizes_leaves_the_picture_of_the_last() {
     bench.extent = EXTENT;
     bench.settle();
     let after = bench.screen();
-    // The panel shows other numbers.
+    // The panel shows other numbers, so only the pictures are compared.
     let picture = |p: &Pixels| {
         (0..200).flat_map(|y| (0..190).map(move |x| (x, y))).map(|(x, y)| p.at(x, y).to_vec()).collect::<Vec<_>>()
     };
@@ -135,7 +136,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
     let mut bench = Bench::new();
     bench.settle();
     let small = bench.viewer.read_picture().unwrap().unwrap();
-    // To another monitor, on which a point is two pixels: the window keeps its size in points.
+    // As on another monitor where a point is two pixels: the window keeps its size in points.
     (bench.pixels_per_point, bench.extent) = (2.0, EXTENT.map(|v| 2 * v));
     bench.settle();
     bench.is_valid("two pixels a point");

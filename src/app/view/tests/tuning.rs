@@ -1,13 +1,12 @@
-//! What a user changes: options, the camera, a picked ray, shaders, key frames.
+//! Tests of what a user changes: options, the camera, the picked ray, shaders and key frames.
 
 use super::super::input::Action;
 use super::super::inspect::WalkEnd;
-use super::super::panel::options::reads;
-use super::super::reload::Watch;
+use super::super::reload::ShaderWatch;
 use super::super::state::{Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
-use crate::methods::{METHODS, MethodInfo};
+use crate::methods::{METHODS, MethodInfo, parameters};
 use crate::passes::PathCode;
 use crate::passes::look::Compare;
 use crate::scene::path::CameraPath;
@@ -21,12 +20,22 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [96, 60]);
     bench.viewer.state.globals.roughness = Some(0.6);
     let another = [
-        ("preset", "author"),
         ("iterations", "3"),
         ("start-level", "4"),
+        ("cross-offset", "4"),
+        ("direction-tolerance", "1"),
+        ("march-stride", "0.02"),
+        ("march-steps", "2"),
+        ("march-increase", "4"),
+        ("search-steps", "0"),
+        ("search-decrease", "1"),
+        ("search-first", "8"),
+        ("search-tolerance", "1"),
         ("cone-samples", "1"),
+        ("cone-lengthened", "on"),
+        ("camera-fade", "0"),
         ("pixel-step", "7"),
-        ("distance-blur", ""),
+        ("distance-blur", "on"),
         ("chain-filter", "gaussian"),
         ("billboard-order", "nearest"),
         ("billboard-occlusion", "depth"),
@@ -35,14 +44,21 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("resolution-scale", "0.5"),
         ("march", "fixed"),
         ("poster-filter", "volume"),
-        ("march-stride", "0.02"),
-        ("split", ""),
+        ("edge-retries", "9"),
+        ("uniform-steps", "3"),
+        ("uniform-stride-min", "0.2"),
+        ("uniform-stride-max", "0.5"),
+        ("uniform-back", "1"),
+        ("mask-filter", "hardware"),
+        ("depth-sampling", "nearest"),
+        ("spreading-factor", "9"),
+        ("split", "on"),
         ("fade", "off"),
         ("fallback", "environment"),
         ("oracle", "2"),
     ];
-    let flags = Side::flags();
-    assert!(flags.iter().all(|f| another.iter().any(|(flag, _)| flag == f)), "{flags:?}");
+    let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
+    assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
     let frame = |bench: &mut Bench, info, options: &[(&str, &str)]| {
         let options = options.iter().map(|(flag, value)| ((*flag).to_owned(), (*value).to_owned()));
         let side = Side::new(info, options.collect());
@@ -54,16 +70,17 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         (picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>(), bench.viewer.passes(), images)
     };
     for info in METHODS {
-        let (read, not): (Vec<_>, Vec<_>) = another.into_iter().partition(|(flag, _)| reads(info, flag));
+        let (read, not): (Vec<_>, Vec<_>) =
+            another.into_iter().partition(|(name, _)| info.read().iter().any(|p| p.typed_name() == *name));
         let default = frame(&mut bench, info, &[]);
         assert!(frame(&mut bench, info, &not_refused(info, not)) == default, "{}: what it does not read", info.name);
         for option in read {
-            // Here no quad lies behind another, nor behind anything else.
+            // In this scene, no quad is behind another one or behind anything else.
             if info.name == "billboard" {
                 continue;
             }
             // Where distances are blurred, the chain is made.
-            let blurred = ("distance-blur", "");
+            let blurred = ("distance-blur", "on");
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
                 _ => (vec![option], default.clone()),
@@ -74,7 +91,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     bench.is_valid("options");
 }
 
-/// Without the options that a method refuses.
+/// The options without those that a method rejects.
 fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) -> Vec<(&'static str, &'static str)> {
     let refused = |flag| !info.is_screen_space() && ["resolution-scale", "fallback"].contains(&flag);
     options.into_iter().filter(|(flag, _)| !refused(*flag)).collect()
@@ -119,8 +136,8 @@ fn the_mouse_turns_the_camera_moves_the_split_and_picks_a_ray() {
 fn the_drawn_walk_is_the_shaders() {
     let mut bench = Bench::new();
     bench.viewer.state.tab = Tab::Ray;
-    // Where a ray of the thesis passes a cell's corner within rounding, the device may go another way;
-    // unified's twin is the same to the bit.
+    // Where a ray of the thesis passes a cell's corner within rounding, the device may take another way. The
+    // twin of `unified` is exact to the bit.
     for (method, least) in [("ssct", 0.99), ("unified", 1.0)] {
         bench.viewer.state.choose(0, crate::methods::find(method).unwrap());
         bench.settle();
@@ -156,10 +173,10 @@ fn the_drawn_walk_is_the_shaders() {
 fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
     let folder = tempfile::tempdir().unwrap();
     let root = copied_shaders(folder.path());
-    let mut watch = Watch::new(&root).unwrap();
+    let mut watch = ShaderWatch::new(&root).unwrap();
     let (sender, changes) = std::sync::mpsc::channel();
     let mut bench = Bench::new();
-    bench.viewer.watch(Shaders { folder: "shaders".into(), changes, said: Vec::new() });
+    bench.viewer.watch(Shaders { folder: "shaders".into(), changes, statuses: Vec::new() });
     (bench.viewer.state.tab, bench.extent) = (Tab::None, [200, 120]);
     bench.settle();
     let mut edit = |bench: &mut Bench, from: &str, to: &str| {
@@ -170,19 +187,19 @@ fn shaders_reload_and_a_broken_one_leaves_the_last_good() {
         sender.send(watch.look()).unwrap();
         bench.settle();
         bench.is_valid(to);
-        let said = bench.viewer.said_of_shaders();
-        let said = said.iter().find(|(name, _)| *name == "common/composite.frag").unwrap().1.clone();
-        (said, bench.viewer.read_picture().unwrap().unwrap())
+        let status = bench.viewer.shader_statuses();
+        let status = status.iter().find(|(name, _)| *name == "common/composite.frag").unwrap().1.clone();
+        (status, bench.viewer.read_picture().unwrap().unwrap())
     };
     let before = bench.viewer.read_picture().unwrap().unwrap();
-    let (said, red) = edit(&mut bench, "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
-    assert_eq!(said, Ok(()));
+    let (status, red) = edit(&mut bench, "vec4(color, 1.0)", "vec4(1.0, 0.0, 0.0, 1.0)");
+    assert_eq!(status, Ok(()));
     assert!(red != before && red.texels().all(|t| t == [1.0, 0.0, 0.0, 1.0]));
-    let (said, still) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
-    assert!(said.is_err_and(|m| m.contains("composite.frag") && m.contains("nonsense")));
+    let (status, still) = edit(&mut bench, "vec4(1.0, 0.0, 0.0, 1.0)", "vec4(1.0, nonsense)");
+    assert!(status.is_err_and(|m| m.contains("composite.frag") && m.contains("nonsense")));
     assert!(still == red, "the last good one stays in use");
-    let (said, again) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
-    assert!(said == Ok(()) && again == before);
+    let (status, again) = edit(&mut bench, "vec4(1.0, nonsense)", "vec4(color, 1.0)");
+    assert!(status == Ok(()) && again == before);
 }
 
 #[test]

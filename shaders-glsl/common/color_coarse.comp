@@ -1,0 +1,43 @@
+#version 460
+#pragma program(ColorCoarse)
+// The seven coarsest levels of the colour's chain in one dispatch, each a linear blit of the one below it. They are small:
+// one workgroup makes them all, so that its barriers take the place of seven commands with a barrier each.
+
+layout(local_size_x = 256) in;
+
+layout(binding = 0, rgba16f) uniform readonly image2D level_0; // what is there; the side of level 1 is at most 127
+layout(binding = 1, rgba16f) uniform coherent image2D level_1;
+layout(binding = 2, rgba16f) uniform coherent image2D level_2;
+layout(binding = 3, rgba16f) uniform coherent image2D level_3;
+layout(binding = 4, rgba16f) uniform coherent image2D level_4;
+layout(binding = 5, rgba16f) uniform coherent image2D level_5;
+layout(binding = 6, rgba16f) uniform coherent image2D level_6;
+layout(binding = 7, rgba16f) uniform writeonly image2D level_7;
+
+// (An array of images would need a feature that not every device has.)
+#define MAKE(here, below) \
+    { \
+        ivec2 size = imageSize(here), last = imageSize(below) - 1; \
+        vec2 scale = vec2(last + 1) / vec2(size); \
+        for (int i = int(gl_LocalInvocationIndex); i < size.x * size.y; i += int(gl_WorkGroupSize.x)) { \
+            ivec2 texel = ivec2(i % size.x, i / size.x); \
+            vec2 place = max((vec2(texel) + 0.5) * scale - 0.5, 0.0); \
+            ivec2 low = ivec2(place), high = min(low + 1, last); \
+            vec2 part = place - vec2(low); \
+            vec4 upper = mix(imageLoad(below, low), imageLoad(below, ivec2(high.x, low.y)), part.x); \
+            vec4 lower = mix(imageLoad(below, ivec2(low.x, high.y)), imageLoad(below, high), part.x); \
+            imageStore(here, texel, mix(upper, lower, part.y)); \
+        } \
+        memoryBarrierImage(); \
+        barrier(); \
+    }
+
+void main() {
+    MAKE(level_1, level_0)
+    MAKE(level_2, level_1)
+    MAKE(level_3, level_2)
+    MAKE(level_4, level_3)
+    MAKE(level_5, level_4)
+    MAKE(level_6, level_5)
+    MAKE(level_7, level_6)
+}

@@ -1,0 +1,98 @@
+// What shaders and host must mean alike, declared here alone: build.rs makes Rust of it (`math::constants`). Each
+// constant stands on a line of its own, `const TYPE NAME = VALUE;`, with a comment above or beside it.
+
+#ifndef COMMON_CONSTANTS_GLSL
+#define COMMON_CONSTANTS_GLSL
+
+// A pixel reflects above this reflectivity, if it isn't sky (docs/definitions.md, "Surfaces").
+const float REFLECTS_ABOVE = 1e-4;
+// Squared length of a normal up to which nothing stands there.
+const float NO_NORMAL = 1e-4;
+// ξ of Eq. 4.5: the share of the lobe's energy outside the cone.
+const float XI = 0.244;
+// Share of the view depth that a pixel's surface is taken to measure in depth at least (docs/definitions.md, "Oracle",
+// item 3).
+const float SHARE_OF_DEPTH = 0.004;
+// Version 2 of the oracle: fronts of neighbouring pixels, in reversed depth, are of one surface if they lie no
+// further apart than this share of the two blocks' thicknesses together. (Of a plane, half is enough.)
+const float JOINED = 0.8;
+// How far a hit may lie from the depth of its pixel and still be what the pixel shows: this share of its own z, and as
+// many metres (docs/definitions.md, "World agreement").
+const float VISIBLE_WITHIN = 0.02;
+// What the traversal of `unified` takes for infinite: a time at which a ray never leaves a cell.
+const float NEVER = 1e30;
+
+// How a ray ended (`passes::PathCode`).
+const int PATH_NONE = 0;          // The pixel does not reflect.
+const int PATH_HI_Z = 1;          // Hit by Hi-Z traversal.
+const int PATH_LINEAR = 2;        // Hit by a linear march: the fallback's, or the method's own.
+const int PATH_MISS = 3;          // Hi-Z traversal left the screen.
+const int PATH_LINEAR_MISS = 4;   // A linear march found nothing.
+const int PATH_EXHAUSTED = 5;     // Out of iterations; the thesis takes it for a hit.
+const int PATH_UNTRACED = 6;      // Towards the camera, and the method has no fallback.
+const int PATH_UNFINISHED = 7;    // `unified`: out of steps. It cannot be, is never a hit, and is counted all the same.
+const int PATH_MISS_SCREEN = 8;   // `unified`: left by a side of the screen.
+const int PATH_MISS_NEAR = 9;     // `unified`: went behind the near plane.
+const int PATH_MISS_SKY = 10;     // `unified`: went beyond the far plane.
+const int PATH_MISS_BEHIND = 11;  // `unified`: left the frustum behind geometry.
+
+// Roughness above which `unified` takes a lobe for wide. Up to this, a ray a pixel is traced; above, one for 2 x 2, of
+// which more are gathered: a wider lobe needs more rays, and those of farther neighbours fit it.
+const float WIDE_ABOVE = 0.2;
+// Pixels along a side of a tile that `unified` classifies.
+const int TILE_SIDE = 16;
+const int MIRROR_LIST = 0;        // The list of tiles with mirrors.
+const int NARROW_LIST = 1;        // The list of tiles with narrow lobes.
+const int WIDE_LIST = 2;          // The list of tiles with wide lobes.
+const int LISTS = 3;              // Lists that the classification writes.
+// Pixels along a side of what a workgroup makes of the pyramid of `unified`.
+const int PYRAMID_TILE_SIDE = 64;
+
+// The gloss of `unified`.
+const float NARROW_PART = 0.5;        // The pattern covers this part of a narrow lobe; footprints reach into the rest.
+// Footprints to a narrow lobe, of nine rays: each reaches into its neighbours', for steadiness under a moving camera.
+const float NARROW_FOOTPRINTS = 4.5;
+const float WIDE_FOOTPRINTS = 25.0;   // Footprints to a wide lobe: one a ray.
+// A hit so near, in pixels, of a wide lobe: what a neighbour sees in this direction is more likely as near to itself
+// than at this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
+const float NEAR_HIT = 8.0;
+const float FAR_AWAY = 1e3;           // So many times as far away the point of such a hit is put.
+// What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
+const float LEAST_WEIGHT = 1e-4;
+const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.
+const float CELL_REACH = 4.0;         // Pixels along an axis from a cell's ray to where it would weigh nothing.
+const float GREATEST_HALF = 65504.0;  // The greatest 16-bit float.
+
+// Weights of the 7-tap Gaussian of thesis 4.3.2 by the distance from its middle.
+const float GAUSSIAN_0 = 0.474;   // The middle.
+const float GAUSSIAN_1 = 0.233;   // One tap away.
+const float GAUSSIAN_2 = 0.028;   // Two taps away.
+const float GAUSSIAN_3 = 0.002;   // Three taps away.
+
+const int MAX_LIGHTS = 16;        // The most lights that a scene can have.
+const int MAX_AREA_LIGHTS = 16;   // The most area lights that `area-light` takes.
+const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` takes.
+
+const uint NORMAL_MAP = 1u;       // The bit of a material with a normal map.
+const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.
+
+const int SHAPE_SPHERE = 0;       // An area light that is a sphere.
+const int SHAPE_CAPSULE = 1;      // An area light that is a capsule.
+const int SHAPE_RECTANGLE = 2;    // An area light that is a rectangle.
+
+const int ORDER_PRINTED = 0;      // Billboards as listing 2 has it.
+const int ORDER_UNBROKEN = 1;     // The last billboard of the list that lies ahead.
+const int ORDER_NEAREST = 2;      // The nearest billboard.
+
+const int COMPARE_ONE = 0;        // The window shows one picture,
+const int COMPARE_SPLIT = 1;      // the first left of a line and the second right of it,
+const int COMPARE_DIFFERENCE = 2; // or the difference of two.
+
+const int CONTENT_COLOR = 0;          // Shown as a colour,
+const int CONTENT_NORMAL = 1;         // as a normal,
+const int CONTENT_REVERSED_DEPTH = 2; // as reversed depth,
+const int CONTENT_STANDARD_DEPTH = 3; // as minimum and maximum of standard depth,
+const int CONTENT_PLAIN = 4;          // as numbers as they are,
+const int CONTENT_HEAT = 5;           // or as a heat map of one number.
+
+#endif

@@ -1,0 +1,48 @@
+#version 460
+#pragma program(PosterBlurAcross, ACROSS)
+#pragma program(PosterBlurDown)
+// One direction of one slice: a Gaussian of depth, normal and colour at once. Across, from a slice of the volumes into
+// plain images; down, from these into the next slice. Taps are those of thesis 4.3.2, `blur.direction` apart.
+
+#include "thesis/gaussian_blur.glsl"
+
+layout(push_constant) uniform PosterBlurBlock {
+    vec2 inverse_size; // 1 / pixels
+    vec2 direction;    // from tap to tap, in texture coordinates
+    float slice;       // texture coordinate of the slice that is read
+} blur;
+
+#ifdef ACROSS
+#define SOURCE sampler3D
+#define READ(name, texCoord) textureLod(name, vec3(texCoord, blur.slice), 0.0)
+#else
+#define SOURCE sampler2D
+#define READ(name, texCoord) textureLod(name, texCoord, 0.0)
+#endif
+
+layout(binding = 0) uniform SOURCE depth_source;
+layout(binding = 1) uniform SOURCE normal_source;
+layout(binding = 2) uniform SOURCE color_source;
+
+layout(location = 0) out float out_depth;
+layout(location = 1) out vec4 out_normal;
+layout(location = 2) out vec4 out_color;
+
+float Depth(vec2 texCoord) {
+    return READ(depth_source, texCoord).r;
+}
+
+vec4 Normal(vec2 texCoord) {
+    return READ(normal_source, texCoord);
+}
+
+vec4 Color(vec2 texCoord) {
+    return READ(color_source, texCoord);
+}
+
+void main() {
+    vec2 texCoord = gl_FragCoord.xy * blur.inverse_size;
+    out_depth = GAUSSIAN_BLUR(Depth, texCoord, blur.direction);
+    out_normal = GAUSSIAN_BLUR(Normal, texCoord, blur.direction);
+    out_color = GAUSSIAN_BLUR(Color, texCoord, blur.direction);
+}

@@ -1,0 +1,166 @@
+#version 460
+#pragma program(ConeMarchMip)
+#pragma program(ConeMarchVolume, VOLUME)
+// The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along
+// the reflected view direction through the pre-filtered G-buffer, whose filter level follows the cone.
+// VOLUME reads the volumes instead of the mip chains.
+
+#include "common/camera.glsl"
+#include "common/constants.glsl"
+#include "thesis/cone_angle.glsl"
+#include "thesis/border_fade.glsl"
+
+#ifdef VOLUME
+#define FILTERED sampler3D
+#else
+#define FILTERED sampler2D
+#endif
+
+layout(binding = 1) uniform sampler2D normal_buffer;     // view space
+layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughness
+layout(binding = 3) uniform FILTERED filtered_depth;     // view-space z, metres
+layout(binding = 4) uniform FILTERED filtered_normal;    // view space, shorter where normals differ
+layout(binding = 5) uniform FILTERED filtered_color;     // lit colour
+
+layout(push_constant) uniform PosterBlock {
+    float first_step;       // as a part of the screen's height at the pixel's depth
+    float step_increase;    // factor from step to step
+    int step_count;
+    int search_count;       // steps of the binary search
+    float search_decrease;  // factor from step to step
+    float epsilon;          // of a hit-point, as a part of its depth
+    int edge_retries;       // how often a step that leaves the screen is halved
+    float fade_start;
+    float fade_end;
+    int fade;               // 0: no fade
+} poster;
+
+layout(constant_id = 0) const bool HITS = false; // whether out_hit is wanted
+
+layout(location = 0) out vec4 out_reflection; // colour, and fade in a
+layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+
+vec4 Filtered(FILTERED tex, vec2 texCoord, float level) {
+#ifdef VOLUME
+    return textureLod(tex, vec3(texCoord, (level + 0.5) / float(textureSize(tex, 0).z)), 0.0);
+#else
+    return textureLod(tex, texCoord, level);
+#endif
+}
+
+// Texture coordinates and standard depth of a point in view space.
+vec3 Project(vec3 position) {
+    vec4 clip = camera.view_to_clip * vec4(position, 1.0);
+    return vec3(clip.xy / clip.w * vec2(0.5, -0.5) + vec2(0.5), clip.z / clip.w);
+}
+
+bool LeftScreen(vec2 texCoord) {
+    return any(lessThan(texCoord, vec2(0.0))) || any(greaterThan(texCoord, vec2(1.0)));
+}
+
+// Metres that the screen's height spans at a depth.
+float ScreenHeight(float z) {
+    return 2.0 * z / camera.view_to_clip[1][1];
+}
+
+// Level at which one texel (figure 1: a quad) is as large as the cone's cross-section, after a path of
+// some length at a depth: the side of the square that the solid angle cuts out there, in pixels.
+float Level(float solidAngle, float pathLength, float z) {
+    float side = sqrt(solidAngle) * pathLength * camera.resolution.y / ScreenHeight(z);
+    return log2(max(side, 1.0));
+}
+
+struct Cone {
+    vec3 origin;      // P
+    vec3 direction;   // V_R, unit
+    float solidAngle; // steradians
+};
+
+vec3 At(Cone cone, float pathLength) {
+    return cone.origin + cone.direction * pathLength;
+}
+
+// How far a cone's position lies before the average depth of the geometry that it covers.
+float DepthDelta(Cone cone, float pathLength) {
+    vec3 Q = At(cone, pathLength);
+    return Filtered(filtered_depth, Project(Q).xy, Level(cone.solidAngle, pathLength, Q.z)).r - Q.z;
+}
+
+// "If Q is within a defined epsilon we found our final hit-point"; else there is none: -1.
+float BinarySearch(Cone cone, float pathLength, float stride) {
+    for (int i = 0; i < poster.search_count; ++i) {
+        float delta = DepthDelta(cone, pathLength);
+        if (abs(delta) <= poster.epsilon * At(cone, pathLength).z)
+            return pathLength;
+        pathLength += delta > 0.0 ? stride : -stride;
+        stride *= poster.search_decrease;
+    }
+    return -1.0;
+}
+
+// The length of the path to the hit-point; -1 for none.
+float ConeMarch(Cone cone) {
+    float previous = 0.0;
+    float stride = poster.first_step * ScreenHeight(cone.origin.z);
+    int edgeHits = 0;
+    for (int i = 0; i < poster.step_count; ++i) {
+        float pathLength = previous + stride;
+        vec3 Q = At(cone, pathLength);
+        if (Q.z <= camera.near_plane || Q.z >= camera.far_plane || LeftScreen(Project(Q).xy)) {
+            if (edgeHits >= poster.edge_retries)
+                return -1.0;
+            ++edgeHits;
+            stride *= 0.5;
+            continue;
+        }
+        edgeHits = 0;
+        if (DepthDelta(cone, pathLength) < 0.0) {
+            // Back to the midpoint of Q_N and Q_N-1; what is left of the step lies within half of it.
+            return BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride);
+        }
+        previous = pathLength;
+        stride *= poster.step_increase;
+    }
+    return -1.0;
+}
+
+void main() {
+    out_reflection = vec4(0.0);
+    if (HITS)
+        out_hit = vec4(vec3(-1.0), PATH_NONE);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    if (material.r <= REFLECTS_ABOVE || dot(normal, normal) <= NO_NORMAL)
+        return;
+
+    // Position from the linear depth, along the pixel's line of sight.
+    vec2 texCoord = gl_FragCoord.xy / camera.resolution;
+    vec4 sight = camera.clip_to_view * vec4(texCoord * vec2(2.0, -2.0) + vec2(-1.0, 1.0), 0.5, 1.0);
+    float z = Filtered(filtered_depth, texCoord, 0.0).r;
+    Cone cone;
+    cone.origin = sight.xyz * (z / sight.z);
+    cone.direction = reflect(normalize(cone.origin), normalize(normal));
+    float halfAngle = ConeAngle(material.g);
+    // 2 pi (1 - cos(halfAngle)), without the difference of nearly equal numbers
+    cone.solidAngle = 4.0 * 3.14159265 * pow(sin(0.5 * halfAngle), 2.0);
+
+    if (HITS)
+        out_hit = vec4(vec3(-1.0), PATH_LINEAR_MISS);
+    float pathLength = ConeMarch(cone);
+    if (pathLength < 0.0)
+        return;
+    vec3 Q = At(cone, pathLength);
+    vec3 hit = Project(Q);
+    float level = Level(cone.solidAngle, pathLength, Q.z);
+    // What faces away from the cone sends nothing along it. Seen a pixel further on: where surfaces meet,
+    // the texel of the hit-point may still be the surface that the cone began on.
+    vec2 across = (hit.xy - texCoord) * camera.resolution;
+    vec2 beyond = hit.xy + across / (max(length(across), 1e-6) * camera.resolution);
+    if (dot(Filtered(filtered_normal, beyond, level).xyz, cone.direction) >= 0.0)
+        return;
+    if (HITS)
+        out_hit = vec4(hit, PATH_LINEAR);
+    float fade = poster.fade != 0 ? BorderFade(hit.xy, poster.fade_start, poster.fade_end) : 1.0;
+    out_reflection = vec4(Filtered(filtered_color, hit.xy, level).rgb, fade);
+}

@@ -1,0 +1,48 @@
+//! The command line as a whole: the list of commands. Only [`super::run`] reads it, so that no command depends on the
+//! others.
+
+use super::cli::{
+    DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, RenderOptions, StressOptions, StudyOptions,
+    TimeOptions,
+};
+use super::compare::CompareOptions;
+use super::truth::TruthOptions;
+use super::view::ViewOptions;
+use clap::{Parser, Subcommand};
+
+/// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
+#[derive(Debug, Parser)]
+#[command(name = "ssct", version, about, propagate_version = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// List what Vulkan offers here.
+    Devices(DevicesOptions),
+    /// Render one image.
+    Render(RenderOptions),
+    /// Time every pass on the GPU.
+    Time(TimeOptions),
+    /// Measure run time against error.
+    Error(ErrorOptions),
+    /// Try every method on G-buffers and cameras that break renderers.
+    Stress(StressOptions),
+    /// Write a G-buffer to a file, or run a method on one from any renderer.
+    #[command(subcommand, name = "gbuffer")]
+    GBuffer(GBufferCommand),
+    /// Render and time the built-in scenes, and write a page that shows it all.
+    Study(StudyOptions),
+    /// Make every figure of the theses, and a page that shows them.
+    Figures(FiguresOptions),
+    /// Fly through a scene in a window.
+    View(ViewOptions),
+    /// Write the ground truth for another renderer to check.
+    Truth(TruthOptions),
+    /// Compare the times of two runs, or two images.
+    Compare(CompareOptions),
+}

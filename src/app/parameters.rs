@@ -1,0 +1,171 @@
+//! Parameters on the command line: the flags of methods, made from the methods' tables.
+
+use crate::methods::{self, Setup};
+use crate::parameter::{Choices, Domain, Parameter, Preset, Values};
+use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+
+/// How methods run: the values of the flags that were given.
+#[derive(Debug, Clone, Default)]
+pub struct MethodOptions {
+    /// By name.
+    pub values: Values,
+}
+
+/// The flag of the preset.
+const PRESET: &str = "preset";
+
+impl MethodOptions {
+    /// How methods are set up at a size.
+    pub fn setup(&self, extent: [u32; 2]) -> Setup {
+        Setup { extent, values: self.values.clone() }
+    }
+
+    /// From values as they are typed, by the names of the flags.
+    ///
+    /// # Errors
+    /// A sentence for a name that no method has, and for a value that its parameter does not take.
+    pub fn from_typed<'t>(typed: impl Iterator<Item = (&'t str, &'t str)>) -> crate::error::Result<Self> {
+        let usage = crate::error::Error::Usage;
+        let parameters = methods::parameters();
+        let mut values = Values::default();
+        for (name, text) in typed {
+            if name == PRESET {
+                let none = || usage(format!("there is no preset {text:?}"));
+                values.preset = Preset::of_name(text).ok_or_else(none)?;
+                continue;
+            }
+            let row = parameters.iter().map(|(p, _)| p).find(|p| p.typed_name() == name);
+            let row = row.ok_or_else(|| usage(format!("no method has a parameter {name:?}")))?;
+            values.set(row, row.parse(text)?);
+        }
+        Ok(Self { values })
+    }
+
+    /// What was given on a command line, as it was typed.
+    pub fn typed(matches: &ArgMatches) -> Vec<(String, String)> {
+        let given = |id: &String| {
+            let there = matches.try_contains_id(id).unwrap_or(false)
+                && matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
+            let raw = || matches.get_raw(id).and_then(|mut v| v.next()).map(|v| v.to_string_lossy().into_owned());
+            there.then(|| (id.clone(), raw().unwrap_or_default()))
+        };
+        let names = methods::parameters().into_iter().map(|(p, _)| p.typed_name());
+        std::iter::once(PRESET.to_owned()).chain(names).filter_map(|id| given(&id)).collect()
+    }
+}
+
+/// A parser of the names of choices.
+pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let possible = T::CHOICES.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim()));
+    PossibleValuesParser::new(possible.collect::<Vec<_>>())
+        .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
+}
+
+/// The flag of a parameter, with the methods that read it and the values of both presets.
+fn flag(parameter: &Parameter, methods: &[&methods::MethodInfo]) -> Arg {
+    let names: Vec<_> = methods.iter().map(|m| m.name).collect();
+    let mut help = format!("{} [", parameter.help);
+    if names.len() < 4 {
+        help += &format!("{}; ", names.join(", "));
+    }
+    help += &format!("published: {}", parameter.published);
+    if parameter.author != parameter.published {
+        help += &format!("; author: {}", parameter.author);
+    }
+    help += "]";
+    let argument = Arg::new(parameter.typed_name()).long(parameter.typed_name()).help(help);
+    let row = parameter.clone();
+    let parsed =
+        StringValueParser::new().try_map(move |text| row.parse(&text).map(|_| text).map_err(|e| e.to_string()));
+    match &parameter.domain {
+        Domain::Switch if parameter.published == crate::parameter::Value::Switch(false) => argument
+            .value_parser(possible(parameter))
+            .num_args(0..=1)
+            .require_equals(true)
+            .default_missing_value("on")
+            .value_name("on|off"),
+        Domain::Count(..) => argument.value_parser(parsed).value_name("N"),
+        Domain::Number { .. } => argument.value_parser(parsed).value_name("X"),
+        _ => argument.value_parser(possible(parameter)),
+    }
+}
+
+fn possible(parameter: &Parameter) -> ValueParser {
+    let few = match &parameter.domain {
+        Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
+        domain => {
+            domain.few().unwrap_or_default().iter().map(|v| PossibleValue::new(v.to_string())).collect::<Vec<_>>()
+        }
+    };
+    PossibleValuesParser::new(few).into()
+}
+
+impl Args for MethodOptions {
+    fn augment_args(command: Command) -> Command {
+        let preset = Arg::new(PRESET)
+            .long(PRESET)
+            .help("Whose constants a published method uses [default: published]")
+            .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
+        methods::parameters().iter().fold(command.arg(preset), |c, (p, methods)| c.arg(flag(p, methods)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for MethodOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let typed = Self::typed(matches);
+        Self::from_typed(typed.iter().map(|(name, text)| (name.as_str(), text.as_str())))
+            .map_err(|e| clap::Error::raw(clap::error::ErrorKind::ValueValidation, format!("{e}\n")))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::METHODS;
+
+    fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
+        let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);
+        MethodOptions::from_arg_matches(&command.try_get_matches_from(flags)?)
+    }
+
+    /// Every parameter of every method has a flag, and what the flag gives reaches the recorded setup.
+    #[test]
+    fn every_parameter_has_a_flag_that_reaches_the_record() {
+        for method in METHODS {
+            for row in method.read() {
+                let values = row.domain.few().unwrap_or_else(|| vec![row.published, row.author]);
+                for value in values {
+                    let flag = format!("--{}={value}", row.typed_name());
+                    let options = parse(&[&flag]).unwrap_or_else(|e| panic!("{flag}: {e}"));
+                    assert_eq!(options.values.of(&row), value, "{flag}");
+                    let recorded = options.setup([8, 8]).recorded(Some(method));
+                    assert_eq!(recorded[row.name].to_string().trim_matches('"'), json(value), "{flag}");
+                }
+            }
+        }
+    }
+
+    fn json(value: crate::parameter::Value) -> String {
+        serde_json::to_string(&value).expect("a value").trim_matches('"').to_owned()
+    }
+
+    #[test]
+    fn flags_read_as_they_always_did() {
+        let options = parse(&["--preset", "author", "--cone-samples=3", "--split", "--fade", "off"]).expect("flags");
+        assert_eq!(options.values.preset, Preset::Author);
+        assert_eq!(options.values.given().collect::<Vec<_>>(), ["cone_samples", "fade", "split"]);
+        for wrong in ["--cone-samples=0", "--cone-samples=many", "--fade=maybe", "--march-stride=0", "--preset=mine"] {
+            assert!(parse(&[wrong]).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Works around a bug of the validation layers 1.3.239: descriptor sets from pools, for GPU-assisted validation.
+//!
+//! These layers do not tell their instrumented shaders which descriptors were pushed (KhronosGroup/
+//! Vulkan-ValidationLayers issue 5321, fixed in April 2023 by pull request 5744). Each read of a uniform or storage
+//! block is then reported as that of a descriptor that was never written, and returns 0. Descriptors that are bound as
+//! a set are not affected.
+//!
+//! This can go when layers without that fix need not be supported any more.
+
+use crate::error::Result;
+use crate::gpu::device::{Gpu, vulkan};
+use crate::gpu::limits::MAX_DESCRIPTORS;
+use crate::gpu::shader::BindingKind;
+use ash::vk;
+
+/// Sets of a pool.
+const SETS: usize = 64;
+
+/// Descriptors of each kind in a pool, enough for its sets.
+const DESCRIPTORS: u32 = MAX_DESCRIPTORS * SETS as u32;
+
+/// The descriptor sets of one frame at a time.
+pub(in crate::gpu::frame) struct DescriptorSets {
+    gpu: Gpu,
+    pools: Vec<vk::DescriptorPool>,
+    /// Sets taken since the reset.
+    taken: usize,
+}
+
+impl DescriptorSets {
+    /// No pool yet.
+    pub fn new(gpu: &Gpu) -> Self {
+        Self { gpu: gpu.clone(), pools: Vec::new(), taken: 0 }
+    }
+
+    /// Takes every set back.
+    ///
+    /// # Safety
+    /// No submission that reads a set is under way.
+    pub unsafe fn reset(&mut self) -> Result<()> {
+        for pool in &self.pools {
+            // SAFETY: by the contract.
+            unsafe { self.gpu.raw().reset_descriptor_pool(*pool, vk::DescriptorPoolResetFlags::empty()) }
+                .map_err(vulkan("vkResetDescriptorPool"))?;
+        }
+        self.taken = 0;
+        Ok(())
+    }
+
+    /// A set of a layout, this frame's until [`Self::reset`].
+    pub fn take(&mut self, layout: vk::DescriptorSetLayout, name: &str) -> Result<vk::DescriptorSet> {
+        if self.taken == SETS * self.pools.len() {
+            self.pools.push(self.pool()?);
+        }
+        let layouts = [layout];
+        let pool = self.pools[self.taken / SETS];
+        let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        // SAFETY: pool and layout are alive.
+        let sets = unsafe { self.gpu.raw().allocate_descriptor_sets(&info) }
+            .map_err(vulkan(format!("vkAllocateDescriptorSets for {name}")))?;
+        self.taken += 1;
+        Ok(sets[0])
+    }
+
+    fn pool(&self) -> Result<vk::DescriptorPool> {
+        use BindingKind as K;
+        let sizes = [K::SampledImage, K::StorageImage, K::UniformBuffer, K::StorageBuffer]
+            .map(|kind| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS });
+        let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS as u32).pool_sizes(&sizes);
+        // SAFETY: the create info lives through the call; destroyed in `drop`.
+        unsafe { self.gpu.raw().create_descriptor_pool(&info, None) }.map_err(vulkan("vkCreateDescriptorPool"))
+    }
+}
+
+impl Drop for DescriptorSets {
+    fn drop(&mut self) {
+        for pool in &self.pools {
+            // SAFETY: submissions are waited for before their context goes.
+            unsafe { self.gpu.raw().destroy_descriptor_pool(*pool, None) };
+        }
+    }
+}

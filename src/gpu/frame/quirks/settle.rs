@@ -1,0 +1,62 @@
+//! Works around a bug of lavapipe in Mesa 22.3, which compiles shaders again at every draw.
+//!
+//! If a shader's control flow depends on uniforms, `update_inline_shader_state` (lvp_execute.c) inserts their values
+//! into a copy of the shader and compiles the copy: at every draw, even if nothing has changed, and without freeing it.
+//! This costs milliseconds and megabytes per frame. Only if neither uniforms nor push constants are new at a draw does
+//! lavapipe find that the copy is no better, and then it uses one shader from then on. Each pipeline that draws
+//! full-screen triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values.
+//! Shaders for meshes and compute shaders of this crate have no such control flow.
+//!
+//! This can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
+//! resident memory stays flat, passes on it without this file.
+
+use crate::error::Result;
+use crate::gpu::device::Gpu;
+use crate::gpu::frame::Frame;
+use crate::gpu::frame::bind::Given;
+use crate::gpu::frame::target::View;
+use crate::gpu::pipeline::{Graphics, GraphicsPipeline};
+use crate::gpu::programs::Nothing;
+use ash::vk;
+use std::cell::Cell;
+use std::rc::Rc;
+
+/// The pipeline that consumes pushed values so that they are no longer new.
+pub(in crate::gpu::frame) struct Settling(GraphicsPipeline<Nothing>);
+
+impl Settling {
+    /// Makes the pipeline if the driver needs it.
+    pub fn new(gpu: &Gpu) -> Result<Option<Self>> {
+        if !gpu.info().driver.starts_with("llvmpipe Mesa 22.") {
+            return Ok(None);
+        }
+        Ok(Some(Self(GraphicsPipeline::fullscreen(gpu, [])?)))
+    }
+}
+
+impl Frame<'_> {
+    /// Whether a pipeline must be settled now, which is at its first draw on such a driver. The caller then calls
+    /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled once the
+    /// frame is submitted.
+    pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Rc<Cell<bool>>) -> bool {
+        let is_new = !settled.get() && self.settled.iter().all(|other| !Rc::ptr_eq(other, settled));
+        if self.context.settling.is_none() || !is_new {
+            return false;
+        }
+        self.settled.push(Rc::clone(settled));
+        true
+    }
+
+    /// Pushes the values that a graphics pipeline reads and lets another pipeline consume them. Must be called outside
+    /// of rendering.
+    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &Graphics, given: &Given) -> Result<()> {
+        let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
+        self.rendering(&[], None, View::Down, |frame| {
+            frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
+            frame.bind(other, vk::PipelineBindPoint::GRAPHICS);
+            // SAFETY: a pipeline that reads nothing is bound.
+            unsafe { frame.device().cmd_draw(frame.context.commands, 0, 1, 0, 0) };
+            Ok(())
+        })
+    }
+}

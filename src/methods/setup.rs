@@ -1,0 +1,134 @@
+//! How methods are set up: the size, and the values of their parameters. All of it is in every record.
+
+use super::{MethodInfo, environment, pccm};
+use crate::math::OracleVersion;
+use crate::parameter::{Parameter, Parameters, Preset, Values, choices, parameters};
+use serde_json::{Map, Value as Json};
+
+choices! {
+    /// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
+    pub enum Fallback {
+        /// Nothing: black.
+        None = "none",
+        /// The method `environment`.
+        Environment = "environment",
+        /// The method `pccm`.
+        Pccm = "pccm",
+    }
+}
+
+impl Fallback {
+    /// The method that is behind.
+    pub fn method(self) -> Option<&'static MethodInfo> {
+        match self {
+            Self::None => None,
+            Self::Environment => Some(&environment::INFO),
+            Self::Pccm => Some(&pccm::INFO),
+        }
+    }
+}
+
+parameters! {
+    /// Parameters of what surrounds every method.
+    pub struct EffectParams {
+        /// Reflections fade at the screen's border.
+        fade: bool = Parameter::new(true).source("Hermanns 2015, Eq. 4.7"),
+        /// Trace at a lower resolution and bring the reflection back to full size: traced pixels a side over pixels.
+        resolution_scale: f32 =
+            Parameter::new(1.0).one_of(&[1.0, 0.5, 0.25]).sweep(Preset::Published, &[0.5]).source("Hermanns 2015, §4.4"),
+        /// What is seen behind a screen-space method where its reflection fades out.
+        fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
+        /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
+        /// those that it can have come to from in front.
+        oracle: OracleVersion = Parameter::new(OracleVersion::V1)
+            .sweep(Preset::Published, &[OracleVersion::V2])
+            .source("this project"),
+    }
+}
+
+impl EffectParams {
+    /// Full pixels a side of a pixel that is traced: 1, 2 or 4.
+    pub fn divisor(&self) -> u32 {
+        (1.0 / self.resolution_scale).round() as u32
+    }
+}
+
+/// How methods are set up. One setup may be of several methods: each reads the parameters that it has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+    /// The values of parameters.
+    pub values: Values,
+}
+
+impl Setup {
+    /// The published values at a size.
+    pub fn new(extent: [u32; 2]) -> Self {
+        Self { extent, values: Values::default() }
+    }
+
+    /// The same at another size.
+    #[must_use]
+    pub fn at(&self, extent: [u32; 2]) -> Self {
+        Self { extent, values: self.values.clone() }
+    }
+
+    /// The same with the values of a preset, but for those that were given.
+    #[must_use]
+    pub fn of_preset(&self, preset: Preset) -> Self {
+        let mut of_preset = self.clone();
+        of_preset.values.preset = preset;
+        of_preset
+    }
+
+    /// The same, but for what a function changes of some parameters: of [`EffectParams`] or of a method's own.
+    #[must_use]
+    pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
+        Self { extent: self.extent, values: self.values.with(change) }
+    }
+
+    /// The parameters of a method.
+    pub fn of<P: Parameters>(&self) -> P {
+        P::of(&self.values)
+    }
+
+    /// The parameters of what surrounds a method.
+    pub fn effect(&self) -> EffectParams {
+        self.of()
+    }
+
+    /// As records keep it: size, preset, and the value of every parameter of the effect and of a method.
+    pub fn recorded(&self, method: Option<&MethodInfo>) -> Map<String, Json> {
+        let own = method.map(|m| (m.parameters)()).unwrap_or_default();
+        let rows = EffectParams::table().into_iter().chain(own);
+        let [width, height] = self.extent;
+        let size = [("width", width.into()), ("height", height.into()), ("preset", json(&self.values.preset))];
+        let values = rows.map(|row| (row.name.to_owned(), json(&self.values.of(&row))));
+        size.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(values).collect()
+    }
+}
+
+/// As JSON, a number by its decimal: 0.1 and not the nearest binary fraction in more digits.
+fn json(value: &impl serde::Serialize) -> Json {
+    let text = serde_json::to_string(value).unwrap_or_default();
+    serde_json::from_str(&text).unwrap_or_default()
+}
+
+/// What is wanted of an effect beside the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Wants {
+    /// Where each ray ended, if the method can say it. The rays are traced by the same program either way.
+    pub hits: bool,
+    /// The reflection as an image of its own.
+    pub reflection: bool,
+}
+
+impl Wants {
+    /// The image alone: what is timed.
+    pub const IMAGE: Self = Self { hits: false, reflection: false };
+    /// The reflection, too.
+    pub const REFLECTION: Self = Self { hits: false, reflection: true };
+    /// All there is.
+    pub const HITS: Self = Self { hits: true, reflection: true };
+}

@@ -1,0 +1,538 @@
+//! Parameters: what a user can change about a method. Each is declared once, as a field of a struct made by
+//! [`parameters!`](crate::parameter::parameters); the command line's flags, the window's panel, the `setup` of records,
+//! the keys of journals, the columns of CSV files, the sweeps of the error study, the pairing of comparisons and the
+//! table in `docs/options.md` are all derived from that declaration.
+
+use crate::error::{Error, Result};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// A value of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// On or off.
+    Switch(bool),
+    /// A whole number.
+    Count(u32),
+    /// A finite number.
+    Number(f32),
+    /// The name of one of several choices.
+    Choice(&'static str),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Switch(on) => f.write_str(if *on { "on" } else { "off" }),
+            Self::Count(n) => n.fmt(f),
+            Self::Number(n) => n.fmt(f),
+            Self::Choice(name) => f.write_str(name),
+        }
+    }
+}
+
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        match self {
+            Self::Switch(on) => serializer.serialize_bool(*on),
+            Self::Count(n) => serializer.serialize_u32(*n),
+            Self::Number(n) => serializer.serialize_f32(*n),
+            Self::Choice(name) => serializer.serialize_str(name),
+        }
+    }
+}
+
+/// One of the choices of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does.
+    pub help: &'static str,
+}
+
+/// Which values a parameter takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Domain {
+    /// On and off.
+    Switch,
+    /// Whole numbers from the first to the second, both included.
+    Count(u32, u32),
+    /// Numbers between two bounds, of which the second is included, and the first if `with_least`.
+    Number {
+        /// Lower bound.
+        least: f32,
+        /// Whether the lower bound itself is a value.
+        with_least: bool,
+        /// Upper bound, a value itself.
+        most: f32,
+    },
+    /// These numbers alone.
+    Numbers(&'static [f32]),
+    /// One of these.
+    Choices(&'static [Choice]),
+}
+
+impl Domain {
+    /// Whether it has a value.
+    pub fn has(&self, value: Value) -> bool {
+        match (self, value) {
+            (Self::Switch, Value::Switch(_)) => true,
+            (Self::Count(least, most), Value::Count(n)) => (*least..=*most).contains(&n),
+            (Self::Number { least, with_least, most }, Value::Number(n)) => {
+                n <= *most && (n > *least || *with_least && n == *least)
+            }
+            (Self::Numbers(all), Value::Number(n)) => all.contains(&n),
+            (Self::Choices(all), Value::Choice(name)) => all.iter().any(|c| c.name == name),
+            _ => false,
+        }
+    }
+
+    /// Every value, if they are few: the choices of a list.
+    pub fn few(&self) -> Option<Vec<Value>> {
+        match self {
+            Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
+            Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
+            Self::Choices(all) => Some(all.iter().map(|c| Value::Choice(c.name)).collect()),
+            Self::Count(..) | Self::Number { .. } => None,
+        }
+    }
+}
+
+/// As a reader is told: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if let Some(few) = self.few() {
+            let names: Vec<_> = few.iter().map(Value::to_string).collect();
+            return f.write_str(&names.join(", "));
+        }
+        match self {
+            Self::Count(least, most) => write!(f, "whole numbers from {least} to {most}"),
+            Self::Number { least, with_least: true, most } => write!(f, "numbers from {least} to {most}"),
+            Self::Number { least, most, .. } => write!(f, "numbers above {least} and at most {most}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+choices! {
+    /// Whose constants a published method uses.
+    pub enum Preset {
+        /// What the thesis prints, and the author's value where it prints nothing.
+        Published = "published",
+        /// The author's own program.
+        Author = "author",
+    }
+}
+
+/// What is known of a parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Its name in records, in snake case.
+    pub name: &'static str,
+    /// What it does, as a sentence.
+    pub help: String,
+    /// Unit of a number; empty for none.
+    pub unit: &'static str,
+    /// Which values it takes.
+    pub domain: Domain,
+    /// The value that is published, or this project's where nothing is: the default.
+    pub published: Value,
+    /// The value in the author's own program.
+    pub author: Value,
+    /// Where the published value stands.
+    pub source: &'static str,
+    /// Values that the study of run time against error tries, beside the preset's.
+    pub sweep: Vec<(Preset, Value)>,
+}
+
+impl Parameter {
+    /// A parameter with one value for both presets; the rest follows by the functions below.
+    pub fn new<T: Field>(published: T) -> Self {
+        let published = published.value();
+        Self {
+            name: "",
+            help: String::new(),
+            unit: "",
+            domain: T::domain(),
+            published,
+            author: published,
+            source: "",
+            sweep: Vec::new(),
+        }
+    }
+
+    /// The value in the author's own program.
+    pub fn author<T: Field>(self, value: T) -> Self {
+        Self { author: value.value(), ..self }
+    }
+
+    /// Whole numbers from `least` to `most`.
+    pub fn within(self, least: u32, most: u32) -> Self {
+        Self { domain: Domain::Count(least, most), ..self }
+    }
+
+    /// Numbers from `least` to `most`.
+    pub fn between(self, least: f32, most: f32) -> Self {
+        Self { domain: Domain::Number { least, with_least: true, most }, ..self }
+    }
+
+    /// Numbers above `least`, up to `most`.
+    pub fn above(self, least: f32, most: f32) -> Self {
+        Self { domain: Domain::Number { least, with_least: false, most }, ..self }
+    }
+
+    /// These numbers alone.
+    pub fn one_of(self, numbers: &'static [f32]) -> Self {
+        Self { domain: Domain::Numbers(numbers), ..self }
+    }
+
+    /// The unit.
+    pub fn unit(self, unit: &'static str) -> Self {
+        Self { unit, ..self }
+    }
+
+    /// Where the published value stands.
+    pub fn source(self, source: &'static str) -> Self {
+        Self { source, ..self }
+    }
+
+    /// Values that the error study tries around a preset.
+    pub fn sweep<T: Field>(mut self, preset: Preset, values: &[T]) -> Self {
+        self.sweep.extend(values.iter().map(|v| (preset, v.value())));
+        self
+    }
+
+    /// Names it. Of the lines of a doc comment each begins with a space.
+    #[doc(hidden)]
+    pub fn named(self, name: &'static str, help: &str) -> Self {
+        Self { name, help: help.trim().to_owned(), ..self }
+    }
+
+    /// The value of a preset.
+    pub fn of(&self, preset: Preset) -> Value {
+        match preset {
+            Preset::Published => self.published,
+            Preset::Author => self.author,
+        }
+    }
+
+    /// The name as it is typed: in kebab case.
+    pub fn typed_name(&self) -> String {
+        self.name.replace('_', "-")
+    }
+
+    /// Reads a value.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the values that there are.
+    pub fn parse(&self, text: &str) -> Result<Value> {
+        let text = text.trim();
+        let value = match &self.domain {
+            Domain::Switch => match text {
+                "on" => Some(Value::Switch(true)),
+                "off" => Some(Value::Switch(false)),
+                _ => None,
+            },
+            Domain::Count(..) => text.parse().ok().map(Value::Count),
+            Domain::Number { .. } | Domain::Numbers(_) => text.parse().ok().map(Value::Number),
+            Domain::Choices(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
+        };
+        value
+            .filter(|v| self.domain.has(*v))
+            .ok_or_else(|| Error::Usage(format!("{} is {text:?}; it takes {}", self.typed_name(), self.domain)))
+    }
+}
+
+/// A type that a parameter's value has in code.
+pub trait Field: Copy + PartialEq {
+    /// Every value of the type.
+    fn domain() -> Domain;
+    /// As a value.
+    fn value(self) -> Value;
+    /// From a value; `None` if it is of another type.
+    fn from_value(value: Value) -> Option<Self>;
+}
+
+impl Field for bool {
+    fn domain() -> Domain {
+        Domain::Switch
+    }
+
+    fn value(self) -> Value {
+        Value::Switch(self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Switch(on) = value { Some(on) } else { None }
+    }
+}
+
+impl Field for u32 {
+    fn domain() -> Domain {
+        Domain::Count(0, Self::MAX)
+    }
+
+    fn value(self) -> Value {
+        Value::Count(self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Count(n) = value { Some(n) } else { None }
+    }
+}
+
+impl Field for f32 {
+    fn domain() -> Domain {
+        Domain::Number { least: Self::MIN, with_least: true, most: Self::MAX }
+    }
+
+    fn value(self) -> Value {
+        Value::Number(self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Number(n) = value { Some(n) } else { None }
+    }
+}
+
+/// A type of few values with names.
+pub trait Choices: Copy + PartialEq + 'static {
+    /// Every value, the default first.
+    const ALL: &'static [Self];
+    /// Their names, in the same order.
+    const CHOICES: &'static [Choice];
+
+    /// The name of the value.
+    fn name(self) -> &'static str {
+        Self::ALL.iter().position(|v| *v == self).map_or("", |n| Self::CHOICES[n].name)
+    }
+
+    /// The value of a name.
+    fn of_name(name: &str) -> Option<Self> {
+        Self::CHOICES.iter().position(|c| c.name == name).map(|n| Self::ALL[n])
+    }
+}
+
+impl<T: Choices> Field for T {
+    fn domain() -> Domain {
+        Domain::Choices(T::CHOICES)
+    }
+
+    fn value(self) -> Value {
+        Value::Choice(self.name())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Choice(name) = value { Self::of_name(name) } else { None }
+    }
+}
+
+/// Parameters as a struct; [`parameters!`](crate::parameter::parameters) makes one.
+pub trait Parameters: Sized {
+    /// What is known of each, in the order of the fields.
+    fn table() -> Vec<Parameter>;
+    /// What some values say, and their preset where they say nothing.
+    fn of(values: &Values) -> Self;
+    /// Each value, in the order of the fields.
+    fn list(&self) -> Vec<Value>;
+}
+
+/// Values by the names of parameters, over a preset. They may name parameters of several methods: each method takes
+/// its own.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Values {
+    /// Whose value a parameter has that is not given.
+    pub preset: Preset,
+    given: BTreeMap<&'static str, Value>,
+}
+
+impl Values {
+    /// The value of a parameter.
+    pub fn of(&self, parameter: &Parameter) -> Value {
+        let given = self.given.get(parameter.name).copied().filter(|v| parameter.domain.has(*v));
+        given.unwrap_or_else(|| parameter.of(self.preset))
+    }
+
+    /// Gives a parameter a value.
+    pub fn set(&mut self, parameter: &Parameter, value: Value) {
+        self.given.insert(parameter.name, value);
+    }
+
+    /// The names of what is given.
+    pub fn given(&self) -> impl Iterator<Item = &'static str> {
+        self.given.keys().copied()
+    }
+
+    /// The same values, but for what a function changes of some parameters.
+    #[must_use]
+    pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
+        let mut all = P::of(self);
+        let before = all.list();
+        change(&mut all);
+        let mut changed = self.clone();
+        for ((parameter, before), after) in P::table().iter().zip(before).zip(all.list()) {
+            if before != after {
+                changed.set(parameter, after);
+            }
+        }
+        changed
+    }
+}
+
+/// Used by [`parameters!`](crate::parameter::parameters): the value of a named parameter in a field's type.
+#[doc(hidden)]
+pub fn take<T: Field>(values: &Values, parameter: &Parameter) -> T {
+    let taken = T::from_value(values.of(parameter));
+    // The published value was made from a T.
+    taken.or_else(|| T::from_value(parameter.published)).unwrap_or_else(|| unreachable!("{}", parameter.name))
+}
+
+/// Declares a struct of parameters. A field is declared as
+/// `/// What it does.` `name: type = Parameter::new(published).author(…).within(…).source("…")`, or, without a value,
+/// as a group: `name: OtherParameters`.
+macro_rules! parameters {
+    ($(#[$attribute:meta])* $visible:vis struct $name:ident {
+        $($(#[doc = $help:literal])+ $field:ident: $type:ty $(= $row:expr)?,)*
+    }) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq)]
+        $visible struct $name {
+            $($(#[doc = $help])+ pub $field: $type,)*
+        }
+
+        impl $crate::parameter::Parameters for $name {
+            fn table() -> Vec<$crate::parameter::Parameter> {
+                [$($crate::parameter::parameters!(@row $field $type, concat!($($help),+) $(, $row)?)),*].concat()
+            }
+
+            fn of(values: &$crate::parameter::Values) -> Self {
+                Self { $($field: $crate::parameter::parameters!(@of values $field $type $(, $row)?),)* }
+            }
+
+            fn list(&self) -> Vec<$crate::parameter::Value> {
+                [$($crate::parameter::parameters!(@list self.$field $(, $row)?)),*].concat()
+            }
+        }
+    };
+    (@row $field:ident $type:ty, $help:expr) => { <$type as $crate::parameter::Parameters>::table() };
+    (@row $field:ident $type:ty, $help:expr, $row:expr) => { vec![$row.named(stringify!($field), $help)] };
+    (@of $values:ident $field:ident $type:ty) => { <$type as $crate::parameter::Parameters>::of($values) };
+    (@of $values:ident $field:ident $type:ty, $row:expr) => {
+        $crate::parameter::take::<$type>($values, &$row.named(stringify!($field), ""))
+    };
+    (@list $self:ident.$field:ident) => { $crate::parameter::Parameters::list(&$self.$field) };
+    (@list $self:ident.$field:ident, $row:expr) => { vec![$crate::parameter::Field::value($self.$field)] };
+}
+pub(crate) use parameters;
+
+/// Declares an enum whose values have names, the first of which is the default:
+/// `/// What it does.` `Value = "name",`, or `Value(CODE) = "name",` where a shader knows it by a code.
+macro_rules! choices {
+    ($(#[$attribute:meta])* $visible:vis enum $name:ident {
+        $($(#[doc = $help:literal])+ $value:ident $(($code:expr))? = $text:literal,)+
+    }) => {
+        $(#[$attribute])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        $visible enum $name {
+            $($(#[doc = $help])+ $value $(= $code as isize)?,)+
+        }
+
+        impl $crate::parameter::Choices for $name {
+            const ALL: &'static [Self] = &[$(Self::$value),+];
+            const CHOICES: &'static [$crate::parameter::Choice] =
+                &[$($crate::parameter::Choice { name: $text, help: concat!($($help),+) }),+];
+        }
+
+        impl Default for $name {
+            fn default() -> Self {
+                <Self as $crate::parameter::Choices>::ALL[0]
+            }
+        }
+    };
+}
+pub(crate) use choices;
+
+impl Serialize for Preset {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Preset {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::of_name(&name).ok_or_else(|| serde::de::Error::custom(format!("there is no preset {name:?}")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    choices! {
+        enum Colour {
+            /// Of the sky.
+            Blue = "blue",
+            /// Of roses.
+            Red = "red",
+        }
+    }
+
+    parameters! {
+        struct Inner {
+            /// How many.
+            how_many: u32 = Parameter::new(7).author(9).within(1, 64),
+        }
+    }
+
+    parameters! {
+        struct Outer {
+            /// The group.
+            inner: Inner,
+            /// What colour
+            /// it has.
+            colour: Colour = Parameter::new(Colour::Blue),
+            /// A share.
+            share: f32 = Parameter::new(0.5).above(0.0, 1.0),
+            /// Whether.
+            whether: bool = Parameter::new(false),
+        }
+    }
+
+    #[test]
+    fn a_declaration_gives_a_table_and_values_by_name() {
+        let table = Outer::table();
+        let names: Vec<_> = table.iter().map(|p| p.name).collect();
+        assert_eq!(names, ["how_many", "colour", "share", "whether"]);
+        assert_eq!((table[1].help.as_str(), table[0].typed_name()), ("What colour it has.", "how-many".to_owned()));
+        let mut values = Values::default();
+        assert_eq!(Outer::of(&values).inner.how_many, 7);
+        values.preset = Preset::Author;
+        assert_eq!(Outer::of(&values).inner.how_many, 9);
+        for (parameter, text) in table.iter().zip(["64", "red", "1", "on"]) {
+            values.set(parameter, parameter.parse(text).expect("a value"));
+        }
+        let all = Outer { inner: Inner { how_many: 64 }, colour: Colour::Red, share: 1.0, whether: true };
+        assert_eq!(Outer::of(&values), all);
+        assert_eq!(all.list(), table.iter().map(|p| values.of(p)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_value_outside_the_domain_is_refused_in_a_sentence() {
+        let table = Outer::table();
+        for (parameter, text) in table.iter().zip(["0", "green", "0", "yes"]) {
+            let message = parameter.parse(text).expect_err("outside").to_string();
+            assert!(message.contains(&parameter.typed_name()) && message.contains("it takes"), "{message}");
+        }
+        assert!(table[2].parse("NaN").is_err() && table[2].parse("inf").is_err());
+    }
+
+    #[test]
+    fn only_what_is_changed_is_given() {
+        let values = Values::default().with(|p: &mut Outer| p.inner.how_many = 3);
+        assert_eq!(values.given().collect::<Vec<_>>(), ["how_many"]);
+        assert_eq!(Values { preset: Preset::Author, ..values }.with(|_: &mut Outer| ()).given().count(), 1);
+    }
+}

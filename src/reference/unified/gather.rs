@@ -1,0 +1,168 @@
+//! Each pixel's or cell's reflection from the rays around it: twin of the passes "resolve/narrow" and "cells".
+//!
+//! The shaders exchange what they loaded within a block of 2 × 2 by derivatives, value ± derivative, which is the
+//! neighbour's value up to its last bits. The twin exchanges by the same subtraction and addition ([`across`]), so
+//! that this is no difference between them.
+
+use super::gloss_trace::Gathered;
+use super::lobe::{LEAST_WEIGHT, LOG2_E, Lobe, inverse_sqrt, log_cos, log_density};
+use super::{Gloss, half, sound};
+use crate::reference::Level;
+use glam::{IVec2, Vec3, Vec4};
+
+/// `Sum` of `gather.glsl`.
+#[derive(Default)]
+struct Sum {
+    color: Vec4,
+    weight: f32,
+    hits: f32,
+}
+
+impl Sum {
+    /// `Add`.
+    fn add(&mut self, weight: f32, is_hit: bool, color: Vec4) {
+        let hits = if is_hit { weight } else { 0.0 };
+        self.weight += weight;
+        self.color += hits * color;
+        self.hits += hits;
+    }
+
+    /// `Reflection`; `over` says that what the rays missed is not black but not there.
+    fn reflection(&self, over: bool) -> Vec4 {
+        if self.hits <= 0.0 {
+            return Vec4::ZERO;
+        }
+        let reflection = (self.color.truncate() / self.weight).extend(self.color.w / self.hits);
+        if !over {
+            return reflection;
+        }
+        let fade = half(self.color.w / self.weight);
+        if fade > 0.0 { (reflection.truncate() * (reflection.w / fade)).extend(fade) } else { Vec4::ZERO }
+    }
+}
+
+/// What `AcrossX` and `AcrossY` bring from the pixel beside, which has `other`.
+fn across(own: Gathered, other: Gathered) -> Gathered {
+    Gathered { key: own.key + (other.key - own.key), color: own.color + (other.color - own.color) }
+}
+
+/// `Outward`: from a block's pixel to the outside of the block, along each axis.
+pub(super) fn outward(at: IVec2) -> IVec2 {
+    2 * (at & 1) - 1
+}
+
+/// A cell's reflection, and the surface that it is of.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Cell {
+    /// Colour, and fade in the fourth component.
+    pub reflection: Vec4,
+    /// Normal, and the z of [`super::Parameters::view_point`]; all 0 for none.
+    pub surface: Vec4,
+}
+
+/// What a cell gathers for.
+struct Here {
+    point: Vec3,
+    lobe: Lobe,
+    peak: f32,
+}
+
+impl Here {
+    /// `Gather` of wide lobes.
+    fn gather(&self, sum: &mut Sum, ray: Gathered) {
+        let density = ray.key.w;
+        if density == 0.0 {
+            return sum.add(0.0, false, Vec4::ZERO);
+        }
+        let key = ray.key.truncate();
+        let to = if density > 0.0 { key - self.point } else { key };
+        let log_cos = log_cos(1.0 - to.dot(self.lobe.mirror) * inverse_sqrt(to.dot(to)));
+        let exponent = density.abs() - self.peak - LOG2_E * (self.lobe.power - 1.0) * log_cos;
+        let weight = 2.0 / (1.0 + exponent.exp2());
+        let is_hit = density > 0.0 && to.dot(self.lobe.normal) > 0.0;
+        sum.add(weight.max(LEAST_WEIGHT), is_hit, ray.color.max(Vec4::ZERO));
+    }
+}
+
+impl Gloss<'_> {
+    /// The pass "resolve/narrow": reflection and composite of a pixel from the rays of the 3 × 3 around it. `None`
+    /// for a pixel that has no ray.
+    pub fn resolve_narrow(&self, rays: &Level<Gathered>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
+        let load = |at: IVec2| {
+            let at = at.clamp(IVec2::ZERO, self.traversal.parameters.size - 1).as_uvec2();
+            if self.is_narrow(at.as_ivec2()) { rays.at_clamped(at.x, at.y) } else { Gathered::default() }
+        };
+        let own = |at: IVec2| {
+            let is_inside = at.cmplt(self.traversal.parameters.size).all();
+            if is_inside { load(at) } else { Gathered::unpack([0; 4]) }
+        };
+        let (x, y) = (IVec2::new(pixel.x ^ 1, pixel.y), IVec2::new(pixel.x, pixel.y ^ 1));
+        let [out, out_x, out_y] = [pixel, x, y].map(outward);
+        let ours = own(pixel);
+        if ours.key.w == 0.0 {
+            return None;
+        }
+        let across_x = |at: IVec2| across(own(at), own(IVec2::new(at.x ^ 1, at.y)));
+        let beside = |at: IVec2, out: IVec2| load(at + IVec2::new(out.x, 0));
+        let under = |at: IVec2, out: IVec2| load(at + IVec2::new(0, out.y));
+        let mut sum = Sum::default();
+        sum.add(1.0, ours.key.w > 0.0, ours.color);
+        for ray in [
+            across_x(pixel),
+            across(ours, own(y)),
+            across(across_x(pixel), across_x(y)),
+            beside(pixel, out),
+            across(beside(pixel, out), beside(y, out_y)),
+            under(pixel, out),
+            across(under(pixel, out), under(x, out_x)),
+            load(pixel + out),
+        ] {
+            let power = (ours.key.w * ray.key.w).abs();
+            let chord = (ours.key - ray.key).truncate();
+            let same = (-0.125 * LOG2_E * power * chord.dot(chord)).exp2();
+            let weight = if ray.key.w != 0.0 { same.max(LEAST_WEIGHT) } else { 0.0 };
+            sum.add(weight, ray.key.w > 0.0, ray.color.max(Vec4::ZERO));
+        }
+        let reflection = sum.reflection(self.is_over);
+        Some(self.composite(pixel, reflection))
+    }
+
+    /// The pass "cells": the reflection of a cell from the rays of the 5 × 5 around it.
+    pub fn cell(&self, rays: &Level<Gathered>, cell: IVec2) -> Cell {
+        let Some(pixel) = self.wide_pixel(cell) else { return Cell::default() };
+        let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
+        let lobe = Lobe::new(point, self.normal(pixel), self.roughness(pixel));
+        let here = Here { point, lobe, peak: log_density(lobe.power, 0.0) };
+        let beside = IVec2::new(cell.x, cell.y ^ 1);
+        let [above, middle, below] = [-1, 0, 1].map(|y| self.row(rays, cell, y));
+        let exchanged = |own: [Gathered; 5], y| {
+            let other = self.row(rays, beside, y);
+            std::array::from_fn(|i| across(own[i], other[i]))
+        };
+        let mut sum = Sum::default();
+        for row in [above, exchanged(middle, 0), middle, exchanged(above, -1), below] {
+            row.into_iter().for_each(|ray| here.gather(&mut sum, ray));
+        }
+        Cell { reflection: sum.reflection(self.is_over), surface: lobe.normal.extend(point.z.min(super::GREATEST)) }
+    }
+
+    /// `Row`.
+    fn row(&self, rays: &Level<Gathered>, cell: IVec2, y: i32) -> [Gathered; 5] {
+        let load = |cell: IVec2, x: i32| {
+            let at = cell + 2 * outward(cell) * IVec2::new(x, y);
+            let at = at.clamp(IVec2::ZERO, self.last_cell());
+            if self.is_drawn(at) { rays.at_clamped(at.x as u32, at.y as u32) } else { Gathered::default() }
+        };
+        let beside = IVec2::new(cell.x ^ 1, cell.y);
+        let [inner, middle, outer] = [-1, 0, 1].map(|x| load(cell, x));
+        [inner, across(middle, load(beside, 0)), middle, across(inner, load(beside, -1)), outer]
+    }
+
+    /// A pixel's reflection as it is shown, and the lit colour with it.
+    pub(super) fn composite(&self, pixel: IVec2, reflection: Vec4) -> (Vec4, Vec3) {
+        let shown = reflection.truncate().map(sound).extend(sound(reflection.w).min(1.0));
+        let index = self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32);
+        let (color, reflectivity) = (self.traversal.gbuffer.color[index], self.traversal.gbuffer.reflectivity[index]);
+        (shown, (color + reflectivity * shown.w * shown.truncate()).min(Vec3::splat(super::GREATEST)))
+    }
+}

@@ -1,0 +1,146 @@
+//! What the twins of the glossy passes share: the G-buffer and the colour chain as the shaders load them, and which
+//! pixels and cells are narrow, wide, or drawn at all.
+
+use super::Traversal;
+use super::gloss_trace::cell_pixel;
+use crate::math::constants;
+use crate::reference::Level;
+use crate::scene::GBufferData;
+use glam::{IVec2, Vec2, Vec3};
+
+const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
+/// Cells of 2 × 2 pixels along a side of a tile.
+const CELLS: i32 = constants::TILE_SIDE / 2;
+
+/// The glossy passes of one G-buffer. Its normals, materials and colours must be as 16-bit floats hold them, which is
+/// how the shaders load them.
+#[derive(Debug, Clone)]
+pub struct Gloss<'a> {
+    pub(super) traversal: &'a Traversal<'a>,
+    /// The lit colour with its coarser levels.
+    chain: &'a [Level<Vec3>],
+    /// I_start and I_end of the thesis's Eq. 4.7; `None` for no fade.
+    fade: Option<[f32; 2]>,
+    /// Whether another reflection shows where this one misses.
+    pub(super) is_over: bool,
+    /// For each cell of 2 × 2 pixels the pixel that its ray is of.
+    wide: Level<Option<IVec2>>,
+    /// For each tile whether it holds a pixel with a wide lobe.
+    listed: Level<bool>,
+}
+
+impl<'a> Gloss<'a> {
+    /// Of a traversal, by the lit colour and its coarser levels as they were made; their filter is no part of the twin.
+    pub fn new(traversal: &'a Traversal, chain: &'a [Level<Vec3>], fade: Option<[f32; 2]>, is_over: bool) -> Self {
+        let size = traversal.parameters.size;
+        let [cells, tiles] = [2, 2 * CELLS].map(|side| ((size + side - 1) / side).as_uvec2());
+        let empty = Level { width: 1, height: 1, texels: vec![None] };
+        let listed = Level { width: 1, height: 1, texels: vec![false] };
+        let mut gloss = Self { traversal, chain, fade, is_over, wide: empty, listed };
+        gloss.wide = Level::from_fn(cells.x, cells.y, |x, y| {
+            let cell = IVec2::new(x as i32, y as i32);
+            let turned = cell_pixel(cell) & 1;
+            let pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ turned)).min(size - 1));
+            pixels.into_iter().find(|p| gloss.is_wide(*p))
+        });
+        let is_listed = |x: u32, y: u32| {
+            let first = IVec2::new(x as i32, y as i32) * (2 * CELLS);
+            let last = (first + 2 * CELLS).min(size);
+            (first.y..last.y).any(|y| (first.x..last.x).any(|x| gloss.is_of(IVec2::new(x, y), true)))
+        };
+        gloss.listed = Level::from_fn(tiles.x, tiles.y, is_listed);
+        gloss
+    }
+
+    fn index(&self, pixel: IVec2) -> usize {
+        self.traversal.gbuffer.index(pixel.x as u32, pixel.y as u32)
+    }
+
+    /// `ListOf`, of a pixel that may be sky.
+    fn is_of(&self, pixel: IVec2, wide: bool) -> bool {
+        let (g, i) = (self.traversal.gbuffer, self.index(pixel));
+        let roughness = g.roughness[i];
+        g.reflectivity[i] > GBufferData::REFLECTS_ABOVE && roughness > 0.0 && (roughness > WIDE_ABOVE) == wide
+    }
+
+    /// Whether a pixel is on the list of narrow lobes.
+    pub(super) fn is_narrow(&self, pixel: IVec2) -> bool {
+        self.is_of(pixel, false)
+    }
+
+    /// Whether a pixel has a wide lobe.
+    pub(super) fn is_wide(&self, pixel: IVec2) -> bool {
+        self.is_of(pixel, true) && self.depth(pixel) > 0.0
+    }
+
+    /// `WidePixel`; `None` where the shader's roughness is 0. Beyond the image, the cells at its edge are seen again.
+    pub(super) fn wide_pixel(&self, cell: IVec2) -> Option<IVec2> {
+        let size = self.traversal.parameters.size;
+        if cell.cmple(self.last_cell()).all() {
+            return self.wide.at_clamped(cell.x as u32, cell.y as u32);
+        }
+        let turned = cell_pixel(cell) & 1;
+        let mut pixels = (0_i32..4).map(|i| (2 * cell + (IVec2::new(i & 1, i >> 1) ^ turned)).min(size - 1));
+        pixels.find(|p| self.is_wide(*p))
+    }
+
+    /// The last cell along each axis.
+    pub(super) fn last_cell(&self) -> IVec2 {
+        (self.traversal.parameters.size - 1) >> 1
+    }
+
+    /// `IsDrawn`: whether a cell is on a tile of the list of wide lobes.
+    pub(super) fn is_drawn(&self, cell: IVec2) -> bool {
+        let tile = (cell / CELLS).as_uvec2();
+        self.listed.at_clamped(tile.x, tile.y)
+    }
+
+    /// A pixel's depth, or −1 for sky, as the pyramid has it.
+    pub(super) fn depth(&self, pixel: IVec2) -> f32 {
+        self.traversal.levels[0].at_clamped(pixel.x as u32, pixel.y as u32).front
+    }
+
+    /// A pixel's normal; 0 beyond the image.
+    pub(super) fn normal(&self, pixel: IVec2) -> Vec3 {
+        let is_inside = pixel.cmplt(self.traversal.parameters.size).all();
+        if is_inside { self.traversal.gbuffer.normal[self.index(pixel)] } else { Vec3::ZERO }
+    }
+
+    pub(super) fn roughness(&self, pixel: IVec2) -> f32 {
+        self.traversal.gbuffer.roughness[self.index(pixel)]
+    }
+
+    /// `Fade`: the border fade of the thesis (Eq. 4.7).
+    pub(super) fn fade(&self, uv: Vec2) -> f32 {
+        self.fade.map_or(1.0, |[start, end]| {
+            let boundary = (uv - 0.5).length() * 2.0;
+            1.0 - ((boundary - start) / (end - start)).clamp(0.0, 1.0)
+        })
+    }
+
+    /// What a lookup of the colour's chain mixes: a footprint in each of two levels, with the weights of the two.
+    pub(super) fn lookup(&self, uv: Vec2, level: f32) -> [(Footprint, f32); 2] {
+        let level = level.clamp(0.0, (self.chain.len() - 1) as f32);
+        let (low, share) = (level as usize, level.fract());
+        let high = (low + 1).min(self.chain.len() - 1);
+        [(bilinear(&self.chain[low], uv), 1.0 - share), (bilinear(&self.chain[high], uv), share)]
+    }
+}
+
+/// Four texels that a bilinear lookup mixes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Footprint {
+    /// Their weighted mean.
+    pub mean: Vec3,
+    /// The least and the greatest of them, channel by channel.
+    pub range: [Vec3; 2],
+}
+
+fn bilinear(image: &Level<Vec3>, uv: Vec2) -> Footprint {
+    let side = Vec2::new(image.width as f32, image.height as f32);
+    let place = (uv * side - 0.5).clamp(Vec2::ZERO, side - 1.0);
+    let (first, part) = (place.as_uvec2(), place.fract());
+    let [a, b, c, d] = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| image.at_clamped(first.x + x, first.y + y));
+    let (upper, lower) = (a + (b - a) * part.x, c + (d - c) * part.x);
+    Footprint { mean: upper + (lower - upper) * part.y, range: [a.min(b).min(c.min(d)), a.max(b).max(c.max(d))] }
+}

@@ -1,0 +1,173 @@
+//! Rays of glossy lobes and what they saw: twin of the passes "trace/narrow" and "trace/wide". A ray is first
+//! aimed and then followed, so that a test can follow one that is aimed a rounding error away.
+
+use super::lobe::{Lobe, inverse_sqrt, lattice_point, lobe_direction, log_density, overlap};
+use super::{Code, Footprint, Gloss, Hit};
+use crate::math::constants;
+use glam::{IVec2, Vec2, Vec3, Vec4};
+
+const NARROW_PART: f32 = constants::NARROW_PART as f32;
+const NARROW_FOOTPRINTS: f32 = constants::NARROW_FOOTPRINTS as f32;
+const WIDE_FOOTPRINTS: f32 = constants::WIDE_FOOTPRINTS as f32;
+const NEAR_HIT: f32 = constants::NEAR_HIT as f32;
+const FAR_AWAY: f32 = constants::FAR_AWAY as f32;
+
+/// A ray before it is followed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Aim {
+    /// The pixel that it begins in.
+    pub pixel: IVec2,
+    /// That pixel's point, as [`super::Parameters::view_point`] scales it.
+    pub point: Vec3,
+    /// That pixel's lobe.
+    pub lobe: Lobe,
+    /// The ray's direction, a unit vector in view space.
+    pub direction: Vec3,
+    /// The logarithm of the density that the direction was sampled with.
+    pub density: f32,
+    /// The share of the lobe that the ray stands for.
+    pub share: f32,
+}
+
+/// What a ray saw, as neighbours gather it: `Gathered`. All is 0 for no ray.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Gathered {
+    /// What its weight goes by; w is 0 for no ray and negative for a miss. Of narrow lobes the middle of the lobe and
+    /// the root of α + 1, of wide ones the point that was hit or the direction of a miss, and the density.
+    pub key: Vec4,
+    /// Colour of the hit, and its fade in the fourth component.
+    pub color: Vec4,
+}
+
+impl Gloss<'_> {
+    /// The ray of a pixel with a narrow lobe; `None` for any other pixel.
+    pub fn aim_narrow(&self, pixel: IVec2) -> Option<Aim> {
+        let normal = self.normal(pixel);
+        if !self.is_narrow(pixel) || self.depth(pixel) <= 0.0 || normal.dot(normal) <= 0.0 {
+            return None;
+        }
+        let u = lattice_point(pixel, 3, 2, Vec2::splat(0.5));
+        Some(self.aim(pixel, normal, Vec2::new(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, |_| 1.0))
+    }
+
+    /// The ray of a cell of 2 × 2 pixels; `None` for a cell in which no pixel has a wide lobe.
+    pub fn aim_wide(&self, cell: IVec2) -> Option<Aim> {
+        let pixel = self.wide_pixel(cell)?;
+        // How the normal turns within the block of 2 × 2 cells that a device shades in step.
+        let unit = |cell: IVec2| {
+            let normal = self.normal(self.wide_pixel(cell).unwrap_or_else(|| cell_pixel(cell)));
+            normal * inverse_sqrt(normal.dot(normal).max(1e-30))
+        };
+        let even = cell & !1;
+        let turn_x = unit(IVec2::new(even.x + 1, cell.y)) - unit(IVec2::new(even.x, cell.y));
+        let turn_y = unit(IVec2::new(cell.x, even.y + 1)) - unit(IVec2::new(cell.x, even.y));
+        let odd = cell & 1;
+        let stratum = IVec2::new(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x).as_vec2();
+        let u = lattice_point(cell, 5, 7, 0.125 + 0.25 * stratum);
+        let common = |power| 0.5 * (overlap(turn_x, power) + overlap(turn_y, power));
+        Some(self.aim(pixel, self.normal(pixel), u, WIDE_FOOTPRINTS, common))
+    }
+
+    /// The first half of `Look`; `common` is the part that a lobe of a power has in common with its neighbours'.
+    fn aim(&self, pixel: IVec2, normal: Vec3, u: Vec2, footprints: f32, common: impl Fn(f32) -> f32) -> Aim {
+        let point = self.traversal.parameters.view_point(pixel.as_vec2() + 0.5, self.depth(pixel));
+        let lobe = Lobe::new(point, normal, self.roughness(pixel));
+        let common_part = common(lobe.power);
+        let share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
+        let angle = std::f32::consts::TAU * u.y;
+        let log_rest = (1.0 - u.x * common_part).log2();
+        let turn = Vec2::new(angle.cos(), angle.sin());
+        let direction = lobe_direction(lobe.mirror, lobe.power, log_rest / super::lobe::LOG2_E, turn);
+        Aim { pixel, point, lobe, direction, density: log_density(lobe.power, log_rest), share }
+    }
+
+    /// The second half of `Look`: where the ray hits a surface, and the colour and the fade there. `None` for a miss.
+    pub fn follow(&self, aim: &Aim) -> Option<(Hit, Vec4)> {
+        // Below the surface there is nothing to see.
+        if aim.direction.dot(aim.lobe.normal) <= 0.0 {
+            return None;
+        }
+        let [x, y] = aim.pixel.as_uvec2().to_array();
+        let hit = self.traversal.traverse(&self.traversal.ray_along(x, y, aim.direction)?);
+        (hit.code == Code::Surface).then(|| {
+            let [(low, _), (high, share)] = self.looked_up(aim, &hit);
+            let color = low.mean + (high.mean - low.mean) * share;
+            (hit, color.map(super::sound).extend(self.fade(hit.position * self.traversal.parameters.pixel_to_clip)))
+        })
+    }
+
+    /// What of the colour's chain a ray sees at its hit: two levels, with their weights.
+    pub fn looked_up(&self, aim: &Aim, hit: &Hit) -> [(Footprint, f32); 2] {
+        let p = &self.traversal.parameters;
+        let there = p.view_point(hit.position, hit.depth);
+        let level = p.footprint_level(aim.point, there, aim.density, aim.share);
+        self.lookup(hit.position * p.pixel_to_clip, level)
+    }
+
+    /// What the ray of a narrow lobe leaves for its neighbours, before it is packed.
+    pub fn narrow_ray(&self, aim: &Aim) -> Gathered {
+        let (root, found) = (aim.lobe.power.sqrt(), self.follow(aim));
+        let key = aim.lobe.mirror.extend(if found.is_some() { root } else { -root });
+        Gathered { key, color: found.map_or(Vec4::ZERO, |(_, color)| color) }
+    }
+
+    /// What the ray of a cell leaves for its neighbours.
+    pub fn wide_ray(&self, aim: &Aim) -> Gathered {
+        let Some((hit, color)) = self.follow(aim) else {
+            return Gathered { key: aim.direction.extend(-aim.density), color: Vec4::ZERO };
+        };
+        let there = self.traversal.parameters.view_point(hit.position, hit.depth);
+        let away = (hit.position - aim.pixel.as_vec2() - 0.5).abs();
+        let is_beside = away.x.max(away.y) < NEAR_HIT;
+        let place = if is_beside { aim.point + FAR_AWAY * (there - aim.point) } else { there };
+        Gathered { key: place.extend(aim.density), color }
+    }
+}
+
+/// `CellPixel`: the pixel that stands for a cell.
+pub(super) fn cell_pixel(cell: IVec2) -> IVec2 {
+    2 * cell + ((cell.x + cell.y) & 1)
+}
+
+/// `Octahedral`: the octahedral map of the unit sphere.
+fn octahedral(v: Vec3) -> Vec2 {
+    let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
+    let folded = Vec2::new(1.0 - v.y.abs(), 1.0 - v.x.abs());
+    let sign = |of: f32, value: f32| if of >= 0.0 { value } else { -value };
+    if v.z >= 0.0 { v.truncate() } else { Vec2::new(sign(v.x, folded.x), sign(v.y, folded.y)) }
+}
+
+/// `FromOctahedral`.
+fn from_octahedral(o: Vec2) -> Vec3 {
+    let z = 1.0 - o.x.abs() - o.y.abs();
+    let fold = (-z).max(0.0);
+    let unfold = |v: f32| v + if v >= 0.0 { -fold } else { fold };
+    let v = Vec3::new(unfold(o.x), unfold(o.y), z);
+    v * inverse_sqrt(v.dot(v))
+}
+
+impl Gathered {
+    /// `Pack`: the four words of a narrow lobe's ray, halves rounded to nearest.
+    pub fn pack(&self) -> [u32; 4] {
+        let snorm = |v: f32| u32::from(((v.clamp(-1.0, 1.0) * 32767.0).round() as i16) as u16);
+        let half = |v: f32| u32::from(half::f16::from_f32(v).to_bits());
+        let mirror = octahedral(self.key.truncate());
+        [
+            snorm(mirror.x) | snorm(mirror.y) << 16,
+            self.key.w.to_bits(),
+            half(self.color.x) | half(self.color.y) << 16,
+            half(self.color.z) | half(self.color.w) << 16,
+        ]
+    }
+
+    /// `Unpack` of those words.
+    pub fn unpack([mirror, root, rg, ba]: [u32; 4]) -> Self {
+        let snorm = |v: u32| (f32::from(v as u16 as i16) / 32767.0).clamp(-1.0, 1.0);
+        let half = |v: u32| half::f16::from_bits(v as u16).to_f32();
+        let mirror = from_octahedral(Vec2::new(snorm(mirror), snorm(mirror >> 16)));
+        Self {
+            key: mirror.extend(f32::from_bits(root)),
+            color: Vec4::new(half(rg), half(rg >> 16), half(ba), half(ba >> 16)),
+        }
+    }
+}

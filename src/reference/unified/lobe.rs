@@ -1,0 +1,100 @@
+//! Lobes, their directions and densities, and points of the image in view space: twin of
+//! `shaders-glsl/unified/gloss.glsl`, whose names are kept.
+
+use super::Parameters;
+use crate::math::constants;
+use glam::{IVec2, Vec2, Vec3};
+
+/// `LOG2_E`.
+pub(super) const LOG2_E: f32 = std::f32::consts::LOG2_E;
+pub(super) const LEAST_WEIGHT: f32 = constants::LEAST_WEIGHT as f32;
+pub(super) const LOG_DENSITY_BIAS: f32 = constants::LOG_DENSITY_BIAS as f32;
+
+/// `LobePower`: α + 1 of a roughness in 0…1.
+pub fn lobe_power(roughness: f32) -> f32 {
+    let h = 0.25 * roughness * roughness;
+    -(constants::XI as f32).ln() / (h * (0.5 + h * (1.0 / 12.0 + h / 45.0))).max(1e-12)
+}
+
+/// `LogCos`: ln cos of an angle, of 1 − cos.
+pub(super) fn log_cos(x: f32) -> f32 {
+    -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)))
+}
+
+/// `LobeDirection`: a direction around the unit vector `axis` whose cos^(α + 1) has the logarithm `log_rest`,
+/// turned around the axis by an angle with the cosine and sine `turn`.
+pub(super) fn lobe_direction(axis: Vec3, power: f32, log_rest: f32, turn: Vec2) -> Vec3 {
+    let x = 2.0 * log_rest / power;
+    let sin_theta = (-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0)))).max(0.0).sqrt();
+    let cos_theta = (1.0 - sin_theta * sin_theta).max(0.0).sqrt();
+    let s = if axis.z >= 0.0 { 1.0 } else { -1.0 };
+    let a = -1.0 / (s + axis.z);
+    let b = axis.x * axis.y * a;
+    let tangent = Vec3::new(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
+    let bitangent = Vec3::new(b, s + axis.y * axis.y * a, -axis.y);
+    axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y)
+}
+
+/// `LogDensity`: the logarithm to base 2 of the density (α + 1) cos^α, plus [`LOG_DENSITY_BIAS`].
+pub(super) fn log_density(power: f32, log_rest: f32) -> f32 {
+    LOG_DENSITY_BIAS + power.log2() + (power - 1.0) / power * log_rest
+}
+
+/// `Overlap`: how much two lobes of a power have in common, whose unit normals are a chord apart.
+pub(super) fn overlap(chord: Vec3, power: f32) -> f32 {
+    (-LOG2_E * power * chord.dot(chord)).exp2()
+}
+
+/// `LatticePoint`: the point of the pattern of side × side points that is a pixel's or a cell's, in 0…1.
+pub(super) fn lattice_point(at: IVec2, side: i32, g: i32, place: Vec2) -> Vec2 {
+    let n = side * side;
+    let i = (at.x + side * at.y) % n;
+    (IVec2::new(i, (i * g) % n).as_vec2() + place) / n as f32
+}
+
+/// `Lobe`: the lobe of a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lobe {
+    /// The pixel's normal, as stored.
+    pub normal: Vec3,
+    /// Its middle, a unit vector.
+    pub mirror: Vec3,
+    /// α + 1.
+    pub power: f32,
+}
+
+impl Lobe {
+    /// `LobeOf`: at a point, of which the direction alone counts.
+    pub(super) fn new(point: Vec3, normal: Vec3, roughness: f32) -> Self {
+        let seen = point * inverse_sqrt(point.dot(point));
+        let mirror = seen - (2.0 * seen.dot(normal) / normal.dot(normal)) * normal;
+        Self { normal, mirror, power: lobe_power(roughness) }
+    }
+}
+
+/// `inversesqrt`.
+pub(super) fn inverse_sqrt(v: f32) -> f32 {
+    1.0 / v.sqrt()
+}
+
+impl Parameters {
+    /// `ViewRay`: the view-space direction in which continuous pixel coordinates are seen; z is 1.
+    pub(super) fn view_ray(&self, position: Vec2) -> Vec3 {
+        let size = self.size.as_vec2();
+        let centred = Vec2::new(2.0 * position.x - size.x, size.y - 2.0 * position.y);
+        (centred * self.pixel_to_view).extend(1.0)
+    }
+
+    /// `ViewPoint`: view space divided by near (1 + k), of continuous pixel coordinates and reversed depth.
+    pub fn view_point(&self, position: Vec2, depth: f32) -> Vec3 {
+        self.view_ray(position) / (depth + self.depth_offset)
+    }
+
+    /// `FootprintLevel`: the level of the colour's chain for a ray of a density that stands for a share of the lobe.
+    pub(super) fn footprint_level(&self, point: Vec3, there: Vec3, density: f32, share: f32) -> f32 {
+        let away = there - point;
+        let pixel = there.z * self.pixel_to_view.y;
+        let texels = (2.0 * share * away.dot(away) / (pixel * pixel)).log2();
+        (0.5 * (texels - (density - LOG_DENSITY_BIAS))).max(0.0)
+    }
+}

@@ -1,0 +1,50 @@
+//! The reflection of each pixel with a wide lobe, between the cells around it: twin of the pass "resolve/wide".
+
+use super::Gloss;
+use super::gather::{Cell, outward};
+use super::gloss_trace::cell_pixel;
+use super::lobe::{LEAST_WEIGHT, lobe_power, overlap};
+use crate::math::constants;
+use crate::reference::Level;
+use glam::{IVec2, Vec2, Vec3, Vec4};
+
+/// `PLANE_TOLERANCE`: off its plane by this share of its depth, a cell has lost most of its weight.
+const PLANE_TOLERANCE: f32 = constants::VISIBLE_WITHIN as f32;
+const CELL_REACH: f32 = constants::CELL_REACH as f32;
+
+impl Gloss<'_> {
+    /// Reflection and composite of a pixel; `None` for a pixel that has no wide lobe.
+    pub fn resolve_wide(&self, cells: &Level<Cell>, pixel: IVec2) -> Option<(Vec4, Vec3)> {
+        self.is_wide(pixel).then(|| self.composite(pixel, self.wide(cells, pixel)))
+    }
+
+    /// `Wide`.
+    fn wide(&self, cells: &Level<Cell>, pixel: IVec2) -> Vec4 {
+        let p = &self.traversal.parameters;
+        let (depth, normal, power) = (self.depth(pixel), self.normal(pixel), lobe_power(self.roughness(pixel)));
+        let facing = normal.dot(p.view_ray(pixel.as_vec2() + 0.5)) / PLANE_TOLERANCE;
+        let turn = normal.truncate() * p.pixel_to_view * Vec2::new(2.0, -2.0) / PLANE_TOLERANCE;
+        let (mut sum, mut weights) = (Vec4::ZERO, 0.0);
+        for i in 0_i32..4 {
+            let at: IVec2 = (pixel >> 1) + outward(pixel) * IVec2::new(i & 1, i >> 1);
+            let at = at.clamp(IVec2::ZERO, self.last_cell());
+            let drawn = self.is_drawn(at).then(|| cells.at_clamped(at.x as u32, at.y as u32));
+            let Cell { mut reflection, surface } = drawn.unwrap_or_default();
+            let away = (cell_pixel(at) - pixel).as_vec2();
+            let near = CELL_REACH - away.abs();
+            let off = (facing + turn.dot(away)) * (surface.w * (depth + p.depth_offset)) - facing;
+            let same = overlap(normal - surface.truncate(), power);
+            let squared = off * off;
+            let alike = (same / (1.0 + squared * squared)).max(LEAST_WEIGHT);
+            let weight = if surface.w > 0.0 { near.x * near.y * alike } else { 0.0 };
+            // Over another reflection, a cell shows its colour only as far as it is there.
+            if self.is_over {
+                reflection = (reflection.truncate() * reflection.w).extend(reflection.w);
+            }
+            sum += weight * reflection;
+            weights += weight;
+        }
+        let colors = if self.is_over { sum.w } else { weights };
+        if colors > 0.0 { (sum.truncate() / colors).extend(sum.w / weights) } else { Vec4::ZERO }
+    }
+}

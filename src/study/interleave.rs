@@ -1,0 +1,83 @@
+//! The one timing loop: shots in turn, frame by frame, so that what changes on the machine meanwhile changes all of
+//! them alike. Each frame that counts goes into the journal as soon as it is measured.
+
+use super::journal::Journal;
+use super::stage::{Shot, Stage};
+use crate::error::Result;
+use crate::gpu::FrameReport;
+use crate::gpu::frame::Mode;
+use crate::passes::gbuffer::Drawn;
+use crate::scene::Camera;
+use serde::{Deserialize, Serialize};
+
+/// A frame as the journal keeps it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Sample {
+    /// Its passes and their times.
+    pub report: FrameReport,
+    /// What the scene passes drew.
+    pub drawn: Drawn,
+}
+
+impl Sample {
+    /// Milliseconds of the passes that count: the method's.
+    pub fn effect_ms(&self) -> f64 {
+        self.report.passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
+    }
+}
+
+/// A frame of every shot.
+pub struct Round {
+    /// What the journal calls the frames; `None` for frames that warm up and do not count.
+    pub label: Option<String>,
+    /// What is measured.
+    pub mode: Mode,
+    /// Where the shots look from; `None` leaves their cameras as they are.
+    pub camera: Option<Camera>,
+}
+
+impl Round {
+    /// Some frames that warm up, and some that are timed, which are called by their numbers.
+    pub fn timed(warmup: usize, samples: usize) -> Vec<Self> {
+        let of = |label| Self { label, mode: Mode::Timed, camera: None };
+        let warm = (0..warmup).map(|_| of(None));
+        warm.chain((0..samples).map(|n| of(Some(n.to_string())))).collect()
+    }
+}
+
+/// Runs every round that the journal lacks of a shot; `key` says where the journal keeps a shot's frame of a label. A
+/// shot of which the journal has every frame is not warmed up either. The shots begin in turn, since the first of a round
+/// may find colder caches. `progress` is called after each frame; its error ends the loop.
+///
+/// # Errors
+/// Those of the device, of the journal and of `progress`.
+pub fn interleave(
+    stage: &mut Stage,
+    shots: &mut [Shot],
+    rounds: &[Round],
+    key: &dyn Fn(usize, &str) -> String,
+    journal: &mut Journal,
+    progress: &mut dyn FnMut() -> Result<()>,
+) -> Result<()> {
+    let lacks = |journal: &Journal, shot: usize| {
+        rounds.iter().filter_map(|r| r.label.as_deref()).any(|label| !journal.has(&key(shot, label)))
+    };
+    let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
+    for (n, round) in rounds.iter().enumerate() {
+        for turn in 0..shots.len() {
+            let shot = (n + turn) % shots.len();
+            let key = round.label.as_deref().map(|label| key(shot, label));
+            if lacking[shot] && !key.as_ref().is_some_and(|key| journal.has(key)) {
+                if let Some(camera) = round.camera {
+                    shots[shot].camera = camera;
+                }
+                let (report, drawn) = stage.run(&shots[shot], round.mode)?;
+                if let Some(key) = key {
+                    journal.put(key, &Sample { report, drawn })?;
+                }
+            }
+            progress()?;
+        }
+    }
+    Ok(())
+}

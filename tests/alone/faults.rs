@@ -1,0 +1,197 @@
+//! A device that runs out of memory or is lost, at every allocation and every submission of a small
+//! run: a typed error, nothing left behind, and the next run is as if nothing had been.
+//!
+//! The tests take turns because each makes and destroys devices under the validation layers: see
+//! [`common::gpu`](crate::common::gpu).
+
+use crate::alone;
+use crate::common::{Builder, two_quads};
+use glam::Vec3;
+use ssct::error::{Error, Result};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
+use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
+use ssct::scene::{Camera, Lens, Scene, View};
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage};
+use std::sync::Arc;
+
+const EXTENT: [u32; 2] = [16, 9];
+
+fn open(watch: &Arc<Watch>) -> Result<Gpu> {
+    Gpu::open(&DeviceQuery { validation: true, watch: Some(Arc::clone(watch)), ..DeviceQuery::default() })
+}
+
+fn shot(stage: &mut Stage, method: &MethodInfo, scene: &Scene) -> Result<Shot> {
+    let camera = Camera::new(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 1.0, 6.0), Lens::default(), 16.0 / 9.0);
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(scene, &View::default());
+    Shot::new(stage, method, &Setup::new(EXTENT), Wants::HITS, camera, materials)
+}
+
+/// Every kind of thing that a study does with a shot: times, counts, draws, reads back.
+fn frames(stage: &mut Stage, shot: &Shot) -> Result<Vec<f32>> {
+    stage.run(shot, Mode::Timed)?;
+    stage.run(shot, Mode::Counted)?;
+    Ok(render(stage, shot, false)?.composite.values)
+}
+
+/// Whether an error is the one that a fault is to become, and names the call or the thing.
+fn is_of(error: &Error, fault: Fault) -> bool {
+    use ash::vk::Result as R;
+    match (fault, error) {
+        (Fault::Allocation(_), Error::Memory { what, .. }) => !what.is_empty(),
+        (Fault::Allocation(_), Error::Vulkan { what, result }) => {
+            !what.is_empty() && *result == R::ERROR_OUT_OF_DEVICE_MEMORY
+        }
+        (Fault::Submission(_), Error::Vulkan { what, result }) => !what.is_empty() && *result == R::ERROR_DEVICE_LOST,
+        _ => false,
+    }
+}
+
+/// A device with its watch.
+struct Watched {
+    gpu: Gpu,
+    watch: Arc<Watch>,
+}
+
+impl Watched {
+    /// What lives there, and the bytes that are allocated. Blocks of memory may stay for whoever comes next.
+    fn live(&self) -> (Vec<(&'static str, i64)>, u64) {
+        let counts = self.watch.live().into_iter().filter(|(kind, _)| *kind != "device memory");
+        (counts.collect(), self.gpu.allocated_bytes())
+    }
+
+    /// Does something once as it should go, then with every `step`th of its faults, each of which must be
+    /// an error of its type and leave nothing, and then as it should go again; how many faults.
+    fn try_faults<T>(
+        &self,
+        what: &str,
+        step: usize,
+        mut act: impl FnMut() -> Result<T>,
+        same: fn(&T, &T) -> bool,
+    ) -> usize {
+        self.watch.arm(None);
+        let expected = act().unwrap();
+        let [allocations, submissions] = self.watch.calls();
+        let before = self.live();
+        let faults = (1..=allocations).map(Fault::Allocation).step_by(step);
+        let mut tried = 0;
+        for fault in faults.chain((1..=submissions).map(Fault::Submission)) {
+            self.watch.arm(Some(fault));
+            let Err(error) = act() else {
+                // Blocks of memory that were left need not be allocated again.
+                let [reached, _] = self.watch.calls();
+                assert!(matches!(fault, Fault::Allocation(n) if reached < n), "{what}, {fault:?}: no error");
+                continue;
+            };
+            assert!(is_of(&error, fault), "{what}, {fault:?}: {error}");
+            assert_eq!(self.live(), before, "{what}, {fault:?}");
+            tried += 1;
+        }
+        self.watch.arm(None);
+        assert!(same(&act().unwrap(), &expected), "{what}: not the same after the faults");
+        tried
+    }
+}
+
+/// Every `step`th allocation and every submission of a run of some methods; how many.
+fn every_fault(methods: &[&MethodInfo], step: usize) -> usize {
+    let (watch, scene) = (Arc::<Watch>::default(), two_quads());
+    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let mut tried = on.try_faults("uploads", step, || Stage::new(&on.gpu, &scene), |_, _| true);
+    let mut stage = Stage::new(&on.gpu, &scene).unwrap();
+    for method in methods {
+        let name = method.name;
+        tried += on.try_faults(name, step, || shot(&mut stage, method, &scene), |_, _| true);
+        let shot = shot(&mut stage, method, &scene).unwrap();
+        tried += on.try_faults(name, step, || frames(&mut stage, &shot), |a, b| a == b);
+        on.gpu.check_validation().unwrap();
+    }
+    drop(stage);
+    let Watched { gpu, watch } = on;
+    let log = gpu.validation_log().unwrap();
+    drop(gpu);
+    assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), [], "with the device gone");
+    let left: Vec<_> = log.violations().into_iter().map(|m| m.text).collect();
+    assert_eq!(left, [""; 0], "the layers, of what was left or misused");
+    tried
+}
+
+#[test]
+fn allocations_and_submissions_may_fail() {
+    let _alone = alone();
+    let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
+    let tried = every_fault(&methods, 3);
+    println!("{tried} faults");
+    assert!(tried > 100, "{tried}");
+}
+
+#[test]
+#[ignore = "minutes: every fault of every method"]
+fn every_allocation_and_submission_of_every_method_may_fail() {
+    let _alone = alone();
+    let tried = every_fault(&METHODS.iter().collect::<Vec<_>>(), 1);
+    println!("{tried} faults");
+}
+
+#[test]
+fn a_device_that_cannot_be_opened_leaves_nothing() {
+    let _alone = alone();
+    let watch = Arc::<Watch>::default();
+    drop(open(&watch).unwrap());
+    let [allocations, _] = watch.calls();
+    assert!(allocations >= 3, "the samplers");
+    for n in 1..=allocations {
+        watch.arm(Some(Fault::Allocation(n)));
+        let error = open(&watch).expect_err("a fault is an error");
+        assert!(is_of(&error, Fault::Allocation(n)), "{error}");
+        assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), []);
+    }
+}
+
+#[test]
+fn a_frame_that_was_not_submitted_changed_nothing() {
+    let _alone = alone();
+    let (watch, scene) = (Arc::<Watch>::default(), two_quads());
+    let gpu = open(&watch).unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let shot = shot(&mut stage, methods::find("unified").unwrap(), &scene).unwrap();
+    // Before the first frame, when images have no layout yet, and after it.
+    for _ in 0..2 {
+        watch.arm(Some(Fault::Submission(1)));
+        assert!(is_of(&stage.run(&shot, Mode::Timed).unwrap_err(), Fault::Submission(1)));
+        watch.arm(None);
+        stage.run(&shot, Mode::Timed).unwrap();
+        gpu.check_validation().unwrap();
+    }
+}
+
+#[test]
+fn a_frame_that_cannot_grow_is_an_error_and_the_next_one_grows() {
+    let _alone = alone();
+    let mut b = Builder::new("many materials");
+    for n in 0..3000 {
+        let material = b.matt(Vec3::splat((n % 7) as f32 / 7.0));
+        let corner = Vec3::new((n % 60) as f32 * 0.1 - 3.0, (n / 60) as f32 * 0.06, 6.0);
+        b.quad(material, corner, Vec3::X * 0.1, Vec3::Y * 0.06, Vec3::NEG_Z);
+    }
+    let watch = Arc::<Watch>::default();
+    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let mut stage = Stage::new(&on.gpu, &b.0).unwrap();
+    let shot = shot(&mut stage, methods::find("ssct").unwrap(), &b.0).unwrap();
+    let before = on.live();
+    let mut faults = 0;
+    // The frame needs more memory for its uniform blocks than it has to begin with.
+    let drawn = loop {
+        on.watch.arm(Some(Fault::Allocation(faults + 1)));
+        match stage.run(&shot, Mode::Plain) {
+            Ok((_, drawn)) => break drawn,
+            Err(error) => assert!(is_of(&error, Fault::Allocation(faults + 1)), "{error}"),
+        }
+        assert_eq!(on.live(), before, "fault {}", faults + 1);
+        faults += 1;
+    };
+    assert!(faults >= 2, "a buffer and what binds its memory");
+    assert_eq!(drawn.meshes, 3000);
+    on.gpu.check_validation().unwrap();
+}

@@ -1,0 +1,174 @@
+//! What fuzzing left (`make fuzz`): every kept input, and seeded mutations of them, through the entries that
+//! the fuzz targets have. No panic, and no more memory than an input of its length may take. And headers
+//! that claim more than their files can hold, each refused in a sentence.
+
+#[path = "../../fuzz/src/entry.rs"]
+mod entry;
+
+use crate::alone;
+use crate::memory::bounded;
+use ssct::scene::{CameraPath, Encoding, Texture, gbuffer_file};
+use std::path::Path;
+
+/// Mutations of a target's inputs, all together.
+const MUTATIONS: u64 = 2000;
+
+/// SplitMix64 (Steele et al. 2014).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % n.max(1) as u64) as usize
+    }
+}
+
+/// Changes a few places: bits, bytes, numbers at their limits, runs left out, repeated or taken from another
+/// input.
+fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
+    let mut bytes = input.to_vec();
+    for _ in 0..=random.below(4) {
+        let at = random.below(bytes.len());
+        let end = (at + 1 + random.below(16)).min(bytes.len());
+        match random.below(6) {
+            _ if bytes.is_empty() => bytes.push(random.below(256) as u8),
+            0 => bytes[at] ^= 1 << random.below(8),
+            1 => bytes[at] = random.below(256) as u8,
+            2 => bytes[at..end].fill([0, 0x7f, 0x80, 0xff][random.below(4)]),
+            3 => drop(bytes.drain(at..end)),
+            4 => drop(bytes.splice(at..at, bytes[at..end].to_vec())),
+            _ => {
+                let from = random.below(other.len());
+                let run = &other[from..(from + 1 + random.below(32)).min(other.len())];
+                drop(bytes.splice(at..end, run.iter().copied()));
+            }
+        }
+    }
+    bytes
+}
+
+#[test]
+fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
+    let _alone = alone();
+    for (name, entry) in entry::ENTRIES {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+        let mut files: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
+        files.sort();
+        let inputs: Vec<Vec<u8>> = files.iter().map(|f| std::fs::read(f).unwrap()).collect();
+        let loaded = inputs.iter().filter(|input| bounded(entry, input)).count();
+        assert!(loaded > 0 && loaded < inputs.len(), "{name}: {loaded} of {} inputs are loaded", inputs.len());
+        let mut random = Random(7);
+        for _ in 0..MUTATIONS {
+            let [input, other] = [0, 1].map(|_| &inputs[random.below(inputs.len())]);
+            bounded(entry, &mutate(input, other, &mut random));
+        }
+    }
+}
+
+/// The sentence of what must be refused, with no more memory than such an input may take.
+fn refused(bytes: &[u8], load: impl FnOnce(&[u8]) -> Option<String>) -> String {
+    let _alone = alone();
+    bounded(load, bytes).expect("an error")
+}
+
+fn texture(name: &'static str, bytes: &[u8]) -> Option<String> {
+    Texture::from_bytes(bytes, Path::new(name), Encoding::Srgb).err().map(|e| e.to_string())
+}
+
+fn crc(bytes: &[u8]) -> u32 {
+    let step = |crc: u32, byte: &u8| {
+        (0..8).fold(crc ^ u32::from(*byte), |c, _| if c & 1 == 1 { c >> 1 ^ 0xedb8_8320 } else { c >> 1 })
+    };
+    !bytes.iter().fold(!0, step)
+}
+
+fn png(width: u32, height: u32) -> Vec<u8> {
+    let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+    let header = [&b"IHDR"[..], &width.to_be_bytes(), &height.to_be_bytes(), &[8, 6, 0, 0, 0]].concat();
+    for chunk in [&header[..], b"IDAT\x78\x9c\x03\x00\x00\x00\x00\x01", b"IEND"] {
+        bytes.extend(u32::to_be_bytes(chunk.len() as u32 - 4));
+        bytes.extend(chunk);
+        bytes.extend(crc(chunk).to_be_bytes());
+    }
+    bytes
+}
+
+fn tga(width: u16, height: u16, kind: u8) -> Vec<u8> {
+    let [w, h] = [width, height].map(u16::to_le_bytes);
+    [&[0, 0, kind, 0, 0, 0, 0, 0, 0, 0, 0, 0][..], &w, &h, &[32, 0x20], &[0x81, 1, 2, 3, 4]].concat()
+}
+
+/// An OpenEXR header of float channels and scan lines, with nothing behind it.
+fn exr(width: u32, height: u32, channels: usize) -> Vec<u8> {
+    let mut bytes = [&[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0][..]].concat();
+    let mut attribute = |name: &str, kind: &str, value: &[u8]| {
+        let length = (value.len() as u32).to_le_bytes();
+        bytes.extend([name.as_bytes(), b"\0", kind.as_bytes(), b"\0", &length, value].concat());
+    };
+    let channel =
+        |n: usize| [format!("c{n:06}\0").as_bytes(), &[2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]].concat();
+    let list: Vec<u8> = (0..channels).flat_map(channel).chain([0]).collect();
+    let window: Vec<u8> =
+        [0, 0, width.wrapping_sub(1), height.wrapping_sub(1)].iter().flat_map(|v| v.to_le_bytes()).collect();
+    attribute("channels", "chlist", &list);
+    attribute("compression", "compression", &[3]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1_f32.to_le_bytes());
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1_f32.to_le_bytes());
+    bytes.push(0);
+    bytes
+}
+
+#[test]
+fn a_png_that_claims_a_billion_squared_is_refused() {
+    let load = |bytes: &[u8]| texture("a.png", bytes);
+    let said = refused(&png(1_000_000_000, 1_000_000_000), load);
+    assert!(said.starts_with("a.png: "), "{said}");
+    let said = refused(&png(16_384, 16_384), load);
+    assert_eq!(said, "a.png: an image of 16384 x 16384 texels cannot come from only 65 bytes");
+}
+
+#[test]
+fn a_tga_that_claims_all_that_it_can_is_refused() {
+    for (kind, length) in [(2, 23), (10, 23)] {
+        let load = |bytes: &[u8]| texture("a.tga", bytes);
+        let said = refused(&tga(65_535, 65_535, kind), load);
+        assert!(said.starts_with("a.tga: "), "{said}");
+        let said = refused(&tga(16_384, 16_384, kind), load);
+        assert_eq!(said, format!("a.tga: an image of 16384 x 16384 texels cannot come from only {length} bytes"));
+    }
+}
+
+#[test]
+fn an_exr_that_claims_a_billion_squared_is_refused() {
+    let load = |bytes: &[u8]| gbuffer_file::decode(bytes, Path::new("a.exr")).err().map(|e| e.to_string());
+    let said = refused(&exr(1_000_000_000, 1_000_000_000, 10), load);
+    assert_eq!(said, "a.exr: the G-buffer has 1000000000x1000000000 pixels; at most 16384 on each side are supported");
+    for (side, channels) in [(16_384, 10), (1024, 3000)] {
+        let said = refused(&exr(side, side, channels), load);
+        assert!(said.contains("too many for a file of"), "{said}");
+    }
+}
+
+#[test]
+fn deep_nesting_and_huge_indices_are_refused() {
+    let nested = |open: &str, close: &str| format!("name = {}{}\n", open.repeat(100_000), close.repeat(100_000));
+    for text in [nested("[", "]"), nested("{a=", "}"), format!("{}\n", "a.".repeat(100_000) + "b = 1")] {
+        let load = |bytes: &[u8]| {
+            let text = std::str::from_utf8(bytes).unwrap();
+            CameraPath::parse(text, Path::new("a.toml")).err().map(|e| e.to_string())
+        };
+        let said = refused(text.as_bytes(), load);
+        assert!(said.starts_with("a.toml") && said.len() < 500, "{said}");
+    }
+    for index in ["4294967296", "9223372036854775807", "-9223372036854775808"] {
+        let _alone = alone();
+        assert!(!bounded(entry::obj, format!("v 0 0 0\nf 1 1 {index}\n").as_bytes()));
+    }
+}

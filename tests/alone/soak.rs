@@ -1,0 +1,133 @@
+//! A soak: frames while sizes and methods change, and in the end nothing more lives than after the first
+//! rounds, on the device and on the host.
+
+use crate::common::{clutter_camera, expected_failures, two_quads};
+use crate::{alone, memory};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, Gpu, Watch};
+use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
+use ssct::scene::View;
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage};
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io::Write;
+use std::sync::Arc;
+
+/// What is held at the end of a round.
+#[derive(Debug, Clone, PartialEq)]
+struct Held {
+    /// Kinds of objects on the device and their counts, hashed: to keep them would be growth itself.
+    live: u64,
+    /// Bytes of device memory in use, and in blocks.
+    device: [u64; 2],
+    /// Bytes that Rust code holds on the host.
+    heap: usize,
+    /// Bytes of the whole process in memory, the driver's and its compiler's included; 0 where the system doesn't say.
+    resident: u64,
+}
+
+impl Held {
+    fn now(gpu: &Gpu, watch: &Watch) -> Self {
+        let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+        let pages: u64 = statm.split(' ').nth(1).and_then(|p| p.parse().ok()).unwrap_or(0);
+        Self {
+            live: digest(&watch.live()),
+            device: [gpu.allocated_bytes(), gpu.reserved_bytes()],
+            heap: memory::live(),
+            resident: pages * 4096,
+        }
+    }
+}
+
+fn digest(live: &impl Hash) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    live.hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Small, so that ten thousand frames take a minute or two on a CPU.
+const SIZES: [[u32; 2]; 5] = [[1, 1], [5, 3], [37, 20], [20, 37], [64, 64]];
+
+/// Rounds of methods × sizes, with frames of every mode for each; what is held after each round. The scene
+/// is uploaded anew in every round.
+fn soak(methods: &[&'static MethodInfo], sizes: &[[u32; 2]], frames_each: usize, rounds: usize) -> (Gpu, Vec<Held>) {
+    let watch = Arc::<Watch>::default();
+    let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
+    println!("{} ({}), {} methods, sizes {sizes:?}", gpu.info().name, gpu.info().driver, methods.len());
+    let scene = two_quads();
+    let (mut held, mut frames) = (Vec::with_capacity(rounds), 0);
+    for round in 0..rounds {
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        for n in 0..methods.len() * sizes.len() {
+            // Neighbours differ in both.
+            let (method, extent) = (methods[n % methods.len()], sizes[(n + n / methods.len()) % sizes.len()]);
+            let roughness = Some([0.0, 0.05, 0.3][(n + round) % 3]);
+            let materials = Globals { roughness, ..Globals::default() }.materials(&scene, &View::default());
+            let camera = clutter_camera(extent);
+            let shot =
+                Shot::new(&mut stage, method, &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
+            for frame in 1..frames_each {
+                stage.run(&shot, [Mode::Plain, Mode::Timed, Mode::Counted][frame % 3]).unwrap();
+            }
+            assert_eq!(render(&mut stage, &shot, false).unwrap().composite.width, extent[0]);
+            frames += frames_each;
+        }
+        drop(stage);
+        let now = Held::now(&gpu, &watch);
+        // Not `println`, which a test keeps in memory until it ends.
+        let told = writeln!(
+            std::io::stderr(),
+            "{frames} frames: device {} B in use, {} B in blocks, {} objects; host {} B of Rust's, {:.1} MB resident",
+            now.device[0],
+            now.device[1],
+            watch.live().values().sum::<i64>(),
+            now.heap,
+            now.resident as f64 / 1e6
+        );
+        told.unwrap();
+        assert_eq!(watch.live().get("descriptor pools"), None, "descriptors are pushed");
+        assert!(now.resident < 10_000_000_000, "the driver fills the machine");
+        held.push(now);
+    }
+    (gpu, held)
+}
+
+fn is_flat(before: u64, after: u64) -> bool {
+    after as f64 <= 1.01 * before as f64
+}
+
+/// Holds every round against the one after which nothing more should come.
+fn check(held: &[Held], warm: usize) {
+    let first = &held[warm];
+    for (n, now) in held.iter().enumerate().skip(warm + 1) {
+        assert_eq!(now.live, first.live, "round {n}");
+        assert_eq!(now.device, first.device, "round {n}");
+        assert!(is_flat(first.heap as u64, now.heap as u64), "round {n}: {} of {}", now.heap, first.heap);
+    }
+}
+
+#[test]
+fn nothing_grows_while_sizes_and_methods_change() {
+    let _alone = alone();
+    let methods = ["unified", "ssct", "sslr", "planar"].map(|name| methods::find(name).unwrap());
+    let (_, held) = soak(&methods, &SIZES[1..4], 8, 4);
+    check(&held, 1);
+}
+
+#[test]
+#[ignore = "minutes: ten thousand frames (make soak)"]
+fn nothing_grows_in_ten_thousand_frames() {
+    let _alone = alone();
+    let methods: Vec<_> = METHODS.iter().collect();
+    let (rounds, frames_each) = (4, 39);
+    assert!(rounds * frames_each * methods.len() * SIZES.len() >= 10_000);
+    let (gpu, held) = soak(&methods, &SIZES, frames_each, rounds);
+    check(&held, 1);
+    let (warm, last) = (held[1].resident, held[rounds - 1].resident);
+    if expected_failures("soak", &gpu).iter().any(|id| id == "resident memory") {
+        assert!(!is_flat(warm, last), "resident memory is flat now: take it off the expected failures");
+        println!("resident memory: {warm} to {last} B, as expected of this driver (tests/expected_failures.toml)");
+    } else {
+        assert!(is_flat(warm, last), "resident memory: {warm} to {last} B");
+    }
+}

@@ -1,0 +1,429 @@
+//! The import rules and the other invariants of the architecture, read off the sources: imports point
+//! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder, no shader is a
+//! wrapper, and no number is declared in GLSL and in Rust.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// A module of the crate's root, and those that it may import.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("error", &[]),
+    // Values and their names: what every layer may have parameters by.
+    ("parameter", &["error"]),
+    ("math", &["error", "parameter"]),
+    ("scene", &["error", "math"]),
+    ("gpu", &["error", "parameter", "math"]),
+    ("reference", &["error", "math", "scene"]),
+    ("metrics", &["error", "math", "scene", "reference"]),
+    ("passes", &["error", "parameter", "math", "scene", "gpu"]),
+    ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
+    ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
+    ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
+    (
+        "app",
+        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study", "report"],
+    ),
+    ("main", &["app"]),
+    ("lib", &[]),
+];
+
+/// Modules of `passes` that are no pass: what several of them read.
+const SHARED_BY_PASSES: &[&str] = &["scene_data", "tiles"];
+
+/// Words that only these files may contain, and do.
+const ONLY_IN: &[(&str, &[&str])] = &[
+    ("cmd_pipeline_barrier2", &["gpu/frame.rs"]),
+    ("ImageMemoryBarrier2", &["gpu/frame.rs"]),
+    ("BufferMemoryBarrier2", &["gpu/frame.rs"]),
+    // The wrappers of the calls, and the one file that calls the wrappers.
+    ("cmd_write_timestamp2", &["gpu/timing.rs"]),
+    (".stamp(", &["gpu/frame.rs"]),
+    ("cmd_begin_query", &["gpu/timing.rs"]),
+    ("cmd_begin_debug_utils_label", &["gpu/device.rs"]),
+    (".begin_label(", &["gpu/frame.rs"]),
+    (".end_label(", &["gpu/frame.rs"]),
+];
+
+/// Names that stand for two public types or more. When the types of an entry are renamed, the entry must go.
+const SHARED_TYPE_NAMES: &[&str] =
+    &["Block", "Compared", "Parameters", "Picture", "Place", "Run", "Sample", "Side", "State", "Strip", "View"];
+
+/// This file replaces the module `app::view` where the window is not built, so its types have the same names.
+const ALTERNATIVE: &str = "app/no_view.rs";
+
+/// A source file: its path under `src/`, and its code without comments and unit tests.
+struct Source {
+    path: String,
+    code: String,
+}
+
+/// The code without comments and without the unit tests at a file's end, which may import anything.
+fn code(text: &str) -> String {
+    // `mod tests;` only names another file; what follows it is shipped.
+    let opens_a_module =
+        |(at, attribute): &(usize, &str)| text[at + attribute.len()..].lines().next().unwrap().contains('{');
+    let end = text.match_indices("#[cfg(test)]\nmod ").find(opens_a_module).map_or(text.len(), |(at, _)| at);
+    let shipped = &text[..end];
+    shipped.lines().map(|l| l.split("//").next().unwrap()).collect::<Vec<_>>().join("\n")
+}
+
+/// The files below a folder of the repository with one of some extensions: their paths in it, and their texts.
+fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let (mut folders, mut found) = (vec![root.clone()], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
+                let text = std::fs::read_to_string(&path).unwrap();
+                found.push((path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/"), text));
+            }
+        }
+    }
+    found
+}
+
+fn sources() -> Vec<Source> {
+    let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
+    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
+    let found: Vec<_> = files("src", &["rs"]).into_iter().filter(shipped).map(source).collect();
+    assert!(found.len() > 50, "only {} sources found", found.len());
+    found
+}
+
+/// The shaders' sources, without comments.
+fn shaders() -> Vec<Source> {
+    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
+    let found: Vec<_> = files("shaders-glsl", &["glsl", "vert", "frag", "comp"]).into_iter().map(source).collect();
+    assert!(found.len() > 50, "only {} shaders found", found.len());
+    found
+}
+
+/// Whether a shader says nothing itself: it only defines and includes.
+fn is_wrapper(code: &str) -> bool {
+    code.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
+}
+
+/// A number that a source declares as a constant.
+#[derive(Debug, Clone, PartialEq)]
+struct Number {
+    name: String,
+    /// As its literal spells it, which tells whole numbers from others.
+    is_whole: bool,
+    value: f64,
+    path: String,
+}
+
+impl Number {
+    fn new(name: &str, literal: &str, path: &str) -> Option<Self> {
+        let digits = literal.trim().trim_end_matches(['u', 'f']).replace('_', "");
+        let value = digits.parse().ok().filter(|_| digits.starts_with(|c: char| c.is_ascii_digit() || c == '-'))?;
+        let is_whole = !digits.contains(['.', 'e', 'E']);
+        Some(Self { name: name.to_owned(), is_whole, value, path: path.to_owned() })
+    }
+
+    /// Words of its name, in capitals.
+    fn words(&self) -> Vec<String> {
+        let mut words = vec![String::new()];
+        let mut before = 'A';
+        for c in self.name.chars() {
+            if c == '_' || (c.is_uppercase() && before.is_lowercase()) {
+                words.push(String::new());
+            }
+            if let (true, Some(word)) = (c != '_', words.last_mut()) {
+                word.extend(c.to_uppercase());
+            }
+            before = c;
+        }
+        words
+    }
+
+    /// Whether it is another declaration of the same: by its name; or by its value, and a word of the names.
+    fn repeats(&self, other: &Self) -> bool {
+        let is_word = |w: &String| w.len() > 2 && other.words().contains(w);
+        let is_same = self.value == other.value && self.is_whole == other.is_whole;
+        self.name == other.name || (is_same && self.words().iter().any(is_word))
+    }
+}
+
+/// `#define NAME 1.0` and `const float NAME = 1.0;` of a shader.
+fn numbers_of_glsl(Source { path, code }: &Source) -> Vec<Number> {
+    let found = code.lines().filter_map(|line| {
+        let line = line.trim();
+        let declared = match (line.strip_prefix("#define "), line.strip_prefix("const ")) {
+            (Some(defined), _) => defined.split_once(' '),
+            (_, Some(constant)) => {
+                constant.split_once(' ').and_then(|(_, rest)| rest.strip_suffix(';')?.split_once(" = "))
+            }
+            _ => None,
+        };
+        declared.and_then(|(name, literal)| Number::new(name, literal, path))
+    });
+    found.collect()
+}
+
+/// `const NAME: f32 = 1.0;` of a Rust source, and `Name = 1,` of an enum.
+fn numbers_of_rust(Source { path, code }: &Source) -> Vec<Number> {
+    let found = code.lines().filter_map(|line| {
+        let line = line.trim();
+        let constant = line.split_once("const ").and_then(|(_, rest)| rest.strip_suffix(';')?.split_once(" = "));
+        let variant = line.strip_suffix(',').and_then(|rest| rest.split_once(" = "));
+        let (name, literal) = constant.map(|(name, v)| (name.split(':').next().unwrap_or(name), v)).or(variant)?;
+        name.starts_with(char::is_uppercase).then(|| Number::new(name, literal, path)).flatten()
+    });
+    found.collect()
+}
+
+/// Numbers of Rust that a shader declares too, and numbers that two shaders declare.
+fn declared_twice(glsl: &[Number], rust: &[Number]) -> Vec<String> {
+    let tell = |a: &Number, b: &Number| format!("{} of {} is {} of {}", a.name, a.path, b.name, b.path);
+    let hosts = rust.iter().flat_map(|r| glsl.iter().filter(|g| r.repeats(g)).map(move |g| tell(r, g)));
+    let same = |a: &Number, b: &Number| a.name == b.name && a.value == b.value;
+    let pairs = glsl.iter().enumerate().flat_map(|(i, a)| glsl[..i].iter().map(move |b| (a, b)));
+    hosts.chain(pairs.filter(|(a, b)| same(a, b)).map(|(a, b)| tell(a, b))).collect()
+}
+
+/// The names that follow a prefix, as in `crate::gpu::Image` or `crate::{gpu, math::cone}`.
+fn names_after(code: &str, prefix: &str) -> Vec<String> {
+    let word = |s: &str| s.trim_start().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut names = Vec::new();
+    for (at, _) in code.match_indices(prefix) {
+        let before = code[..at].chars().next_back();
+        if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
+            continue;
+        }
+        let rest = &code[at + prefix.len()..];
+        let Some(list) = rest.strip_prefix('{') else {
+            names.push(word(rest));
+            continue;
+        };
+        // The first word of each item, at the list's own depth.
+        let (mut depth, mut item) = (0, String::new());
+        for c in list.chars() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => break,
+                '}' => depth -= 1,
+                ',' if depth == 0 => names.push(word(&std::mem::take(&mut item))),
+                _ if depth == 0 => item.push(c),
+                _ => {}
+            }
+        }
+        names.push(word(&item));
+    }
+    names.retain(|n| !n.is_empty());
+    names
+}
+
+/// What a file imports against the rule of the layers.
+fn wrong_imports(path: &str, code: &str) -> Vec<String> {
+    let module = path.split(['/', '.']).next().unwrap();
+    let Some((_, below)) = LAYERS.iter().find(|(name, _)| *name == module) else {
+        return vec![format!("{path}: the module {module} stands in no layer")];
+    };
+    let prefix = if module == "main" { "ssct::" } else { "crate::" };
+    let wrong = |n: &String| n != module && !below.contains(&n.as_str());
+    names_after(code, prefix).into_iter().filter(wrong).map(|n| format!("{path} imports {n}")).collect()
+}
+
+/// The types and traits that a file declares with `pub`, with or without a scope.
+fn public_types(code: &str) -> Vec<String> {
+    let declared = |line: &str| {
+        let line = line.trim_start().strip_prefix("pub")?;
+        let line = line.strip_prefix('(').map_or(Some(line), |scope| Some(scope.split_once(')')?.1))?;
+        let (kind, name) = line.trim_start().split_once(' ')?;
+        let name: String = name.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        ["struct", "enum", "trait", "type"].contains(&kind).then_some(name)
+    };
+    code.lines().filter_map(declared).collect()
+}
+
+/// The sibling passes that a pass imports.
+fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
+    let names = [names_after(code, "super::"), names_after(code, "crate::passes::")].concat();
+    let wrong = |n: &String| passes.contains(n);
+    names.into_iter().filter(wrong).map(|n| format!("{path} imports the pass {n}")).collect()
+}
+
+#[test]
+fn imports_point_down_only() {
+    let wrong: Vec<_> = sources().iter().flat_map(|s| wrong_imports(&s.path, &s.code)).collect();
+    assert_eq!(wrong, [""; 0]);
+}
+
+#[test]
+fn the_references_share_nothing_with_the_gpu() {
+    for layer in ["reference", "metrics"] {
+        let (_, below) = LAYERS.iter().find(|(name, _)| *name == layer).unwrap();
+        assert!(["gpu", "passes", "methods"].iter().all(|n| !below.contains(n)), "{layer}");
+    }
+    let vulkan = |s: &&Source| s.path.starts_with("reference/") && s.code.contains("ash::");
+    assert_eq!(sources().iter().filter(vulkan).map(|s| s.path.clone()).collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn a_pass_imports_no_other_pass() {
+    let sources = sources();
+    let stem = |s: &Source| Some(s.path.strip_prefix("passes/")?.strip_suffix(".rs")?.to_owned());
+    let passes: Vec<_> =
+        sources.iter().filter_map(stem).filter(|n| n != "mod" && !SHARED_BY_PASSES.contains(&n.as_str())).collect();
+    assert!(passes.len() >= 7, "{passes:?}");
+    let in_passes = || sources.iter().filter(|s| s.path.starts_with("passes/"));
+    let wrong: Vec<_> = in_passes().flat_map(|s| wrong_siblings(&s.path, &s.code, &passes)).collect();
+    assert_eq!(wrong, [""; 0]);
+    for shared in SHARED_BY_PASSES {
+        let s = in_passes().find(|s| s.path == format!("passes/{shared}.rs")).expect("the file");
+        assert!(!s.code.contains("fn record"), "{shared} records, so it is a pass");
+    }
+}
+
+#[test]
+fn one_file_writes_barriers_timestamps_and_labels() {
+    let sources = sources();
+    for (word, allowed) in ONLY_IN {
+        let found: Vec<_> = sources.iter().filter(|s| s.code.contains(word)).map(|s| s.path.as_str()).collect();
+        assert_eq!(found, *allowed, "{word}");
+    }
+}
+
+#[test]
+fn unsafe_code_stays_in_gpu() {
+    let mut found = 0;
+    for s in sources().iter().filter(|s| !names_after(&s.code, "unsafe").is_empty() || s.code.contains("unsafe {")) {
+        assert!(s.path.starts_with("gpu/"), "{}", s.path);
+        found += 1;
+    }
+    assert!(found >= 5, "the word is found where it is");
+}
+
+#[test]
+fn no_commands_import_each_other_in_a_circle() {
+    let mut imports = BTreeMap::<String, BTreeSet<String>>::new();
+    for s in sources().iter().filter(|s| ![ALTERNATIVE, "app/mod.rs"].contains(&s.path.as_str())) {
+        let Some(path) = s.path.strip_prefix("app/") else { continue };
+        let module = path.split(['/', '.']).next().unwrap().to_owned();
+        let mut names = names_after(&s.code, "crate::app::");
+        if [format!("{module}.rs"), format!("{module}/mod.rs")].contains(&path.to_owned()) {
+            names.extend(names_after(&s.code, "super::"));
+        }
+        names.retain(|n| *n != module);
+        imports.entry(module).or_default().extend(names);
+    }
+    assert!(imports["view"].contains("cli"), "imports are found: {imports:?}");
+    // Remove modules that import no remaining module, one after another. Only circles remain.
+    let free = |left: &BTreeMap<String, BTreeSet<String>>| {
+        left.iter().find(|(_, names)| names.iter().all(|n| !left.contains_key(n))).map(|(module, _)| module.clone())
+    };
+    while let Some(module) = free(&imports) {
+        imports.remove(&module);
+    }
+    assert!(imports.is_empty(), "{imports:?}");
+}
+
+#[test]
+fn a_public_type_name_means_one_thing() {
+    let mut declared = BTreeMap::<String, Vec<String>>::new();
+    for s in sources().iter().filter(|s| s.path != ALTERNATIVE) {
+        for name in public_types(&s.code) {
+            declared.entry(name).or_default().push(s.path.clone());
+        }
+    }
+    declared.retain(|_, files| files.len() > 1);
+    let shared: Vec<&String> = declared.keys().collect();
+    assert_eq!(shared, SHARED_TYPE_NAMES, "declared twice: {declared:?}");
+}
+
+#[test]
+fn only_the_command_prints() {
+    for s in sources().iter().filter(|s| !s.path.starts_with("app/")) {
+        for word in ["println!", "print!(", "dbg!(", "stdout()"] {
+            assert!(!s.code.contains(word), "{}: {word}", s.path);
+        }
+    }
+}
+
+#[test]
+fn no_shader_only_defines_and_includes() {
+    let wrappers: Vec<_> = shaders().into_iter().filter(|s| is_wrapper(&s.code)).map(|s| s.path).collect();
+    assert_eq!(
+        wrappers, [""; 0],
+        "a variant is a `#pragma program` or a specialization constant of the file with the code"
+    );
+}
+
+#[test]
+fn no_constant_is_declared_in_both_languages() {
+    let glsl: Vec<_> = shaders().iter().flat_map(numbers_of_glsl).collect();
+    let rust: Vec<_> = sources().iter().flat_map(numbers_of_rust).collect();
+    assert!(glsl.len() > 40 && rust.len() > 100, "only {} and {} found", glsl.len(), rust.len());
+    assert_eq!(declared_twice(&glsl, &rust), [""; 0], "shaders-glsl/common/constants.glsl is for both");
+}
+
+#[test]
+fn the_scan_of_shaders_sees_what_it_should() {
+    let wrapper = "#version 460\n// Says nothing.\n\n#define HITS\n#include \"a.glsl\"\n";
+    assert!(is_wrapper(&code(wrapper)) && !is_wrapper(&code(&format!("{wrapper}void main() {{}}"))));
+    let source = |code: &str| Source { path: "x".into(), code: code.into() };
+    let glsl = numbers_of_glsl(&source(
+        "#define XI 0.244\n#define FLAG\n#define F(x) x\nconst int WIDE_LIST = 2;\nconst uint BITS = 4u;\n\
+         layout(constant_id = 0) const int STRIP = 2;\nconst vec3 A = vec3(1.0);",
+    ));
+    assert_eq!(glsl.iter().map(|n| n.name.as_str()).collect::<Vec<_>>(), ["XI", "WIDE_LIST", "BITS"]);
+    let told = |rust: &str| declared_twice(&glsl, &numbers_of_rust(&source(rust))).len();
+    assert_eq!(told("pub const XI: f64 = 0.244;"), 1);
+    assert_eq!(told("pub(super) const XI: f32 = 0.25;"), 1, "the name is enough");
+    assert_eq!(told("    const BITS_OF_A_MAP: u32 = 4;"), 1, "a word and the value");
+    assert_eq!(told("    Wide = 2,"), 1, "a variant of an enum");
+    assert_eq!(told("    Wide = 3,\n    Narrow = 2,\nconst BITS_A: f32 = 4.0;"), 0);
+    assert_eq!(told("pub const XI: f64 = constants::XI;\n    Wide = constants::WIDE_LIST as isize,"), 0);
+    assert_eq!(declared_twice(&[&glsl[..], &glsl[..1]].concat(), &[]).len(), 1, "two shaders");
+}
+
+/// A flag in a string: two hyphens after its beginning or a blank, and a letter.
+fn names_a_flag(code: &str) -> bool {
+    let flag = |(at, _): (usize, &str)| {
+        let before = code[..at].chars().next_back();
+        before.is_some_and(|c| c == '"' || c == ' ' || c == '`')
+            && code[at + 2..].starts_with(|c: char| c.is_ascii_lowercase())
+    };
+    code.match_indices("--").any(flag)
+}
+
+#[test]
+fn only_the_command_knows_flags_and_exit_statuses() {
+    for s in sources().iter().filter(|s| !s.path.starts_with("app/")) {
+        // The property `--rows` of a style sheet is no flag.
+        let code = s.code.replace("\"--rows: \"", "");
+        for line in code.lines().filter(|l| names_a_flag(l)) {
+            panic!("{} names a flag: {line}", s.path);
+        }
+        for word in ["clap::", "exit_status", "ExitCode", "process::exit"] {
+            assert!(!code.contains(word) || s.path == "main.rs", "{}: {word}", s.path);
+        }
+    }
+    assert!(names_a_flag("\"give --one\"") && names_a_flag("\"--one\"") && !names_a_flag("i-- ; a--b"));
+}
+
+#[test]
+fn the_scan_sees_what_it_should() {
+    let text = "use crate::gpu::{Frame, Gpu};\nuse crate::{\n    math::cone::{a, b},\n    methods, // crate::study\n};\n\
+                fn f() -> crate::app::X { my_crate::report::y() }\n#[cfg(test)]\nmod tests { use crate::study; }";
+    assert_eq!(names_after(&code(text), "crate::"), ["gpu", "math", "methods", "app"]);
+    assert_eq!(wrong_imports("scene/obj.rs", "use crate::gpu::Image;"), ["scene/obj.rs imports gpu"]);
+    assert_eq!(wrong_imports("reference/oracle.rs", "use crate::passes::HiZ;"), ["reference/oracle.rs imports passes"]);
+    assert_eq!(wrong_imports("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
+    assert_eq!(wrong_imports("main.rs", "ssct::app::run(); ssct::gpu::x();"), ["main.rs imports gpu"]);
+    assert_eq!(wrong_imports("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
+    assert_eq!(code("a\n#[cfg(test)]\nmod tests;\nb\n#[cfg(test)]\nmod tests {\n}"), "a\n#[cfg(test)]\nmod tests;\nb");
+    let types =
+        "pub struct A;\n    pub(in crate::gpu) enum B {\npub type C<T> = T;\npub a: u32,\nstruct D;\npub fn e() {}";
+    assert_eq!(public_types(types), ["A", "B", "C"]);
+    let passes = ["hi_z".to_owned()];
+    assert_eq!(wrong_siblings("passes/cone.rs", "use super::{HiZ, hi_z::X};", &passes).len(), 1);
+    assert_eq!(wrong_siblings("passes/cone.rs", "use crate::passes::hi_z;", &passes).len(), 1);
+    assert_eq!(wrong_siblings("passes/cone.rs", "use super::HiZ;", &passes).len(), 0);
+}

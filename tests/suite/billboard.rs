@@ -1,0 +1,155 @@
+//! `billboard` against the triangles: an impostor that stands exactly where a picture hangs must be seen
+//! where the picture's reflection is, and what hides the picture hides it once occlusion is on.
+
+use crate::common::{Builder, camera, gpu};
+use glam::Vec3;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::billboard::BillboardParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct::passes::billboard::{Occlusion, Order};
+use ssct::reference::first_hits::FirstHits;
+use ssct::reference::surface::World;
+use ssct::reference::world::{Escape, WorldReference};
+use ssct::scene::{Encoding, Impostor, Scene, Texture};
+use ssct::study::image::render;
+use ssct::study::{Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [241, 181];
+const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
+const HALF_U: Vec3 = Vec3::new(1.5, 0.0, 0.0);
+const HALF_V: Vec3 = Vec3::new(0.0, -0.75, 0.0);
+
+/// Red at the left, green at the right, brighter towards the top: no mirrored reading passes for right.
+fn colour(x: u32, y: u32) -> [u8; 3] {
+    let bright = 250 - 25 * (y as u8);
+    if x < 4 { [bright, 10, 10] } else { [10, bright, 10] }
+}
+
+/// A mirror floor before a picture with its impostor, and a blue block between, if asked for.
+fn scene(with_block: bool) -> Scene {
+    let mut b = Builder::new("picture");
+    let floor = b.mirror();
+    b.quad(floor, Vec3::new(-6.0, 0.0, 0.0), Vec3::X * 12.0, Vec3::Z * 6.0, Vec3::Y);
+    let picture = b.picture(8, 8, colour);
+    b.quad(picture, CENTRE - HALF_U + HALF_V, 2.0 * HALF_U, -2.0 * HALF_V, -Vec3::Z);
+    if with_block {
+        let blue = b.matt(Vec3::new(0.0, 0.0, 1.0));
+        b.quad(blue, Vec3::new(-0.5, 0.0, 4.5), Vec3::X * 0.7, Vec3::Y * 1.1, -Vec3::Z);
+        b.quad(blue, Vec3::new(-0.5, 0.0, 5.0), Vec3::X * 0.7, Vec3::Y * 1.1, Vec3::Z);
+    }
+    let impostor = Impostor { name: "picture".into(), centre: CENTRE, half_u: HALF_U, half_v: HALF_V, texture: 0 };
+    b.0.impostors = vec![impostor];
+    // As bright as the picture, which no light meets: ambient light alone.
+    let texels = (0..64).flat_map(|k| [colour(k % 8, k / 8).as_slice(), &[255]].concat()).collect();
+    b.0.textures.push(Texture { name: "impostor".into(), width: 8, height: 8, rgba: texels, encoding: Encoding::Srgb });
+    b.0.impostors[0].texture = 1;
+    b.0
+}
+
+struct Seen {
+    reflection: Pixels,
+    truth: Vec<Vec3>,
+    receivers: Vec<bool>,
+}
+
+fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Seen {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let setup = Setup::new(EXTENT).with(|p: &mut BillboardParams| {
+        (p.billboard_order, p.billboard_occlusion) = (order, occlusion);
+    });
+    let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
+    let method = find("billboard").unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap();
+    let reflection = render(&mut stage, &shot, false).unwrap().reflection;
+    gpu.check_validation().unwrap();
+    let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
+    let world = World::new(scene, &scene.materials);
+    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let mut state = reference.start();
+    reference.add(&mut state, 1);
+    let receivers = first_hits.receivers.iter().map(Option::is_some).collect();
+    Seen { reflection, truth: reference.image(&state).reflection, receivers }
+}
+
+/// Red, green, blue or black.
+fn kind(c: Vec3) -> u8 {
+    match c.max_position() {
+        _ if c.max_element() < 1e-3 => 0,
+        channel => channel as u8 + 1,
+    }
+}
+
+#[test]
+fn an_impostor_is_seen_where_the_thing_is() {
+    let gpu = gpu();
+    for order in [Order::Printed, Order::Unbroken, Order::Nearest] {
+        let seen = see(&gpu, &scene(false), order, Occlusion::None);
+        let (mut shown, mut wrong) = (0, 0);
+        let mut ratios = Vec::new();
+        for ((texel, truth), receives) in seen.reflection.texels().zip(&seen.truth).zip(&seen.receivers) {
+            let texel = Vec3::from_slice(texel);
+            assert!(*receives || texel == Vec3::ZERO);
+            shown += u32::from(kind(*truth) > 0);
+            wrong += u32::from(kind(texel) != kind(*truth));
+            if kind(texel) == kind(*truth) && kind(texel) > 0 {
+                ratios.push(texel.max_element() / truth.max_element());
+            }
+        }
+        // The picture is lit by the ambient 0.2 alone; its impostor shows the image as it is.
+        ratios.sort_by(f32::total_cmp);
+        let median = ratios[ratios.len() / 2];
+        println!("{order:?}: {shown} pixels show the picture, {wrong} differ, {median} as bright");
+        assert!(shown > 1000 && f64::from(wrong) < 0.03 * f64::from(shown), "{order:?}: {wrong} of {shown}");
+        assert!((median - 5.0).abs() < 0.2, "{median}");
+    }
+}
+
+#[test]
+fn what_hides_the_thing_hides_its_impostor_with_occlusion() {
+    let gpu = gpu();
+    let through = |occlusion| {
+        let seen = see(&gpu, &scene(true), Order::Nearest, occlusion);
+        let (mut hidden, mut shows, mut open, mut lost) = (0, 0, 0, 0);
+        for (texel, truth) in seen.reflection.texels().zip(&seen.truth) {
+            let drawn = kind(Vec3::from_slice(texel)) > 0;
+            match kind(*truth) {
+                3 => (hidden, shows) = (hidden + 1, shows + u32::from(drawn)),
+                1 | 2 => (open, lost) = (open + 1, lost + u32::from(!drawn)),
+                _ => {}
+            }
+        }
+        println!("{occlusion:?}: shows through {shows} of {hidden} hidden pixels, lost in {lost} of {open}");
+        assert!(hidden > 300 && open > 800, "{hidden}, {open}");
+        [f64::from(shows) / f64::from(hidden), f64::from(lost) / f64::from(open)]
+    };
+    let [shows, lost] = through(Occlusion::None);
+    assert!(shows > 0.3 && lost < 0.03, "missing occlusion, as figure 41 shows it: {shows}, {lost}");
+    let [shows, lost] = through(Occlusion::Depth);
+    assert!(shows < 0.05 && lost < 0.08, "{shows}, {lost}");
+}
+
+#[test]
+fn the_printed_order_is_that_of_the_list() {
+    let gpu = gpu();
+    let count = |scene: &Scene, order| {
+        let seen = see(&gpu, scene, order, Occlusion::None);
+        seen.reflection.texels().filter(|t| t[3] > 0.0).count()
+    };
+    let one = scene(false);
+    let whole = count(&one, Order::Printed);
+    // Another one behind the camera, first in the list: the printed loop ends with it.
+    let mut behind = scene(false);
+    let back = Impostor { centre: Vec3::new(0.0, 1.5, -20.0), ..behind.impostors[0].clone() };
+    behind.impostors.insert(0, back);
+    assert_eq!(count(&behind, Order::Printed), 0, "break");
+    assert_eq!(count(&behind, Order::Unbroken), whole);
+    assert_eq!(count(&behind, Order::Nearest), whole);
+    // A transparent one before it, last in the list: it erases what the picture gave, as printed.
+    let mut before = scene(false);
+    let clear = Texture { rgba: vec![0; 256], ..before.textures[1].clone() };
+    before.textures.push(clear);
+    before.impostors.push(Impostor { centre: CENTRE - Vec3::Z, texture: 2, ..before.impostors[0].clone() });
+    let left = count(&before, Order::Printed);
+    assert!(left < whole / 2, "{left} of {whole}");
+    assert_eq!(count(&before, Order::Nearest), whole);
+}

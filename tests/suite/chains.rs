@@ -1,0 +1,270 @@
+//! The chains of the GPU equal their twins on the CPU at every kind of size: odd, prime, one texel
+//! wide or high, one texel, powers of two, and sizes of the thesis's table.
+
+use crate::common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::methods::Setup;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::reference::Level;
+use ssct::reference::hi_z::{self, MinMax};
+use ssct::reference::random::Stream;
+use ssct::reference::visibility::{self, Range};
+use ssct::scene::{GBufferData, scene_file};
+use ssct::study::Globals;
+
+const SIZES: [[u32; 2]; 14] = [
+    [1, 1],
+    [2, 2],
+    [3, 3],
+    [1, 2],
+    [5, 1],
+    [1, 37],
+    [53, 1],
+    [2, 61],
+    [64, 64],
+    [127, 61],
+    [131, 96],
+    [256, 128],
+    [641, 479],
+    [800, 600],
+];
+
+fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
+    let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.chain_filter = filter);
+    show(gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
+}
+
+fn min_max(pixels: &Pixels) -> Level<MinMax> {
+    let texels = pixels.texels().map(|t| MinMax { min: t[0], max: t[1] }).collect();
+    Level { width: pixels.width, height: pixels.height, texels }
+}
+
+fn channel(pixels: &Pixels, channel: usize) -> Level<f32> {
+    let texels = pixels.texels().map(|t| t[channel]).collect();
+    Level { width: pixels.width, height: pixels.height, texels }
+}
+
+/// Holds a shot's depth chain against the twin.
+fn check_depth(shown: &Shown) {
+    let levels = shown.levels("hi-z");
+    let extent = [levels[0].width, levels[0].height];
+    for (z, r) in levels[0].texels().zip(&shown.get("depth").values) {
+        assert_eq!([z[0].to_bits(), z[1].to_bits()], [(1.0 - r).to_bits(); 2], "{extent:?}: level 0");
+    }
+    let twin = hi_z::chain(&channel(levels[0], 0));
+    assert_eq!(levels.len(), twin.len(), "{extent:?}");
+    for (n, (gpu, cpu)) in levels.iter().zip(&twin).enumerate() {
+        assert_eq!((gpu.width, gpu.height), (cpu.width, cpu.height), "{extent:?}, level {n}");
+        for (i, (g, c)) in gpu.texels().zip(&cpu.texels).enumerate() {
+            let bits = [g[0].to_bits(), g[1].to_bits()];
+            assert_eq!(bits, [c.min.to_bits(), c.max.to_bits()], "{extent:?}, level {n}, texel {i}");
+        }
+    }
+}
+
+#[test]
+fn depth_chains_equal_their_twin_to_the_bit() {
+    let gpu = gpu();
+    for extent in SIZES {
+        let shown = render(&gpu, extent, ChainFilter::Hardware);
+        check_depth(&shown);
+        if extent[0] * extent[1] > 4000 {
+            let reversed = &shown.get("depth").values;
+            assert!(reversed.contains(&0.0), "sky is in view");
+            let near = reversed.iter().copied().fold(0.0, f32::max);
+            assert!(near > 0.05, "near and far are in view: {near}");
+        }
+    }
+}
+
+#[test]
+fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
+    let Some(folder) = shared_scenes() else { return };
+    let gpu = gpu();
+    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
+    for (view, extent) in scene.views.iter().zip([[321, 179], [240, 135], [127, 61]]) {
+        let setup = Setup::new(extent);
+        let camera = view.camera(&scene, extent);
+        check_depth(&show(&gpu, &scene, camera, "ssct", &setup, &Globals::default()));
+    }
+}
+
+#[test]
+fn visibility_chains_equal_their_twin_but_for_rounding_ties() {
+    // A level of the twin is made from the GPU's own level below, so that a difference stays where
+    // it arises. A device may fuse or reorder Eq. 4.2, whose denominator f + n − z (f − n) then
+    // differs by one unit in the last place of f: 6.1e-5 of 0.2 at the far plane, 3e-4 relative,
+    // twice in the quotient. That moves a share by at most 0.16 steps of 1/255, so only texels that
+    // lie this close to the middle between two steps may differ, and by one step.
+    const TIE: f32 = 0.16;
+    let gpu = gpu();
+    let (mut texels, mut differing) = (0_usize, 0_usize);
+    for extent in SIZES {
+        let shown = render(&gpu, extent, ChainFilter::Hardware);
+        let range = Range { near_m: shown.camera.lens.near_m, far_m: shown.camera.lens.far_m };
+        let (depth, levels) = (shown.levels("hi-z"), shown.levels("visibility"));
+        assert_eq!(depth.len(), levels.len());
+        assert!(levels[0].values.iter().all(|v| *v == 1.0), "{extent:?}: level 0 is all 1");
+        for n in 1..levels.len() {
+            let twin =
+                visibility::integrate(&min_max(depth[n - 1]), &channel(levels[n - 1], 0), range).expect("a level");
+            assert_eq!((levels[n].width, levels[n].height), (twin.width, twin.height));
+            for (i, (g, c)) in levels[n].values.iter().zip(&twin.texels).enumerate() {
+                texels += 1;
+                let (gpu_step, cpu_step) = ((g * 255.0).round(), (visibility::quantize(*c) * 255.0).round());
+                if gpu_step != cpu_step {
+                    differing += 1;
+                    let from_tie = ((c * 255.0).fract() - 0.5).abs();
+                    assert!(
+                        (gpu_step - cpu_step).abs() <= 1.0 && from_tie <= TIE,
+                        "{extent:?}, level {n}, texel {i}: {gpu_step} against {}",
+                        c * 255.0
+                    );
+                }
+            }
+        }
+        if extent[0] * extent[1] > 4000 {
+            let coarse = &levels[3];
+            assert!(coarse.values.iter().any(|v| *v < 0.9) && coarse.values.contains(&1.0), "the content varies");
+        }
+    }
+    println!("visibility: {differing} of {texels} texels differ by one step");
+    assert!(differing * 1000 <= texels, "{differing} of {texels} texels differ");
+}
+
+#[test]
+fn a_visibility_chain_from_end_to_end_stays_within_a_step_a_level() {
+    let gpu = gpu();
+    let shown = render(&gpu, [641, 479], ChainFilter::Hardware);
+    let range = Range { near_m: shown.camera.lens.near_m, far_m: shown.camera.lens.far_m };
+    let twin = visibility::chain(&hi_z::chain(&channel(shown.get("hi-z"), 0)), range);
+    for (n, (gpu, cpu)) in shown.levels("visibility").iter().zip(&twin).enumerate() {
+        for (g, c) in gpu.values.iter().zip(&cpu.texels) {
+            assert!((g - c).abs() * 255.0 <= n as f32 + 0.01, "level {n}: {g} against {c}");
+        }
+    }
+}
+
+/// One step of f16 at a value, which is what rounding to it may move the value by, twice.
+fn half_step(value: f32) -> f32 {
+    (value.abs() / 1024.0).max(6e-8)
+}
+
+#[test]
+fn blits_of_even_levels_are_box_averages() {
+    let gpu = gpu();
+    for extent in [[2, 2], [64, 64], [256, 128]] {
+        let shown = render(&gpu, extent, ChainFilter::Hardware);
+        let levels = shown.levels("color");
+        for n in 1..levels.len() {
+            let (below, here) = (levels[n - 1], levels[n]);
+            for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
+                for c in 0..3 {
+                    // A side of 1 has no second texel.
+                    let at = |dx: u32, dy: u32| {
+                        let (x, y) = ((2 * x + dx).min(below.width - 1), (2 * y + dy).min(below.height - 1));
+                        below.at(x, y)[c]
+                    };
+                    let box_average = 0.25 * (at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1));
+                    let found = here.at(x, y)[c];
+                    assert!(
+                        (found - box_average).abs() <= half_step(box_average),
+                        "{extent:?}, level {n}, ({x}, {y}): {found} against {box_average}"
+                    );
+                }
+            }
+        }
+        let spread = levels[0].values.iter().fold((f32::MAX, f32::MIN), |(a, b), v| (a.min(*v), b.max(*v)));
+        assert!(extent[0] < 64 || spread.1 - spread.0 > 0.3, "the content varies: {spread:?}");
+    }
+}
+
+#[test]
+fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let pass = ColorChainPass::in_few_passes(&gpu).unwrap();
+    // From 128 pixels on there are seven levels above the first; below, blits make all.
+    for (extent, coarse) in [
+        ([127, 61], 7..7),
+        ([128, 1], 1..8),
+        ([1, 200], 1..8),
+        ([131, 96], 1..8),
+        ([256, 255], 2..9),
+        ([641, 479], 3..10),
+        ([960, 540], 3..10),
+    ] {
+        let pixels = u64::from(extent[0] * extent[1]);
+        let stream = Stream::new(u64::from(extent[0]), u64::from(extent[1]));
+        let color = |i: u64| Vec3::from([0, 1, 2].map(|c| stream.uniform(3 * i + c) as f32));
+        let data = GBufferData {
+            width: extent[0],
+            height: extent[1],
+            camera: clutter_camera(extent),
+            depth: vec![0.5; pixels as usize],
+            normal: vec![Vec3::Z; pixels as usize],
+            reflectivity: vec![1.0; pixels as usize],
+            roughness: vec![0.5; pixels as usize],
+            color: (0..pixels).map(color).collect(),
+        };
+        let images = GBufferImages::upload(&mut context, &data).unwrap();
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let chain = pass.record(&mut frame, &images.gbuffer()).unwrap().0;
+        let report = frame.finish().unwrap();
+        let blits: Vec<_> = (1..coarse.start).map(|level| format!("color/{level}")).collect();
+        assert!(report.recorded.starts_with(&blits), "{extent:?}: {:?}", report.recorded);
+        assert_eq!(report.recorded.len(), blits.len() + usize::from(!coarse.is_empty()), "{extent:?}");
+        assert_eq!(chain.levels(), coarse.end, "{extent:?}");
+        for level in coarse {
+            let [below, here] = [level - 1, level].map(|level| context.read(chain.level(level)).unwrap());
+            for (y, x) in (0..here.height).flat_map(|y| (0..here.width).map(move |x| (y, x))) {
+                let (u, v) = ((x as f32 + 0.5) / here.width as f32, (y as f32 + 0.5) / here.height as f32);
+                for (found, twin) in here.at(x, y).iter().zip(bilinear(&below, u, v)) {
+                    assert!(
+                        (found - twin).abs() <= half_step(twin),
+                        "{extent:?}, level {level}, ({x}, {y}): {found} against {twin}"
+                    );
+                }
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn gaussian_chains_equal_their_twin() {
+    // Horizontal, then vertical, each rounded to f16 on the GPU: one step of f16 each. Where a side
+    // is odd, a tap falls between texels at any fraction, and a device's filter has at least 8
+    // bits for it (half a step is 1/512), in two directions.
+    let gpu = gpu();
+    for extent in SIZES {
+        let shown = render(&gpu, extent, ChainFilter::Gaussian);
+        let levels = shown.levels("color");
+        for n in 1..levels.len() {
+            let (below, here) = (levels[n - 1], levels[n]);
+            let (w, h) = (here.width, here.height);
+            let across = blur(below, w, h, [1.0 / w as f32, 0.0]);
+            let twin = blur(&across, w, h, [0.0, 1.0 / h as f32]);
+            let brightest = below.values.iter().copied().fold(0.0, f32::max);
+            for (i, (g, c)) in here.texels().zip(twin.texels()).enumerate() {
+                for (g, c) in g.iter().zip(c) {
+                    let tolerance = 2.0 * half_step(*c) + 2.0 * brightest / 512.0;
+                    assert!((g - c).abs() <= tolerance, "{extent:?}, level {n}, texel {i}: {g} against {c}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_two_filters_differ() {
+    let gpu = gpu();
+    let [a, b] = [ChainFilter::Hardware, ChainFilter::Gaussian].map(|f| render(&gpu, [64, 64], f));
+    assert_eq!(a.get("color"), b.get("color"), "level 0 is the lit colour either way");
+    let difference = ssct::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
+    assert!(difference > 0.005, "{difference}");
+}

@@ -1,0 +1,394 @@
+//! The command as a user meets it: exit statuses, sentences, files, and what goes to which stream.
+
+use crate::common::folder::Folder;
+use serde_json::Value;
+use std::path::Path;
+use std::process::Command;
+
+const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
+                    o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
+const EYE: [&str; 4] = ["--eye", "0,1.5,0", "--look-at", "0,1,6"];
+
+/// A folder with two OBJ files: a mirror floor before a wall, and one that is broken at line 4.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("room.obj", ROOM);
+    folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    folder
+}
+
+/// The arguments of a command on the small room.
+fn room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
+    [&[command, "--scene", "room.obj"], &EYE[..], args].concat()
+}
+
+/// A user's mistake: the arguments, the exit status, and words of the sentence.
+fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
+    let render = |args: &[&'static str]| [&["render", "-o", "x.png"], args].concat();
+    let room =
+        |args: &[&'static str]| [&["render", "-o", "x.png", "--size", "16x16", "--scene", "room.obj"], args].concat();
+    let aimed = |args: &[&'static str]| [room(&EYE), args.to_vec()].concat();
+    vec![
+        (vec![], 2, "Usage"),
+        (vec!["paint"], 2, "paint"),
+        (vec!["render", "--scene", "room.obj"], 2, "--output"),
+        (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium"),
+        (render(&["--scene", "missing.obj"]), 1, "cannot read"),
+        (render(&["--scene", "missing.obj"]), 1, "missing.obj"),
+        (render(&["--scene", "missing.scene.toml"]), 1, "missing.scene.toml"),
+        (render(&["--scene", "broken.obj"]), 1, "broken.obj:4: "),
+        (render(&["--scene", "room.obj", "--scene", "rooms"]), 2, "may repeat for OBJ files only"),
+        (
+            aimed(&["--method", "magic"]),
+            2,
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, \
+             billboard, planar, area-light, environment, unified",
+        ),
+        (
+            aimed(&["--method", "pccm", "--fallback", "pccm"]),
+            2,
+            "only screen-space methods have a fallback, and pccm is none",
+        ),
+        (aimed(&["--method", "ssct", "--fallback", "mirror"]), 2, "[possible values: none, environment, pccm]"),
+        (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
+        (render(&["--size", "0x10"]), 2, "has no pixels"),
+        (render(&["--size", "10x0"]), 2, "has no pixels"),
+        (render(&["--size", "ten"]), 2, "write it as 960x540"),
+        (render(&["--size", "10x-3"]), 2, "write it as 960x540"),
+        (
+            [&["render", "-o", "x.png", "--size", "999999x4", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "each side must be 1 to",
+        ),
+        (aimed(&["--device", "no such device"]), 2, "no device \"no such device\"; there is: 0 "),
+        (aimed(&["--device", "99"]), 2, "no device \"99\""),
+        (aimed(&["--roughness", "7"]), 2, "--roughness 7: must lie between 0 and 1"),
+        (aimed(&["--roughness", "NaN"]), 2, "--roughness NaN: must lie between 0 and 1"),
+        (aimed(&["--roughness", "0,0.1"]), 2, "give one --roughness"),
+        (aimed(&["--reflectivity", "2"]), 2, "--reflectivity 2: must lie between 0 and 1"),
+        (aimed(&["--normal-deviation", "2"]), 2, "--normal-deviation 2: must lie between 0 and 1"),
+        (aimed(&["--scale", "0"]), 2, "--scale 0: must be a number above 0"),
+        (aimed(&["--fov", "180"]), 2, "--fov 180: must lie between 0 and 180 degrees"),
+        (aimed(&["--near", "5", "--far", "1"]), 2, "near 5 and far 1: near must be above 0 and below far"),
+        (aimed(&["--near", "1", "--far", "1"]), 2, "near must be above 0 and below far"),
+        (aimed(&["--near", "0"]), 2, "near must be above 0"),
+        (room(&["--eye", "0,1,2"]), 2, "--look-at"),
+        (room(&["--look-at", "0,1,2"]), 2, "--eye"),
+        (room(&["--eye", "0,1,2", "--look-at", "0,1,2"]), 2, "the same point"),
+        (room(&["--eye", "0,1", "--look-at", "0,1,2"]), 2, "write it as 1.5,0,-3"),
+        (aimed(&["--view", "front"]), 2, "cannot be used with"),
+        (
+            [&["render", "-o", "x.jpg", "--scene", "room.obj"], &EYE[..]].concat(),
+            2,
+            "x.jpg: an image is written as .png or .exr",
+        ),
+        (
+            [&["render", "-o", "room.obj/x.png", "--size", "8x8", "--scene", "room.obj"], &EYE[..]].concat(),
+            1,
+            "room.obj",
+        ),
+        (aimed(&["--figure", "9.9"]), 2, "9.9"),
+        (aimed(&["--figure", "4.10", "--method", "linear"]), 2, "a chain mask of more than 1 levels"),
+        (aimed(&["--march-stride", "0"]), 2, "it takes numbers above 0 and at most 1"),
+        (vec!["time", "--scene", "room.obj", "--samples", "0"], 2, "--samples 0: at least one is needed"),
+        (vec!["time", "--table", "5.8", "--size", "10x10"], 2, "--table 5.8 has no row for 10x10"),
+        (vec!["time", "--table", "5.8", "--roughness", "0.7"], 2, "--table 5.8 has no row for roughness 0.7"),
+        (vec!["time", "--scene", "room.obj", "--method", "ssct,magic"], 2, "no method \"magic\""),
+        (vec!["study", "--samples", "0", "-o", "out"], 2, "--samples 0"),
+    ]
+}
+
+#[test]
+fn a_mistake_gets_a_sentence_and_leaves_no_file() {
+    let folder = folder();
+    let before = folder.list(".");
+    for (args, status, words) in mistakes() {
+        let output = folder.run(&args);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+        assert!(text.contains(words), "{args:?}: {text:?} lacks {words:?}");
+        assert!(output.stdout.is_empty(), "{args:?}: an error goes to standard error");
+        // Ours are one line; clap's begin with "error:" and may explain.
+        let ours = text.starts_with("ssct: ") && text.trim_end().lines().count() == 1;
+        assert!(ours || text.contains("error:") || text.contains("Usage"), "{args:?}: {text}");
+    }
+    assert_eq!(folder.list("."), before, "nothing is left behind");
+}
+
+#[test]
+fn render_writes_the_image_at_its_size() {
+    let folder = folder();
+    let said = folder.succeed(&room("render", &["--size", "53x31", "-o", "new/folder/x.png"]));
+    assert_eq!(said, "", "render says nothing");
+    assert_eq!(folder.list("new/folder"), ["x.png"], "the file, and no temporary one");
+    let image = folder.image("new/folder/x.png");
+    assert_eq!(image.dimensions(), (53, 31));
+    assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "something is in view");
+
+    folder.succeed(&room("render", &["--size", "53x31", "-o", "x.exr"]));
+    let exr = exr::prelude::read_first_rgba_layer_from_file(
+        folder.path("x.exr"),
+        |size, _| vec![[0.0_f32; 4]; size.area()],
+        |pixels, at, (r, g, b, a): (f32, f32, f32, f32)| pixels[at.y() * 53 + at.x()] = [r, g, b, a],
+    )
+    .unwrap()
+    .layer_data
+    .channel_data
+    .pixels;
+    for (linear, display) in exr.iter().zip(image.pixels()) {
+        assert_eq!([0, 1, 2].map(|c| ssct::math::display_byte(linear[c])), display.0, "the EXR is the PNG, linear");
+    }
+
+    // A method other than the default makes another image, and so does each of these flags.
+    for flags in [&["--method", "hzct"][..], &["--roughness", "0.5"], &["--reflectivity", "0"], &["--fade", "off"]] {
+        folder.succeed(&room("render", &[&["--size", "53x31", "-o", "y.png"], flags].concat()));
+        let other = folder.image("y.png");
+        assert!(other != image, "{flags:?} changes the image");
+    }
+}
+
+#[test]
+fn one_pixel_is_an_image() {
+    let folder = folder();
+    for size in ["1x1", "1x7", "7x1"] {
+        folder.succeed(&room("render", &["--size", size, "-o", "x.png"]));
+        let (w, h) = folder.image("x.png").dimensions();
+        assert_eq!(format!("{w}x{h}"), size);
+    }
+}
+
+#[test]
+fn json_is_all_that_goes_to_standard_output() {
+    let folder = folder();
+    let said = folder.succeed(&room("render", &["--size", "53x31", "-o", "x.png", "--json", "--validation"]));
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let [record] = &records.as_array().unwrap()[..] else { panic!("one record: {said}") };
+    assert_eq!(record["kind"], "render");
+    assert_eq!(record["definitions"], 1);
+    assert_eq!((&record["width"], &record["height"]), (&53.into(), &31.into()));
+    assert_eq!(record["method"], "ssct");
+    assert_eq!(record["drawn"]["meshes"], 2);
+    assert_eq!(record["drawn"]["triangles"], 4);
+    assert_eq!(record["validation"], 0, "messages of the layers");
+    let passes: Vec<_> = record["recorded"].as_array().unwrap().iter().map(|v| v.as_str().unwrap()).collect();
+    assert_eq!(passes[..4], ["g-buffer", "lighting", "depth", "hi-z/1"]);
+    assert_eq!(passes[passes.len() - 2..], ["trace+cone", "composite"]);
+    assert!(!folder.succeed(&room("render", &["--size", "9x9", "-o", "x.png", "--json"])).contains("Usage"));
+}
+
+#[test]
+fn dump_writes_every_intermediate_as_png_and_exr() {
+    let folder = folder();
+    folder.succeed(&room("render", &["--size", "13x6", "--dump", "dump"]));
+    let chain = |name: &str, levels: u32| (0..levels).map(|n| format!("{name}-{n}")).collect::<Vec<_>>();
+    let single = ["albedo", "normal", "depth", "material", "reflection", "composite", "hits"].map(str::to_owned);
+    // 13 → 6 → 3 → 1.
+    let stems = [single.to_vec(), chain("color", 4), chain("hi-z", 4), chain("visibility", 4)].concat();
+    let mut expected: Vec<_> = stems.iter().flat_map(|s| [format!("{s}.png"), format!("{s}.exr")]).collect();
+    expected.push("paths.png".into());
+    expected.sort();
+    assert_eq!(folder.list("dump"), expected);
+    let size = |name: &str| folder.image(&format!("dump/{name}")).dimensions();
+    assert_eq!([size("color-0.png"), size("hi-z-1.png"), size("visibility-3.png")], [(13, 6), (6, 3), (1, 1)]);
+}
+
+#[test]
+fn figures_of_the_thesis_are_drawn() {
+    let folder = folder();
+    for figure in ["4.4", "4.5"] {
+        folder.succeed(&room("render", &["--size", "64x48", "--figure", figure, "-o", "figure.png"]));
+        let image = folder.image("figure.png");
+        assert!(image.pixels().any(|p| p != image.get_pixel(0, 0)), "{figure}");
+        if figure == "4.5" {
+            // The floor's rays go away from the camera, the wall's towards it.
+            let is = |by: usize, than: usize| image.pixels().any(|p| p.0[by] > p.0[than].saturating_add(60));
+            assert!(is(1, 0), "Hi-Z rays are green");
+            assert!(is(0, 1), "rays of the linear march are red");
+        }
+    }
+}
+
+#[test]
+fn time_reports_every_pass_of_every_method_and_size() {
+    let folder = folder();
+    let said = folder.succeed(&room(
+        "time",
+        &["--size", "32x16,17x9", "--roughness", "0,0.3", "--samples", "3", "--warmup", "1", "--json", "-o", "times"],
+    ));
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let records = records.as_array().unwrap();
+    assert_eq!(records.len() % 4, 0, "methods × two sizes × two roughness values");
+    assert!(records.len() >= 8);
+    for r in records {
+        assert_eq!((&r["kind"], &r["definitions"]), (&"time".into(), &1.into()));
+        let passes = r["passes"].as_array().unwrap();
+        assert!(passes.iter().all(|p| p["samples"] == 3 && p["min_ms"].as_f64().unwrap() >= 0.0), "{r}");
+        let sum: f64 = passes.iter().filter(|p| p["counted"] == true).map(|p| p["min_ms"].as_f64().unwrap()).sum();
+        let total = &r["total"];
+        assert!(sum <= total["min_ms"].as_f64().unwrap() + 1e-9, "no sample is below the sum of the least: {r}");
+        assert!(total["median_ms"].as_f64().unwrap() <= r["frame"]["p95_ms"].as_f64().unwrap(), "{r}");
+        assert_eq!(passes[0]["name"], "g-buffer");
+        assert_eq!(passes[0]["counted"], false, "scene passes are not counted");
+        assert_eq!(passes.last().unwrap()["counted"], true);
+        let names: Vec<_> = passes.iter().map(|p| &p["name"]).collect();
+        assert!(
+            names.iter().any(|n| n
+                .as_str()
+                .is_some_and(|n| n.contains("composite") || n.contains("resolve") || n == "trace/mirrors")),
+            "{names:?}"
+        );
+        assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());
+    }
+    assert_eq!(folder.list("times"), ["journal.jsonl", "time-samples.csv", "time.json", "time.svg", "time.txt"]);
+    assert_eq!(folder.text("times/time.json"), said);
+    let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
+    let passes: usize = records.iter().map(|r| r["passes"].as_array().unwrap().len()).sum();
+    assert_eq!(rows, 3 * passes, "a row for each sample and pass");
+
+    let text = folder.succeed(&room("time", &["--size", "17x9", "--samples", "1", "--method", "hzct"]));
+    assert!(text.contains("hzct") && !text.contains("ssct"), "{text}");
+}
+
+#[test]
+fn a_path_gives_frames_per_second_of_each_method() {
+    let folder = folder();
+    let way = "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
+    folder.write("way.toml", way);
+    let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
+    let succeed = |own: &[&str]| folder.succeed(&[&["time"], own, &args].concat());
+    let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
+    let records: Value = serde_json::from_str(&said).unwrap();
+    let records = records.as_array().unwrap();
+    assert_eq!(records.len(), 4, "two methods, two sizes");
+    for r in records {
+        assert_eq!((&r["kind"], &r["definitions"], &r["view"]), (&"path".into(), &1.into(), &"way".into()));
+        let frames = r["frames"].as_array().unwrap();
+        assert_eq!(frames.len(), 5);
+        for f in frames {
+            let of = |name: &str| f[name].as_f64().unwrap();
+            assert!(of("frame_ms") > of("effect_ms") && of("effect_ms") > 0.0, "{f}");
+            assert!((of("fps") * of("frame_ms") - 1000.0).abs() < 1e-3, "{f}");
+        }
+        let fps = |name: &str| r["fps"][name].as_f64().unwrap();
+        assert!(fps("median") >= fps("p95") && fps("p95") >= fps("low_1_percent"), "{r}");
+    }
+    assert_eq!(folder.list("p"), ["journal.jsonl", "path-frames.csv", "path.json", "path.svg", "path.txt"]);
+    let rows = csv::Reader::from_path(folder.path("p/path-frames.csv")).unwrap().into_records().count();
+    assert_eq!(rows, 4 * 5);
+    let svg = folder.text("p/path.svg");
+    assert_eq!(svg.matches("stroke-width=\"2\"").count(), 4, "a line a record");
+    let text = succeed(&["--path", "views"]);
+    assert!(text.contains("rooms views") && text.contains("1 % low"), "{text}");
+    let output = folder.run(&["time", "--path", "nowhere"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("neither a path of scene") && said.contains("views"), "{said}");
+}
+
+#[test]
+fn captions_stand_beside_what_is_measured() {
+    let folder = folder();
+    let quick = ["--table", "captions", "--samples", "1", "--warmup", "0", "--reference-rays", "1"];
+    let succeed = |own: &[&str]| folder.succeed(&[&["time"], &quick[..], own].concat());
+    let said = succeed(&["--view", "window-floor"]);
+    let row = said.lines().find(|l| l.starts_with("5.2")).unwrap();
+    assert!(["HZCT", "2.25", "1.12", "0.50", "960 x 540"].iter().all(|w| row.contains(w)), "{row}");
+    let json = succeed(&["--view", "corridor", "--json"]);
+    let records: Value = serde_json::from_str(&json).unwrap();
+    let kinds: Vec<_> = records.as_array().unwrap().iter().map(|r| (&r["kind"], &r["method"], &r["width"])).collect();
+    let expected = [("time", "ssct"), ("reference", "reference")].map(|(k, m)| (k.into(), m.into(), 1280.into()));
+    assert_eq!(kinds, expected.iter().map(|(k, m, w): &(Value, Value, Value)| (k, m, w)).collect::<Vec<_>>());
+    assert!(records[1]["wall_ms"].as_f64().unwrap() > 0.0 && records[1]["rays"] == 1);
+    for wrong in [["--method", "ssct"], ["--view", "ceiling"]] {
+        assert_eq!(folder.run(&[&["time", "--table", "captions"][..], &wrong].concat()).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn a_quick_study_makes_a_page_with_all_that_it_shows() {
+    let folder = folder();
+    // Killed on the way, and gone on with: nothing that was measured is lost, or measured twice.
+    let mut begun = Command::new(env!("CARGO_BIN_EXE_ssct"));
+    let journal = || std::fs::read_to_string(folder.path("out/journal.jsonl")).unwrap_or_default();
+    let mut killed = begun.args(["study", "--quick", "-o", "out"]).current_dir(folder.root()).spawn().unwrap();
+    while journal().lines().count() < 40 && killed.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    let before = journal();
+    let whole = &before[..before.rfind('\n').unwrap() + 1];
+    let said = folder.succeed(&["study", "--quick", "--resume", "-o", "out"]);
+    let after = journal();
+    let key = |line: &str| Some(serde_json::from_str::<Value>(line).unwrap()["key"].as_str()?.to_owned());
+    let mut keys: Vec<String> = after.lines().filter_map(key).collect();
+    let measured = keys.len();
+    keys.sort();
+    keys.dedup();
+    assert!(after.starts_with(whole) && measured > whole.lines().count() && keys.len() == measured);
+    assert!(said.contains("Table 5.8") && said.contains("index.html"), "{said}");
+    let page = folder.text("out/index.html");
+    let linked: Vec<_> = page.split("href=\"").skip(1).map(|s| s.split('"').next().unwrap()).collect();
+    let linked_in = |prefix: &str| {
+        let mut files: Vec<_> =
+            linked.iter().filter_map(|s| s.strip_prefix(prefix)).filter(|s| !s.is_empty()).collect();
+        files.sort();
+        files.dedup();
+        files
+    };
+    let images = folder.list("out/images");
+    assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
+    // For the first two scenes: direct light and each method; and four figures.
+    let methods = ssct::methods::METHODS.len();
+    assert_eq!(images.len(), 2 * (1 + methods) + 4);
+    let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
+    // The RMSE maps stand beside, for whoever looks closer.
+    let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
+    assert_eq!(maps.len(), 4 * (methods + 1));
+    assert_eq!(linked_in("error/images/"), pngs);
+    assert_eq!(page.matches("src=\"data:").count(), images.len() + pngs.len(), "no picture is embedded twice");
+    assert!(page.len() < 4_500_000, "a page of {} bytes", page.len());
+    // Per cell: three references, and each method and the exact hits with their FLIP maps.
+    assert_eq!(pngs.len(), 4 * (3 + 2 * (methods + 1)));
+    for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {
+        assert!(linked.contains(&file), "{file}");
+        let text = folder.text(&format!("out/{file}"));
+        let records: Value = serde_json::from_str(&text).unwrap();
+        let records = records.as_array().unwrap();
+        assert!(!records.is_empty() && records.iter().all(|r| r["kind"] == kind), "{file}");
+    }
+    assert_eq!(folder.list("out"), ["error", "images", "index.html", "journal.jsonl", "time-samples.csv", "time.json"]);
+}
+
+#[test]
+fn devices_are_listed_with_the_index_that_device_takes() {
+    let folder = folder();
+    let devices: Value = serde_json::from_str(&folder.succeed(&["devices", "--json"])).unwrap();
+    let devices = devices.as_array().unwrap();
+    assert_eq!(devices[0]["index"], 0);
+    let text = folder.succeed(&["devices"]);
+    assert_eq!(text.lines().count(), devices.len());
+    let usable = devices.iter().find(|d| d["unsuitable"].is_null()).expect("a device that can be used");
+    let (index, name) = (usable["index"].to_string(), usable["name"].as_str().unwrap());
+    for wanted in [index.as_str(), &name.to_uppercase()] {
+        folder.succeed(&room("render", &["--size", "4x4", "-o", "x.png", "--device", wanted]));
+    }
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    let folder = folder();
+    for args in [&["--help"][..], &["--version"], &["render", "--help"], &["time", "--help"], &["study", "--help"]] {
+        assert!(!folder.succeed(args).is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_built_in_scene_needs_no_files() {
+    let folder = folder();
+    let said = folder.succeed(&["render", "--size", "48x27", "-o", "x.png", "--json"]);
+    let records: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(records[0]["scene"], "rooms");
+    let is_file = |name: &str| Path::is_file(&folder.path(name));
+    assert!(is_file("x.png"));
+}

@@ -1,0 +1,304 @@
+//! `ssct compare` on runs and images whose differences are known.
+
+use crate::common::folder::Folder;
+use serde_json::Value;
+
+const HEADER: &str = "scene,view,method,preset,width,height,roughness,normal_deviation,resolution_scale,split,fallback,\
+                      sample,pass,counted,ms\n";
+
+/// A run of six frames: a scene pass and two counted ones, the trace's times times a factor that alternates
+/// between two values.
+fn times(folder: &Folder, name: &str, method: &str, factors: [f64; 2], device: &str) {
+    let mut rows = HEADER.to_owned();
+    for n in 0..6 {
+        for (pass, counted, ms) in
+            [("lighting", false, 3.0), ("trace", true, 8.0 * factors[n % 2]), ("composite", true, 2.0)]
+        {
+            rows += &format!("rooms,hall,{method},published,64,36,0.1,,1,false,none,{n},{pass},{counted},{ms:.6}\n");
+        }
+    }
+    let device = serde_json::json!({ "name": device, "driver": "1", "api": "1.3", "type": "CPU" });
+    std::fs::create_dir_all(folder.path(name)).unwrap();
+    folder.write(&format!("{name}/time-samples.csv"), rows);
+    folder.write(&format!("{name}/time.json"), serde_json::json!([{ "device": device }]).to_string());
+}
+
+/// A flat PNG.
+fn png(folder: &Folder, name: &str, extent: [u32; 2], color: [u8; 3]) {
+    image::RgbImage::from_pixel(extent[0], extent[1], image::Rgb(color)).save(folder.path(name)).unwrap();
+}
+
+/// A 32×24 EXR whose left half has one colour and whose right half another.
+fn exr(folder: &Folder, name: &str, halves: [[f32; 3]; 2]) {
+    let color = |x: usize, _| halves[usize::from(x >= 16)].into();
+    exr::prelude::write_rgb_file(folder.path(name), 32, 24, |x, y| -> (f32, f32, f32) { color(x, y) }).unwrap();
+}
+
+/// What `ssct compare` says where it must succeed.
+fn said(folder: &Folder, args: &[&str]) -> String {
+    folder.succeed(&[&["compare"], args].concat())
+}
+
+/// Its records.
+fn compared(folder: &Folder, args: &[&str]) -> Vec<Value> {
+    serde_json::from_str(&said(folder, &[args, &["--json"]].concat())).unwrap()
+}
+
+/// Exit status and sentence of what must fail.
+fn fails(folder: &Folder, args: &[&str], status: i32, words: &str) {
+    let output = folder.run(&[&["compare"], args].concat());
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+    assert!(text.contains(words), "{args:?}: {text}");
+}
+
+fn verdicts(records: &[Value]) -> Vec<(&str, &str)> {
+    records.iter().map(|r| (r["pass"].as_str().unwrap(), r["verdict"].as_str().unwrap_or("null"))).collect()
+}
+
+#[test]
+fn each_pass_and_the_total_get_a_verdict() {
+    let folder = Folder::new();
+    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
+    for (factors, trace, total) in [
+        ([1.0, 1.0], "SAME", "SAME"),
+        ([2.0, 2.0], "SLOWER", "SLOWER"),
+        ([0.5, 0.5], "FASTER", "FASTER"),
+        ([0.6, 1.5], "UNDECIDED", "UNDECIDED"),
+        // 8 % of the trace are 6.4 % of the total, 6 % are 4.8 %.
+        ([1.08, 1.08], "SLOWER", "SLOWER"),
+        ([1.06, 1.06], "SLOWER", "SAME"),
+    ] {
+        times(&folder, "new", "ssct", factors, "gpu");
+        let records = compared(&folder, &["base", "new"]);
+        let expected = [("lighting", "SAME"), ("trace", trace), ("composite", "SAME"), ("total", total)];
+        assert_eq!(verdicts(&records), expected, "{factors:?}");
+    }
+    times(&folder, "new", "ssct", [2.0, 2.0], "gpu");
+    let records = compared(&folder, &["base/time-samples.csv", "new"]);
+    let total = &records[3];
+    assert_eq!((&total["kind"], &total["definitions"]), (&"compare".into(), &1.into()));
+    assert_eq!([&total["median_a_ms"], &total["median_b_ms"]], [&10.0.into(), &Value::from(18.0)]);
+    assert_eq!([&total["ratio"], &total["low"], &total["high"]], [&Value::from(1.8); 3]);
+    assert_eq!((&total["resamples"], &total["samples_b"]), (&2000.into(), &6.into()));
+    assert_eq!((&total["warning"], &total["device_a"]["name"]), (&Value::Null, &"gpu".into()));
+}
+
+#[test]
+fn the_interval_is_the_same_every_time_and_the_threshold_moves_the_verdict() {
+    let folder = Folder::new();
+    times(&folder, "a", "ssct", [0.9, 1.1], "gpu");
+    times(&folder, "b", "ssct", [1.1, 1.3], "gpu");
+    let trace = compared(&folder, &["a", "b"])[1].clone();
+    assert_eq!(trace, compared(&folder, &["a", "b"])[1]);
+    // Medians of resamples reach both values of each side.
+    let (low, high) = (trace["low"].as_f64().unwrap(), trace["high"].as_f64().unwrap());
+    assert!((low - 1.0).abs() < 1e-9 && (high - 1.3 / 0.9).abs() < 1e-9, "{low} {high}");
+    assert_eq!(trace["verdict"], "UNDECIDED");
+    assert_eq!(compared(&folder, &["a", "b", "--threshold", "0.5"])[1]["verdict"], "SAME");
+}
+
+#[test]
+fn a_slower_total_fails_where_asked() {
+    let folder = Folder::new();
+    times(&folder, "base", "ssct", [1.0, 1.0], "gpu");
+    times(&folder, "slow", "ssct", [1.06, 1.06], "gpu");
+    // The trace is slower, the total is not.
+    said(&folder, &["base", "slow", "--fail-on-slower"]);
+    fails(&folder, &["base", "slow", "--fail-on-slower", "--threshold", "0.01"], 1, "1 total(s) are slower");
+    said(&folder, &["base", "slow", "--threshold", "0.01"]);
+}
+
+#[test]
+fn the_text_warns_and_lists_what_one_run_lacks() {
+    let folder = Folder::new();
+    times(&folder, "base", "ssct", [1.0, 1.0], "old gpu");
+    times(&folder, "new", "ssct", [1.0, 1.0], "new gpu");
+    let extra = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,resolve,true,1\n";
+    folder.write("new/time-samples.csv", folder.text("new/time-samples.csv") + extra);
+    let text = said(&folder, &["base", "new", "-o", "out"]);
+    assert!(text.contains("warning: A ran on old gpu (1), B on new gpu (1)"), "{text}");
+    let (_, lacking) = text.split_once("Only in B:\n").unwrap();
+    assert!(lacking.starts_with("  rooms hall  64x36  0.1  own  ssct  published  resolve\n"), "{text}");
+    assert!(text.contains("2000 bootstrap resamples") && text.contains("±5 %"), "{text}");
+    assert_eq!(folder.text("out/compare.txt"), text);
+    let records = compared(&folder, &["base", "new"]);
+    assert!(records[0]["warning"].as_str().unwrap().contains("one device"));
+    assert_eq!((&records[4]["only_in"], &records[4]["verdict"]), (&"B".into(), &Value::Null));
+    let written: Vec<Value> = serde_json::from_slice(&std::fs::read(folder.path("out/compare.json")).unwrap()).unwrap();
+    assert_eq!(written, records);
+    std::fs::remove_file(folder.path("new/time.json")).unwrap();
+    assert!(said(&folder, &["base", "new"]).contains("no time.json says on which device B ran"));
+}
+
+#[test]
+fn a_run_of_the_time_study_is_the_same_as_itself() {
+    let folder = Folder::new();
+    folder.succeed(&["time", "--size", "16x9", "--samples", "5", "--method", "ssct", "-o", "times"]);
+    let records = compared(&folder, &["times", "times", "--threshold", "0.999"]);
+    let timed: Value = serde_json::from_slice(&std::fs::read(folder.path("times/time.json")).unwrap()).unwrap();
+    assert_eq!(records.len(), timed[0]["passes"].as_array().unwrap().len() + 1);
+    assert!(records.iter().all(|r| r["ratio"] == 1.0 && r["warning"].is_null() && r["samples_a"] == 5), "{records:?}");
+    let total = records.last().unwrap();
+    let (found, expected) = (&total["median_a_ms"], &timed[0]["total"]["median_ms"]);
+    assert!((found.as_f64().unwrap() - expected.as_f64().unwrap()).abs() < 1e-4, "{found} {expected}");
+}
+
+#[test]
+fn runs_with_other_flags_are_no_pair() {
+    let folder = Folder::new();
+    let run = |name: &str, flags: &[&str]| {
+        let common = ["time", "--size", "16x9", "--samples", "1", "--method", "ssct", "-o", name];
+        folder.succeed(&[&common[..], flags].concat());
+        folder.text(&format!("{name}/time-samples.csv"))
+    };
+    let plain = run("plain", &[]);
+    let others = ["--normal-deviation", "0.5", "--resolution-scale", "0.5", "--fallback", "environment"];
+    for (name, flags, row, differs) in [
+        ("split", &["--split"][..], "  own  ssct (split)  ", "split false in A, true in B"),
+        ("cone", &["--cone-samples", "3"], "  own  ssct (cone-samples 3)  ", "cone_samples 7 in A, 3 in B"),
+        ("lens", &["--near", "0.2"], "  own  ssct  ", "near_m 0.1 in A, 0.2 in B"),
+        (
+            "others",
+            &others,
+            "  0.5  ssct (resolution-scale 0.5, fallback environment)  ",
+            "fallback none in A, environment in B; normal_deviation not set in A, 0.5 in B; resolution_scale 1 in A, 0.5 in B",
+        ),
+    ] {
+        let (_, rows) = &run(name, flags).split_once('\n').map(|(h, rows)| (h.to_owned(), rows.to_owned())).unwrap();
+        fails(&folder, &["plain", name], 1, "no pass in common");
+        fails(&folder, &["plain", name], 1, differs);
+        folder.write("both.csv", plain.clone() + rows);
+        let text = said(&folder, &["plain", "both.csv"]);
+        let (_, only) = text.split_once("Only in B:").unwrap();
+        assert!(only.contains(row) && only.contains(differs), "{text}");
+    }
+}
+
+#[test]
+fn images_have_the_errors_of_a_hand_computation() {
+    let folder = Folder::new();
+    exr(&folder, "a.exr", [[1.0, 2.0, 0.0], [0.5; 3]]);
+    exr(&folder, "b.exr", [[1.0, 2.0, 3.0], [0.5; 3]]);
+    let found = &compared(&folder, &["a.exr", "b.exr", "-o", "out"])[0];
+    // Half of the pixels differ by 3 in one of three channels; the reference's squares are 5 and 0.75.
+    let close = |key: &str, expected: f64| (found[key].as_f64().unwrap() - expected).abs() < 1e-6;
+    assert!(close("rmse", 1.5_f64.sqrt()) && close("rel_mse", 9.0 / 5.75), "{found}");
+    assert_eq!((&found["kind"], &found["width"], &found["height"]), (&"compare-images".into(), &32.into(), &24.into()));
+    let error = folder.image("out/error.png");
+    assert_eq!((error.get_pixel(3, 3).0, error.get_pixel(20, 3).0), ([255; 3], [0; 3]));
+    assert_eq!(folder.image("out/flip.png").dimensions(), (32, 24));
+    let map = exr::prelude::read_first_flat_layer_from_file(folder.path("out/error.exr")).unwrap();
+    let values: Vec<f32> = map.layer_data.channel_data.list[0].sample_data.values_as_f32().collect();
+    assert!((values[0] - 3_f32.sqrt()).abs() < 1e-6 && values[31] == 0.0);
+    let text = said(&folder, &["a.exr", "b.exr"]);
+    assert!(text.contains("1.224745") && text.contains("1.565217"), "{text}");
+}
+
+#[test]
+fn a_png_is_decoded_to_linear() {
+    let folder = Folder::new();
+    png(&folder, "black.png", [32, 24], [0; 3]);
+    png(&folder, "white.png", [32, 24], [255; 3]);
+    png(&folder, "grey.png", [32, 24], [188; 3]);
+    // sRGB 188 by IEC 61966-2-1: ((188/255 + 0.055) / 1.055)^2.4.
+    let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
+    let rmse = |a: &str, b: &str| compared(&folder, &[a, b])[0]["rmse"].as_f64().unwrap();
+    assert!((rmse("black.png", "grey.png") - linear).abs() < 1e-6);
+    assert!((rmse("white.png", "grey.png") - (1.0 - linear)).abs() < 1e-6);
+    exr(&folder, "grey.exr", [[linear as f32; 3]; 2]);
+    let same = &compared(&folder, &["grey.png", "grey.exr"])[0];
+    assert!(same["rmse"].as_f64().unwrap() < 1e-6 && same["flip"] == 0.0, "{same}");
+    let black = &compared(&folder, &["black.png", "white.png"])[0];
+    assert_eq!((&black["rmse"], &black["rel_mse"]), (&1.0.into(), &Value::Null));
+    assert!((0.967..0.968).contains(&black["flip"].as_f64().unwrap()), "{black}");
+}
+
+#[test]
+fn what_is_no_number_is_not_hidden() {
+    let folder = Folder::new();
+    exr(&folder, "a.exr", [[0.5; 3], [0.5; 3]]);
+    exr(&folder, "nan.exr", [[0.5; 3], [f32::NAN, 0.5, 0.5]]);
+    assert_eq!(compared(&folder, &["a.exr", "nan.exr", "-o", "out"])[0]["rmse"], Value::Null);
+    let error = folder.image("out/error.png");
+    assert_eq!((error.get_pixel(3, 3).0, error.get_pixel(20, 3).0), ([0; 3], [255, 0, 255]));
+    assert!(said(&folder, &["a.exr", "nan.exr"]).contains("NaN"));
+}
+
+#[test]
+fn mistakes_are_sentences() {
+    let folder = Folder::new();
+    times(&folder, "a", "ssct", [1.0, 1.0], "gpu");
+    times(&folder, "other", "hzct", [1.0, 1.0], "gpu");
+    png(&folder, "small.png", [8, 8], [9; 3]);
+    png(&folder, "large.png", [9, 8], [9; 3]);
+    std::fs::create_dir(folder.path("empty")).unwrap();
+    for name in ["text.txt", "broken.png", "broken.exr"] {
+        folder.write(name, "no image");
+    }
+    fails(&folder, &["a"], 2, "<B>");
+    fails(&folder, &["a", "small.png"], 2, "not one of each");
+    fails(&folder, &["a", "text.txt"], 2, "text.txt: neither a folder");
+    fails(&folder, &["a", "a", "--threshold", "1"], 2, "--threshold 1: ");
+    fails(&folder, &["a", "a", "--threshold", "NaN"], 2, "--threshold NaN: ");
+    fails(&folder, &["small.png", "small.png", "--fail-on-slower"], 2, "are for times");
+    fails(&folder, &["a", "nowhere"], 1, "cannot read nowhere");
+    fails(&folder, &["a", "empty"], 1, "time-samples.csv");
+    fails(&folder, &["a", "other"], 1, "no pass in common");
+    fails(
+        &folder,
+        &["small.png", "large.png"],
+        1,
+        "of one size are compared; small.png has 8x8 pixels, large.png has 9x8",
+    );
+    fails(&folder, &["small.png", "broken.png"], 1, "broken.png: cannot be decoded");
+    fails(&folder, &["small.png", "broken.exr"], 1, "broken.exr: no OpenEXR image");
+    fails(&folder, &["small.png", "missing.exr"], 1, "missing.exr");
+    let row = "rooms,hall,ssct,published,64,36,0.1,,1,false,none,0,trace,true";
+    for (content, words) in [
+        (HEADER.to_owned(), "bad.csv: holds no samples"),
+        ("pass,ms\ntrace,1\n".to_owned(), "bad.csv:2: no sample of a time"),
+        (format!("{HEADER}{row},1\n{row},fast\n"), "bad.csv:3: no sample of a time"),
+        (format!("{HEADER}{row},-1\n"), "bad.csv:2: -1 ms is no time"),
+        (format!("{HEADER}{row},NaN\n"), "bad.csv:2: NaN ms is no time"),
+        (format!("{HEADER}{row}\n"), "bad.csv:2: "),
+    ] {
+        folder.write("bad.csv", content);
+        fails(&folder, &["a", "bad.csv"], 1, words);
+    }
+    folder.write("a/time.json", "[]");
+    fails(&folder, &["a", "a"], 1, "time.json: holds no record with a device");
+}
+
+#[test]
+fn an_exr_that_cannot_be_read_is_refused() {
+    use exr::prelude::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, WritableImage};
+    let folder = Folder::new();
+    exr(&folder, "a.exr", [[0.5; 3]; 2]);
+    // The data window's last column, 31, becomes 99999; the pixels would need 29 MB, but the header is enough.
+    let mut bytes = std::fs::read(folder.path("a.exr")).unwrap();
+    let name = b"dataWindow\0box2i\0";
+    let at = bytes.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4 + 8;
+    assert_eq!(bytes[at..at + 4], 31_i32.to_le_bytes());
+    bytes[at..at + 4].copy_from_slice(&99_999_i32.to_le_bytes());
+    folder.write("huge.exr", bytes);
+    fails(&folder, &["a.exr", "huge.exr"], 1, "huge.exr: an image of 100000x24 pixels; at most 16384");
+
+    let flat = |name: &'static str| AnyChannel::new(name, FlatSamples::F32(vec![0.5; 8 * 8]));
+    let write = |name: &str, channels: [&'static str; 3]| {
+        let channels = AnyChannels::sort(channels.map(flat).into_iter().collect());
+        let layer = Layer::new((8, 8), LayerAttributes::default(), Encoding::UNCOMPRESSED, channels);
+        Image::from_layer(layer).write().to_file(folder.path(name)).unwrap();
+    };
+    write("depth.exr", ["R", "G", "depth"]);
+    fails(&folder, &["a.exr", "depth.exr"], 1, "depth.exr: no OpenEXR image");
+    // Of channel B: name, pixel type (2 is 32-bit float), linearity and reserved bytes, then the samplings.
+    write("coarse.exr", ["R", "G", "B"]);
+    let mut bytes = std::fs::read(folder.path("coarse.exr")).unwrap();
+    let start = b"chlist\0";
+    let at = bytes.windows(start.len()).position(|w| w == start).unwrap() + start.len() + 4;
+    assert_eq!(bytes[at..at + 18], *b"B\0\x02\0\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0");
+    (bytes[at + 10], bytes[at + 14]) = (2, 2);
+    folder.write("coarse.exr", bytes);
+    fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
+}

@@ -1,0 +1,280 @@
+//! Cube maps: what is captured lies in the directions where it is, lookups corrected for parallax are
+//! exact in a room that is its own proxy box, levels are blurred as their roughness says, and behind a
+//! screen-space method a map shows where the method fades.
+
+use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show};
+use ash::vk;
+use glam::{DVec2, DVec3, Vec3};
+use ssct::error::Error;
+use ssct::gpu::{Buffer, FrameContext};
+use ssct::math::phong;
+use ssct::math::projection::unproject;
+use ssct::methods::capture::capture;
+use ssct::methods::{EffectParams, Fallback, METHODS, SceneInput, Setup, Wants, find};
+use ssct::passes::cube_filter::{CubeFilterPass, FACE_SIZE, LEVELS, level_roughness};
+use ssct::passes::scene_data::SceneData;
+use ssct::scene::{Aabb, Camera, Probe, Scene, sky};
+use ssct::study::gbuffer;
+use ssct::study::{Globals, Shot, Stage};
+
+const MIN: Vec3 = Vec3::new(-2.0, -1.0, -3.0);
+const MAX: Vec3 = Vec3::new(4.0, 2.0, 3.0);
+
+/// Albedo of a quarter of a wall: no two are alike.
+fn quarter_albedo(axis: usize, side: bool, high: [bool; 2]) -> Vec3 {
+    let index = (axis * 2 + usize::from(side)) * 4 + usize::from(high[0]) + 2 * usize::from(high[1]);
+    Vec3::new((index % 3) as f32, (index / 3 % 3) as f32, (index / 9) as f32) * 0.4 + 0.1
+}
+
+/// A room whose walls are in four quarters each, split where the other two coordinates are 0. With a
+/// mirror for a floor, or without.
+fn room(mirror_floor: bool) -> Scene {
+    let mut b = Builder::new("room");
+    for axis in 0..3 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        for side in [false, true] {
+            if mirror_floor && axis == 1 && !side {
+                continue;
+            }
+            for high in [[false, false], [true, false], [false, true], [true, true]] {
+                let material = b.matt(quarter_albedo(axis, side, high));
+                let mut corner = Vec3::ZERO;
+                corner[axis] = if side { MAX[axis] } else { MIN[axis] };
+                let (mut right, mut up, mut normal) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+                right[u] = if high[0] { MAX[u] } else { MIN[u] };
+                up[v] = if high[1] { MAX[v] } else { MIN[v] };
+                normal[axis] = if side { -1.0 } else { 1.0 };
+                b.quad(material, corner, right, up, normal);
+            }
+        }
+    }
+    if mirror_floor {
+        let mirror = b.mirror();
+        let size = MAX - MIN;
+        b.quad(mirror, MIN, Vec3::X * size.x, Vec3::Z * size.z, Vec3::Y);
+    }
+    b.0
+}
+
+/// Colour of the wall that a ray from inside the room meets; `None` within `margin` metres of where
+/// another begins. There is no light, so a wall is a fifth of its albedo.
+fn seen(from: DVec3, direction: DVec3, margin: f64) -> Option<Vec3> {
+    let (min, max) = (MIN.as_dvec3(), MAX.as_dvec3());
+    let far = |a: usize| ((if direction[a] > 0.0 { max[a] } else { min[a] }) - from[a]) / direction[a];
+    let axis = (0..3).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
+    let at = from + direction * far(axis);
+    let others = [(axis + 1) % 3, (axis + 2) % 3];
+    let is_clear = others.iter().all(|&a| at[a].abs().min(at[a] - min[a]).min(max[a] - at[a]) > margin);
+    is_clear.then(|| 0.2 * quarter_albedo(axis, direction[axis] > 0.0, others.map(|a| at[a] > 0.0)))
+}
+
+/// 8 bits of sRGB and 16-bit floats.
+fn is_color(found: &[f32], right: Vec3) -> bool {
+    (0..3).all(|c| (found[c] - right[c]).abs() < 0.004)
+}
+
+#[test]
+fn faces_show_what_lies_in_their_directions() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let scene = room(false);
+    let data = SceneData::upload(&mut context, &scene).unwrap();
+    let place = Vec3::new(1.0, 0.3, -0.5);
+    let input = SceneInput { data: &data, materials: &scene.materials };
+    let maps = capture(&mut context, &input, &[place]).unwrap();
+    let faces = context.read(maps[0].level(0)).unwrap();
+    assert_eq!([faces.width, faces.height], [FACE_SIZE, 6 * FACE_SIZE]);
+    let mut clear = 0;
+    for (y, x) in (0..faces.height).flat_map(|y| (0..faces.width).map(move |x| (y, x))) {
+        let (u, v) = ((x as f32 + 0.5) / FACE_SIZE as f32, ((y % FACE_SIZE) as f32 + 0.5) / FACE_SIZE as f32);
+        let face = (y / FACE_SIZE) as usize;
+        let Some(right) = seen(place.as_dvec3(), sky::face_direction(face, u, v).as_dvec3(), 0.05) else { continue };
+        assert!(is_color(faces.at(x, y), right), "face {face} ({u}, {v}): {:?}, not {right}", faces.at(x, y));
+        clear += 1;
+    }
+    assert!(clear * 10 > 9 * 6 * FACE_SIZE * FACE_SIZE, "{clear} texels");
+    gpu.check_validation().unwrap();
+}
+
+/// Pixels that reflect: pixel, where the mirror floor at a height is seen there, and the direction of
+/// the reflection; world.
+fn floor_rays(material: &ssct::gpu::Pixels, camera: &Camera, height: f64) -> Vec<(u32, u32, DVec3, DVec3)> {
+    let inverse = camera.view_to_clip().as_dmat4().inverse();
+    let to_world = camera.world_to_view.as_dmat4().inverse();
+    let eye = camera.eye().as_dvec3();
+    let mut rays = Vec::new();
+    for (y, x) in (0..material.height).flat_map(|y| (0..material.width).map(move |x| (y, x))) {
+        if material.at(x, y)[0] > 1e-4 {
+            let size = DVec2::new(f64::from(material.width), f64::from(material.height));
+            let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
+            let d = to_world.transform_vector3(unproject(uv.extend(0.5), &inverse)).normalize();
+            rays.push((x, y, eye + d * ((height - eye.y) / d.y), DVec3::new(d.x, -d.y, d.z)));
+        }
+    }
+    rays
+}
+
+#[test]
+fn in_its_own_box_a_corrected_map_is_exact() {
+    let gpu = gpu();
+    let extent = [321, 239];
+    let bounds = Aabb { min: MIN, max: MAX };
+    let probe = |x, y, z| Probe { name: "probe".into(), position: Vec3::new(x, y, z), bounds };
+    let view = camera(Vec3::new(-1.0, 1.2, -2.4), Vec3::new(1.6, -0.6, 1.0), extent);
+    for probes in [vec![probe(1.0, 0.3, -0.5)], vec![probe(-0.8, 0.9, 1.2), probe(2.5, -0.2, -1.0)]] {
+        let count = probes.len();
+        let scene = Scene { probes, ..room(true) };
+        let shown = show(&gpu, &scene, view, "pccm", &Setup::new(extent), &Globals::default());
+        let (reflection, composite) = (shown.get("reflection"), shown.get("composite"));
+        let (mut clear, mut all) = (0, 0);
+        for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
+            all += 1;
+            assert_eq!(reflection.at(x, y)[3], 1.0, "nothing fades");
+            // A texel is 0.006 rad: 0.04 m at 6 m, and more on a wall that is seen at an angle.
+            let Some(right) = seen(from, direction, 0.25) else { continue };
+            assert!(is_color(reflection.at(x, y), right), "{count}, ({x}, {y}): {:?}", reflection.at(x, y));
+            assert!(is_color(composite.at(x, y), right), "the mirror is black itself");
+            clear += 1;
+        }
+        println!("{count} maps: {clear} of {all} pixels compared");
+        assert!(all > 10_000 && clear * 2 > all, "{clear} of {all}");
+    }
+}
+
+#[test]
+fn the_environment_is_the_sky_in_the_mirror_direction() {
+    let gpu = gpu();
+    let mut b = Builder::new("lake");
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-90.0, 0.0, -90.0), Vec3::X * 180.0, Vec3::Z * 180.0, Vec3::Y);
+    let extent = [320, 240];
+    let view = camera(Vec3::new(0.0, 2.0, 0.0), Vec3::new(3.0, 1.5, 4.0), extent);
+    let shown = show(&gpu, &b.0, view, "environment", &Setup::new(extent), &Globals::default());
+    let rays = floor_rays(shown.get("material"), &view, 0.0);
+    assert!(rays.len() > 20_000);
+    let error = |turn: fn(Vec3) -> Vec3| {
+        let of = |(x, y, _, d): &(u32, u32, DVec3, DVec3)| {
+            let (found, right) = (shown.get("reflection").at(*x, *y), sky::radiance(turn(d.as_vec3())));
+            (0..3).map(|c| f64::from((found[c] - right[c]).abs())).sum::<f64>() / 3.0
+        };
+        rays.iter().map(of).sum::<f64>() / rays.len() as f64
+    };
+    // The map's texels are 0.35°, the clouds' edges some degrees wide.
+    let right = error(|d| d);
+    println!("mean error {right:.4}");
+    assert!(right < 0.004, "{right}");
+    for (turn, what) in [
+        ((|d| d * Vec3::new(-1.0, 1.0, 1.0)) as fn(Vec3) -> Vec3, "left and right"),
+        (|d| d * Vec3::new(1.0, 1.0, -1.0), "fore and aft"),
+        (|d| Vec3::new(d.z, d.y, d.x), "x and z"),
+    ] {
+        assert!(error(turn) > 5.0 * right, "{what} changed places: {}", error(turn));
+    }
+}
+
+#[test]
+fn levels_are_blurred_by_the_lobe_of_their_roughness() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let (source, target) = (CubeFilterPass::source(&gpu).unwrap(), CubeFilterPass::target(&gpu, "target").unwrap());
+    let direction = |face: usize, x: u32, y: u32, size: u32| {
+        let at = |k: u32| (k as f32 + 0.5) / size as f32;
+        sky::face_direction(face, at(x), at(y)).normalize()
+    };
+    let texels: Vec<u16> = (0..6)
+        .flat_map(|face| (0..FACE_SIZE).flat_map(move |y| (0..FACE_SIZE).map(move |x| (face, x, y))))
+        .flat_map(|(face, x, y)| (0.5 + 0.5 * direction(face, x, y, FACE_SIZE)).extend(1.0).to_array())
+        .map(|v| half::f16::from_f32(v).to_bits())
+        .collect();
+    let bytes = bytemuck::cast_slice(&texels);
+    let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC).unwrap();
+    let pass = CubeFilterPass::new(&gpu).unwrap();
+    context
+        .once(|frame| {
+            frame.upload("upload", &staging, source.level(0))?;
+            pass.record(frame, &source, &target)
+        })
+        .unwrap();
+    for level in 0..LEVELS {
+        // The mean of a linear function over the lobe cos^α is the function times (α + 1)/(α + 2).
+        let exponent = phong::exponent(level_roughness(level));
+        let shrunk = if exponent.is_infinite() { 1.0 } else { ((exponent + 1.0) / (exponent + 2.0)) as f32 };
+        let faces = context.read(target.level(level)).unwrap();
+        let (size, mut worst) = (faces.width, 0.0_f32);
+        for (y, x) in (0..faces.height).flat_map(|y| (0..size).map(move |x| (y, x))) {
+            let right = 0.5 + 0.5 * shrunk * direction((y / size) as usize, x, y % size, size);
+            let found = faces.at(x, y);
+            worst = (0..3).fold(worst, |w, c| w.max((found[c] - right[c]).abs()));
+        }
+        println!("level {level}, {size} texels, roughness {}: {shrunk}, worst {worst}", level_roughness(level));
+        // 16-bit floats, and 64 directions: they leave a hundredth of the lobe's own width.
+        let width = 0.5 * (2.0 * (1.0 - shrunk)).sqrt();
+        assert!(worst < 0.001 + 0.03 * width, "level {level}: {worst}");
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn a_fallback_shows_where_the_method_fades() {
+    let gpu = gpu();
+    let extent = [321, 239];
+    let globals = Globals { roughness: Some(0.1), ..Globals::default() };
+    let image = |method: &str, fallback| {
+        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+        show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &globals)
+    };
+    for (fallback, name) in [(Fallback::Pccm, "pccm"), (Fallback::Environment, "environment")] {
+        let behind = image(name, Fallback::None);
+        for method in METHODS.iter().filter(|m| m.is_screen_space()) {
+            let (alone, both) = (image(method.name, Fallback::None), image(method.name, fallback));
+            let (mut part, mut whole) = (0, 0);
+            for (i, found) in both.get("reflection").texels().enumerate() {
+                let of = |shown: &crate::common::Shown| shown.get("reflection").values[4 * i..4 * i + 4].to_vec();
+                let (local, back) = (of(&alone), of(&behind));
+                let fade = local[3];
+                let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
+                let mut through = 1.0 - fade;
+                if method.name == "unified" && fade > 0.0 {
+                    // What rays of a lobe miss is black alone, and lets the fallback through (tests/unified.rs): the
+                    // same share of each channel, and no less than where it fades.
+                    let c = (0..3).max_by(|a, b| back[*a].total_cmp(&back[*b])).unwrap();
+                    let share = (added[c] / back[c].max(0.01)).max(through);
+                    assert!(share <= 1.0 + 1.0 / 256.0 / back[c].max(0.01), "{share} of {name}, pixel {i}");
+                    through = share;
+                }
+                for c in 0..3 {
+                    let off = (added[c] - back[c] * through).abs();
+                    assert!(off <= 1.0 / 1024.0, "{} over {name}, pixel {i}: {off}", method.name);
+                }
+                assert_eq!(found[3], back[3], "nothing fades where something reflects");
+                part += usize::from(fade > 0.0 && fade < 1.0);
+                whole += usize::from(fade == 0.0 && back[3] == 1.0);
+            }
+            // SSLR is printed without a fade: it hits or it misses.
+            let fades = method.name != "sslr";
+            assert!(whole > 1000 && (part > 100) == fades, "{}: {part} faded in part, {whole} wholly", method.name);
+        }
+    }
+}
+
+#[test]
+fn what_has_no_fallback_says_so() {
+    let gpu = gpu();
+    let extent = [16, 16];
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = Fallback::Environment);
+    let view = clutter_camera(extent);
+    let of = |stage: &mut Stage, method: &str, setup: &Setup| {
+        Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone())
+    };
+    for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
+        let Err(Error::Usage(said)) = of(&mut stage, method.name, &setup) else { panic!("{}", method.name) };
+        assert!(said.contains("only screen-space methods have a fallback"), "{said}");
+    }
+    let shot = of(&mut stage, "ssct", &Setup::new(extent)).unwrap();
+    stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let Err(Error::Usage(said)) = gbuffer::reflect(&gpu, &data, find("ssct").unwrap(), &setup) else { panic!() };
+    assert!(said.contains("needs the scene"), "{said}");
+}

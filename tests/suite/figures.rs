@@ -1,0 +1,106 @@
+//! `ssct figures`: the files it makes, what is left out and why, and its page, small; shown by a headless
+//! Chromium where there is one.
+
+use crate::common::folder::Folder;
+use crate::common::html::{attributes, chromium};
+use image::RgbImage;
+use std::path::Path;
+
+/// Mean of the three channels in a part of a picture: left, top, right, bottom in pixels.
+fn mean(image: &RgbImage, [left, top, right, bottom]: [u32; 4]) -> f64 {
+    let pixels = (top..bottom).flat_map(|y| (left..right).map(move |x| image.get_pixel(x, y).0));
+    let values: Vec<f64> = pixels.flat_map(|p| p.map(f64::from)).collect();
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+#[test]
+fn every_figure_is_made_or_says_what_it_lacks() {
+    let folder = Folder::new();
+    let said = folder.succeed(&["figures", "--size", "48x27", "--validation", "-o", "f"]);
+    let page = folder.text("f/index.html");
+    let ids = attributes(&page, "id");
+    let thesis: Vec<String> =
+        (1..=10).map(|n| format!("thesis-4.{n}")).chain((1..=9).map(|n| format!("thesis-5.{n}"))).collect();
+    let schmidt = [27, 32, 33, 39, 40, 41, 47, 48, 49, 50].map(|n| format!("schmidt-{n}"));
+    for stem in thesis.iter().chain(&schmidt) {
+        assert!(ids.contains(&stem.as_str()), "{stem} stands on the page");
+        let line =
+            said.lines().find(|l| l.starts_with(&format!("{stem}.")) || l.starts_with(&format!("{stem} "))).unwrap();
+        match line.split_once(" left out: ") {
+            // Only what another part of the program would bring.
+            Some((_, why)) => assert!(why.starts_with("there is no method"), "{line}"),
+            None => {
+                let file = line.split(": ").next().unwrap();
+                assert!(folder.path("f").join(file).is_file() && attributes(&page, "href").contains(&file), "{line}");
+            }
+        }
+    }
+    // Whatever methods there are, ssct and hzct are, so that these were made.
+    for stem in
+        ["thesis-4.1.svg", "thesis-4.4.png", "thesis-4.6.svg", "thesis-5.1.png", "thesis-5.9.png", "schmidt-27.png"]
+    {
+        assert!(said.lines().any(|l| l.starts_with(stem)), "{stem}\n{said}");
+    }
+    let left_out = said.lines().filter(|l| l.contains(" left out: ")).count();
+    assert_eq!(page.matches("Left out: ").count(), left_out);
+    for word in ["http:", "https:", "url(", "@import", "<script"] {
+        assert!(!page.contains(word), "the page needs nothing from elsewhere: {word}");
+    }
+    assert!(attributes(&page, "src").iter().all(|s| s.starts_with("data:image/")));
+    assert!(page.contains("ssct render --scene rooms --view cylinder --method hzct --roughness 0.1"));
+    shown(&folder);
+}
+
+/// The page in a browser, on a phone: nothing wider than the screen, every picture there.
+fn shown(folder: &Folder) {
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
+    let probe = r#"<!DOCTYPE html><body><pre id="found"></pre><iframe src="index.html" style="width:390px;height:900px;border:0"
+        onload="const d = this.contentDocument, r = d.documentElement;
+        const bad = [...d.images].filter(i => i.naturalWidth == 0 || i.clientWidth == 0).length;
+        document.getElementById('found').textContent =
+            `overflow ${r.scrollWidth - r.clientWidth} bad ${bad} some ${d.images.length > 8}`"></iframe>"#;
+    folder.write("f/probe.html", probe);
+    let url = format!("file://{}", folder.path("f/probe.html").display());
+    let output = command.args(["--dump-dom", &url]).output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    assert!(dom.contains("overflow 0 bad 0 some true"), "{}", &dom[..dom.len().min(400)]);
+}
+
+#[test]
+fn figures_show_what_their_captions_say() {
+    let folder = Folder::new();
+    folder.succeed(&["figures", "--only", "4.2,thesis-4.3,4.8,5.2,27", "--size", "192x108", "-o", "f"]);
+    assert_eq!(
+        folder.list("f"),
+        ["index.html", "schmidt-27.png", "thesis-4.2.svg", "thesis-4.3.svg", "thesis-4.8.png", "thesis-5.2.png"]
+    );
+    // Without Eq. 4.1 more cells have lost their minimum than with it.
+    let lost = |name: &str| folder.text(name).matches("font-weight=\"bold\"").count();
+    assert!(lost("f/thesis-4.2.svg") > lost("f/thesis-4.3.svg"));
+    // Two renders with a gap of eight pixels.
+    let fade = folder.image("f/thesis-4.8.png");
+    assert_eq!(fade.dimensions(), (2 * 192 + 8, 108));
+    // The floor in the lower half: brighter with reflections that do not fade.
+    let floor = |left: u32| mean(&fade, [left, 60, left + 192, 108]);
+    assert!(floor(0) > floor(200) + 2.0, "{} {}", floor(0), floor(200));
+    // In figure 5.2 SSCT catches more than HZCT.
+    let window = folder.image("f/thesis-5.2.png");
+    let all = |left: u32| mean(&window, [left, 0, left + 192, 108]);
+    assert!(all(0) > all(200) + 1.0, "{} {}", all(0), all(200));
+    // Figure 27: two pictures in three rows, then one. Left below is the lit scene.
+    let gbuffer = folder.image("f/schmidt-27.png");
+    assert_eq!(gbuffer.dimensions(), (2 * 192 + 8, 4 * 108 + 3 * 8));
+    // The reflectance is grey.
+    assert!((244..428).all(|x| gbuffer.get_pixel(x.min(391), 2 * 116 + 50).0.windows(2).all(|c| c[0] == c[1])));
+}
+
+#[test]
+fn wrong_numbers_are_told() {
+    let folder = Folder::new();
+    let output = folder.run(&["figures", "--only", "9.9"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.contains("--only 9.9: there is no such figure") && said.contains("5.2"), "{said}");
+    assert!(!Path::exists(&folder.path("figures")));
+}

@@ -1,0 +1,153 @@
+//! The filters of SSLR and of the poster equal their twins on the CPU: the mask-weighted chain, the
+//! reflection's mip level, and the Gaussian volumes.
+
+use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, show};
+use ssct::gpu::{Gpu, Pixels};
+use ssct::math::linear_to_srgb;
+use ssct::methods::Setup;
+use ssct::methods::poster::PosterParams;
+use ssct::parameter::Preset;
+use ssct::passes::PosterFilter;
+use ssct::study::Globals;
+
+fn sslr(gpu: &Gpu, extent: [u32; 2], preset: Preset, roughness: f32) -> Shown {
+    let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+    let setup = Setup::new(extent).of_preset(preset);
+    show(gpu, &clutter(), clutter_camera(extent), "sslr", &setup, &globals)
+}
+
+fn encoded(v: f32) -> f32 {
+    linear_to_srgb(v) * 255.0
+}
+
+/// Thesis 4.3.2, one direction of colour and mask: where the mask reads 0, the central pixel is taken.
+fn masked_blur(color: &Pixels, mask: &Pixels, [w, h]: [u32; 2], step: [f32; 2]) -> (Pixels, Pixels) {
+    let (mut colors, mut masks) = (Vec::new(), Vec::new());
+    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
+        let (u, v) = ((x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+        let central = bilinear(color, u, v);
+        let (mut sum, mut share) = ([0.0; 3], 0.0);
+        for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
+            let (u, v) = (u + tap as f32 * step[0], v + tap as f32 * step[1]);
+            let hit = bilinear(mask, u, v)[0];
+            let read = if hit > 0.0 { bilinear(color, u, v) } else { central };
+            sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
+            share += weight * hit;
+        }
+        colors.extend(sum);
+        masks.push(share);
+    }
+    (
+        Pixels { width: w, height: h, channels: 3, values: colors },
+        Pixels { width: w, height: h, channels: 1, values: masks },
+    )
+}
+
+/// To 8 bits and back, as the images between the passes do.
+fn rounded(mut color: Pixels, mut mask: Pixels) -> (Pixels, Pixels) {
+    color.values.iter_mut().for_each(|v| *v = ssct::math::srgb_to_linear(encoded(*v).round() / 255.0));
+    mask.values.iter_mut().for_each(|v| *v = (*v * 255.0).round() / 255.0);
+    (color, mask)
+}
+
+#[test]
+fn masked_chains_equal_their_twin() {
+    let gpu = gpu();
+    for extent in [[1, 1], [5, 1], [64, 64], [127, 61], [320, 180]] {
+        let shown = sslr(&gpu, extent, Preset::Published, 0.1);
+        let (colors, masks) = (shown.levels("ray-trace-color"), shown.levels("mask"));
+        let misses = masks[0].values.iter().filter(|m| **m == 0.0).count();
+        assert!(masks[0].values.iter().all(|m| *m == 0.0 || *m == 1.0), "level 0 says hit or miss");
+        assert!(extent[0] < 64 || (misses > 100 && misses < masks[0].values.len() - 100), "{misses}");
+        let (mut texels, mut differing) = (0_usize, 0_usize);
+        for n in 1..colors.len() {
+            let size = [colors[n].width, colors[n].height];
+            let (across, down) = ([1.0 / size[0] as f32, 0.0], [0.0, 1.0 / size[1] as f32]);
+            let (color, mask) = masked_blur(colors[n - 1], masks[n - 1], size, across);
+            let (color, mask) = rounded(color, mask);
+            let (color, mask) = masked_blur(&color, &mask, size, down);
+            for i in 0..masks[n].values.len() {
+                texels += 1;
+                let gpu_color = &colors[n].values[4 * i..4 * i + 3];
+                let off = (0..3).map(|c| (encoded(gpu_color[c]) - encoded(color.values[3 * i + c])).abs());
+                let off = off.fold((masks[n].values[i] - mask.values[i]).abs() * 255.0, f32::max);
+                // Two roundings to 8 bits, and the filter's weights have 8 bits too.
+                differing += usize::from(off > 2.5);
+            }
+        }
+        println!("{extent:?}: {differing} of {texels} texels differ");
+        assert!(differing * 100 <= texels, "{extent:?}: {differing} of {texels} texels differ");
+    }
+}
+
+#[test]
+fn the_reflection_is_the_level_that_roughness_and_length_ask_for() {
+    let gpu = gpu();
+    let extent = [320, 180];
+    for (preset, factor) in [(Preset::Published, 1.0), (Preset::Author, 10.0)] {
+        let roughness = 0.3_f32;
+        let shown = sslr(&gpu, extent, preset, roughness);
+        // The material is stored in 16 bits.
+        let roughness =
+            shown.get("material").values.chunks_exact(2).find(|m| m[0] > 0.0).unwrap()[1].min(roughness + 1e-3);
+        let (levels, reflection) = (shown.levels("ray-trace-color"), shown.get("reflection"));
+        let (mut hits, mut between) = (0, 0);
+        for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
+            let found = reflection.at(x, y);
+            if shown.get("mask").at(x, y)[0] == 0.0 {
+                assert_eq!(found, [0.0; 4], "a miss is black");
+                continue;
+            }
+            let spreading = levels[0].at(x, y)[3] * factor;
+            let level = (levels.len() as f32 * roughness * spreading).clamp(0.0, levels.len() as f32 - 1.0);
+            let (u, v) = ((x as f32 + 0.5) / extent[0] as f32, (y as f32 + 0.5) / extent[1] as f32);
+            let low = bilinear(levels[level as usize], u, v);
+            let high = bilinear(levels[(level as usize + 1).min(levels.len() - 1)], u, v);
+            for c in 0..3 {
+                let expected = low[c] + (high[c] - low[c]) * level.fract();
+                // Weights of 8 bits in three dimensions, and f16.
+                assert!((found[c] - expected).abs() < 0.015, "({x}, {y}), level {level}: {found:?}, {expected}");
+            }
+            assert_eq!(found[3], 1.0, "a hit does not fade");
+            hits += 1;
+            between += usize::from(level > 0.25);
+        }
+        println!("{preset:?}: {hits} hits, {between} beyond level 0");
+        assert!(hits > 1000 && between > 100, "{preset:?}: {hits} {between}");
+    }
+}
+
+#[test]
+fn slices_of_the_volumes_are_gaussians_of_each_other() {
+    let gpu = gpu();
+    for extent in [[1, 1], [127, 61], [160, 90]] {
+        let setup = Setup::new(extent).with(|p: &mut PosterParams| p.poster_filter = PosterFilter::Volume);
+        let shown = show(&gpu, &clutter(), clutter_camera(extent), "poster", &setup, &Globals::default());
+        let slices = shown.levels("filtered-color");
+        assert_eq!(slices[0], shown.get("color"), "slice 0 is the lit colour");
+        let [w, h] = extent;
+        for n in 1..slices.len() {
+            // The taps' variance is 0.726 squares of their distance; slice n adds 4^(n-1) / 4 square pixels.
+            let distance = 2_f32.powi(n as i32 - 2) / 0.726_f32.sqrt();
+            let across = blur(slices[n - 1], w, h, [distance / w as f32, 0.0]);
+            let twin = blur(&across, w, h, [0.0, distance / h as f32]);
+            for (i, (g, c)) in slices[n].texels().zip(twin.texels()).enumerate() {
+                for (g, c) in g.iter().zip(c) {
+                    // f16 twice, and weights of 8 bits in three dimensions.
+                    assert!((g - c).abs() < 0.012, "{extent:?}, slice {n}, texel {i}: {g} against {c}");
+                }
+            }
+        }
+        // Contrast falls from slice to slice, and the mean stays.
+        let moments = |p: &Pixels| {
+            let n = f64::from(p.width * p.height);
+            let mean = p.texels().map(|t| f64::from(t[0])).sum::<f64>() / n;
+            (mean, p.texels().map(|t| (f64::from(t[0]) - mean).powi(2)).sum::<f64>() / n)
+        };
+        for pair in slices.windows(2) {
+            let (fine, coarse) = (moments(pair[0]), moments(pair[1]));
+            assert!(extent[0] == 1 || coarse.1 < fine.1, "{extent:?}: {fine:?} {coarse:?}");
+            assert!((coarse.0 - fine.0).abs() < 0.05, "{extent:?}: {fine:?} {coarse:?}");
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The gloss of `unified`: its error against the screen reference beside `ssct`'s, roughness that
+//! varies over the image, and rest under a moving camera.
+
+use crate::common::gpu;
+use glam::Vec3;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::math::OracleVersion;
+use ssct::methods::{self, Setup, Wants};
+use ssct::metrics::image::masked_rmse;
+use ssct::reference::screen::{Sampling, ScreenReference};
+use ssct::scene::{GBufferData, View, library};
+use ssct::study::gbuffer::{self, reflect};
+use ssct::study::{Globals, Shot, Stage};
+
+/// The G-buffer of a built-in view, moved aside by a part of a metre.
+fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view(view).unwrap();
+    let right = Vec3::Y.cross(view.look_at - view.eye).normalize() * aside_m;
+    let view = View { eye: view.eye + right, look_at: view.look_at + right, ..view.clone() };
+    let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
+    let mut stage = Stage::new(gpu, &scene).unwrap();
+    let (materials, camera) = (globals.materials(&scene, &view), view.camera(&scene, extent));
+    let shot =
+        Shot::new(&mut stage, methods::find("hzct").unwrap(), &Setup::new(extent), Wants::IMAGE, camera, materials)
+            .unwrap();
+    stage.output(&shot).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
+    let setup = Setup::new([data.width, data.height]);
+    reflect(gpu, data, methods::find(method).unwrap(), &setup).unwrap().reflection
+}
+
+fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
+    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+fn mask(data: &GBufferData) -> Vec<bool> {
+    (0..data.depth.len()).map(|i| data.reflects(i)).collect()
+}
+
+fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
+    let image =
+        ScreenReference::render(data, &mask(data), Sampling { samples, seed: 1, oracle: OracleVersion::V1 }, &|| ());
+    image.color.iter().map(Vec3::to_array).collect()
+}
+
+#[test]
+fn its_error_is_a_fraction_of_the_thesis_method_s() {
+    // Issue 5, "Image", asks for at most 0.65 on any view.
+    let gpu = gpu();
+    for (view, roughness) in [("corridor", 0.05), ("corridor", 0.1), ("ceiling", 0.3), ("ceiling", 0.6)] {
+        let data = gbuffer(&gpu, view, [321, 181], roughness, 1.0, 0.0);
+        let (truth, mask) = (reference(&data, 48), mask(&data));
+        let [ours, thesis] =
+            ["unified", "ssct"].map(|m| masked_rmse(&truth, &colors(&reflection(&gpu, &data, m)), &mask));
+        println!("{view}, roughness {roughness}: unified {ours:.4}, ssct {thesis:.4}, {:.3}", ours / thesis);
+        assert!(ours < 0.65 * thesis, "{view}, {roughness}: {ours} against {thesis}");
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn roughness_that_varies_is_everywhere_what_it_is_when_it_does_not() {
+    let gpu = gpu();
+    let values = [0.0, 0.1, 0.5];
+    let even = values.map(|r| gbuffer(&gpu, "cylinder", [195, 121], r, 1.0, 0.0));
+    let mut varied = even[0].clone();
+    let stripe = |x: u32| (x / 65) as usize;
+    for y in 0..121 {
+        for x in 0..195 {
+            let i = varied.index(x, y);
+            varied.roughness[i] = even[stripe(x)].roughness[i];
+        }
+    }
+    let expected = even.each_ref().map(|data| reflection(&gpu, data, "unified"));
+    let found = reflection(&gpu, &varied, "unified");
+    let mut compared = 0;
+    for (x, y) in (0..121_u32).flat_map(|y| (0..195_u32).map(move |x| (x, y))) {
+        // A pixel sees the rays of two cells around its own, and a cell's neighbour.
+        let reach = x.saturating_sub(8)..=(x + 8).min(194);
+        if reach.into_iter().all(|near| stripe(near) == stripe(x)) {
+            assert_eq!(found.at(x, y), expected[stripe(x)].at(x, y), "({x}, {y})");
+            compared += usize::from(varied.reflects(varied.index(x, y)));
+        }
+    }
+    assert!(compared > 5_000, "{compared}");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn a_small_move_of_the_camera_changes_little() {
+    // A pattern that stands on the screen while the scene moves under it shimmers. The reference's
+    // change is the scene's own; its samples are those of the pixel, so that their noise stays. Nothing
+    // without its noise is below that; the thesis's cone, which takes one ray, is what is to be beaten.
+    let gpu = gpu();
+    for roughness in [0.05, 0.1, 0.4] {
+        let [a, b] = [0.0, 0.002].map(|aside| gbuffer(&gpu, "corridor", [321, 181], roughness, 0.0, aside));
+        // What is one surface in both.
+        let still: Vec<bool> = (0..a.depth.len())
+            .map(|i| {
+                let alike = (a.depth[i] - b.depth[i]).abs() < 0.01 * a.depth[i] && a.normal[i].dot(b.normal[i]) > 0.99;
+                a.reflects(i) && b.reflects(i) && alike
+            })
+            .collect();
+        let change = |a: &[[f32; 3]], b: &[[f32; 3]]| masked_rmse(a, b, &still);
+        let scene = change(&reference(&a, 32), &reference(&b, 32));
+        let [ours, thesis] =
+            ["unified", "ssct"].map(|m| change(&colors(&reflection(&gpu, &a, m)), &colors(&reflection(&gpu, &b, m))));
+        println!("roughness {roughness}: reference {scene:.5}, unified {ours:.5}, ssct {thesis:.5}");
+        assert!(scene < ours && ours < 0.9 * thesis, "roughness {roughness}: less steady than the thesis's cone");
+    }
+}

@@ -1,0 +1,375 @@
+//! The glossy passes of `unified` against their twins on the CPU, each pass by itself: a twin takes what the device
+//! made in the pass before, so that a difference stays where it arises.
+
+use crate::common::{check_validation, gpu, is_gpu_assisted};
+use glam::{IVec2, Vec2, Vec3, Vec4};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Image, Pixels};
+use ssct::math::OracleVersion;
+use ssct::methods::{self, Setup, Wants, unified};
+use ssct::passes::classify::ClassifyPass;
+use ssct::passes::color_chain::ColorChainPass;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::pyramid::{self, PyramidPass};
+use ssct::passes::tiles::UnifiedSetup;
+use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
+use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
+use ssct::reference::Level;
+use ssct::reference::random::Stream;
+use ssct::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
+use ssct::scene::{Camera, GBufferData, Lens, library};
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+
+/// The numbers of fade that `unified::parameters` gives.
+const FADE: [f32; 2] = [0.8, 1.0];
+
+/// How a G-buffer is drawn.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    oracle: OracleVersion,
+    /// Over the tiles of a list; else the whole image, all reflectors of which must be of one kind.
+    tiles: bool,
+    /// Whether another reflection is behind.
+    over: bool,
+}
+
+/// What the device made of a G-buffer, pass by pass.
+struct Drawn {
+    chain: Vec<Level<Vec3>>,
+    narrow: Level<Gathered>,
+    wide: Level<Gathered>,
+    cells: Level<Cell>,
+    reflection: Pixels,
+    composite: Pixels,
+}
+
+fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
+    let extent = [data.width, data.height];
+    let mut context = FrameContext::new(gpu).unwrap();
+    let images = GBufferImages::upload(&mut context, data).unwrap();
+    let setup =
+        UnifiedSetup { extent, strip: pyramid::strip(extent), oracle: way.oracle, over: way.over, reflection: true };
+    let pyramid = PyramidPass::new(gpu, extent).unwrap();
+    let color = ColorChainPass::in_few_passes(gpu).unwrap();
+    let classify = ClassifyPass::new(gpu, extent).unwrap();
+    let gloss = UnifiedGlossPass::new(gpu, &setup).unwrap();
+    let [composite, reflection] =
+        ["composite", "reflection"].map(|name| Image::target(gpu, name, LIT_COLOR, extent).unwrap());
+    let canvas = Canvas { composite: &composite, reflection: Some(&reflection) };
+    let is = |wide: bool| (0..data.depth.len()).any(|i| data.reflects(i) && (data.roughness[i] > 0.2) == wide);
+    let known = Reflectors { mirrors: false, narrow: is(false), wide: is(true), everywhere: true };
+    assert!(way.tiles || known.kinds() == 1);
+    let gbuffer = GBuffer { reflectors: known, ..images.gbuffer() };
+    let parameters = unified::parameters(&data.camera, extent, true);
+    let mut frame = context.begin(Mode::Plain).unwrap();
+    let blocks = pyramid.record(&mut frame, &gbuffer, &parameters).unwrap();
+    let chain = color.record(&mut frame, &gbuffer).unwrap().0;
+    let tiles = if way.tiles {
+        let tiles = classify.record(&mut frame, &gbuffer, &parameters).unwrap();
+        canvas.begin(&mut frame, gbuffer.color).unwrap();
+        tiles
+    } else {
+        classify.whole()
+    };
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas };
+    if known.narrow {
+        gloss.record_narrow(&mut frame, &input, &parameters).unwrap();
+    }
+    if known.wide {
+        gloss.record_wide(&mut frame, &input, &parameters).unwrap();
+    }
+    frame.finish().unwrap();
+    let mut read = |image: &Image| context.read(image.level(0)).unwrap();
+    let vec4 = |t: &[f32]| Vec4::from_slice(t);
+    let BetweenPasses { records, place, seen, cell_reflection, cell_surface } = gloss.between();
+    let [narrow, place, seen, cell_reflection, cell_surface] =
+        [records, place, seen, cell_reflection, cell_surface].map(&mut read);
+    let pairs = |a: &Pixels, b: &Pixels| -> Vec<[Vec4; 2]> {
+        a.texels().zip(b.texels()).map(|(a, b)| [vec4(a), vec4(b)]).collect()
+    };
+    let unpack = |t: &[f32]| Gathered::unpack([0, 1, 2, 3].map(|i: usize| t[i].to_bits()));
+    let wide = pairs(&place, &seen).into_iter().map(|[key, color]| Gathered { key, color }).collect();
+    let cells = pairs(&cell_reflection, &cell_surface);
+    let cells = cells.into_iter().map(|[reflection, surface]| Cell { reflection, surface }).collect();
+    let (reflection, composite) = (read(&reflection), read(&composite));
+    Drawn {
+        narrow: level(&narrow, narrow.texels().map(unpack).collect()),
+        wide: level(&place, wide),
+        cells: level(&place, cells),
+        reflection,
+        composite,
+        chain: (0..chain.levels())
+            .map(|n| {
+                let pixels = context.read(chain.level(n)).unwrap();
+                level(&pixels, pixels.texels().map(Vec3::from_slice).collect())
+            })
+            .collect(),
+    }
+}
+
+fn level<T>(pixels: &Pixels, texels: Vec<T>) -> Level<T> {
+    Level { width: pixels.width, height: pixels.height, texels }
+}
+
+/// One step of 16-bit floats at a value: a device may round what it stores up or down.
+fn half_step(value: f32) -> f32 {
+    (value.abs() / 1024.0).max(6e-8)
+}
+
+/// What 32-bit floats add to a step of storage, in steps: 2⁻¹² of a value, which is 4096 of their roundings. A weight is
+/// a few tens of operations, and its exponent, which has an error in units of the last place of up to 14, is one of
+/// them; a mean of colours that are not negative has at most twice its weights' relative error.
+const ARITHMETIC: f32 = 0.25;
+
+/// By how much a direction may be off on the device: 16 roundings, and what a step of 1 − u, which may be rounded to
+/// either side of a number, makes of the sine of the angle from the lobe's middle: sin² = −2 ln(1 − u) / (α + 1). (Vulkan
+/// asks less of `cos` and `sin`; on a device that is as bad as that, rays would go elsewhere, and this test would say so.)
+fn aim_error(aim: &Aim) -> f32 {
+    let of_square = f32::EPSILON / aim.lobe.power;
+    let sine = aim.direction.distance(aim.lobe.mirror);
+    16.0 * f32::EPSILON / 2.0 + of_square / sine.max(of_square.sqrt())
+}
+
+/// What was compared in a pass.
+#[derive(Debug, Default, Clone, Copy)]
+struct Count {
+    /// Rays, or pixels and cells.
+    all: usize,
+    /// Those that hit, or show a hit.
+    hits: usize,
+    /// Rays that end in another pixel, or nowhere, if their direction is off by [`aim_error`].
+    ties: usize,
+    /// Those that are off by more than is allowed.
+    wrong: usize,
+}
+
+impl Count {
+    fn add(&mut self, other: Self) {
+        self.all += other.all;
+        self.hits += other.hits;
+        self.ties += other.ties;
+        self.wrong += other.wrong;
+    }
+}
+
+/// A ray as it is, and as it would be were its direction off by [`aim_error`].
+fn aims(aim: Aim) -> impl Iterator<Item = Aim> {
+    let (x, y) = aim.direction.any_orthonormal_pair();
+    let aside = (0..8).map(move |i| {
+        let (sin, cos) = (i as f32 * std::f32::consts::FRAC_PI_4).sin_cos();
+        aim_error(&aim) * (cos * x + sin * y)
+    });
+    std::iter::once(Vec3::ZERO).chain(aside).map(move |off| Aim { direction: aim.direction + off, ..aim })
+}
+
+/// Holds what a ray left against its twin: it lies between what the twin finds along directions that are off by no
+/// more than the device's error, but for the rounding of the numbers of the key, each of which has its own, and of
+/// colours in 16 bits.
+fn check_ray(
+    gloss: &Gloss,
+    aim: Aim,
+    found: &Gathered,
+    key_error: impl Fn(&Aim, &Gathered) -> [f32; 4],
+    twin: impl Fn(&Aim) -> Gathered,
+    count: &mut Count,
+) {
+    let all: Vec<Gathered> = aims(aim).map(|aim| twin(&aim)).collect();
+    let fold = |by: fn(Vec4, Vec4) -> Vec4| {
+        let pairs = all.iter().map(|ray| [ray.key, ray.color]);
+        pairs.reduce(|a, b| [by(a[0], b[0]), by(a[1], b[1])]).unwrap()
+    };
+    let ([key_low, color_low], [key_high, color_high]) = (fold(Vec4::min), fold(Vec4::max));
+    // A device's filter has at least 8 bits for the weights of texels.
+    let filter = gloss.follow(&aim).map_or(Vec3::ZERO, |(hit, _)| {
+        let range: Vec3 =
+            gloss.looked_up(&aim, &hit).iter().map(|(t, weight)| *weight * (t.range[1] - t.range[0])).sum();
+        range / 256.0
+    });
+    let key_allowed = Vec4::from(key_error(&aim, found));
+    let color_allowed = color_high.to_array().map(half_step);
+    let color_allowed = Vec4::from(color_allowed) + filter.extend(0.0);
+    let off = |found: Vec4, low: Vec4, high: Vec4| (low - found).max(found - high);
+    let is_right = off(found.key, key_low, key_high).cmple(key_allowed).all()
+        && off(found.color, color_low, color_high).cmple(color_allowed).all();
+    if !is_right && count.wrong == 0 {
+        println!("  {found:?}, twins: {all:?}, {aim:?}, {:?}", gloss.follow(&aim));
+    }
+    let pixel = |aim: Aim| gloss.follow(&aim).map(|(hit, _)| hit.pixel);
+    count.add(Count {
+        all: 1,
+        hits: usize::from(found.key.w > 0.0),
+        ties: usize::from(aims(aim).any(|other| pixel(other) != pixel(aim))),
+        wrong: usize::from(!is_right),
+    });
+}
+
+/// Holds images of 16-bit floats against what the twin makes of the same input. Where another reflection is behind,
+/// the fade is rounded before the colour is divided by it: that is a second step.
+fn check_shown(found: [Vec4; 2], twin: [Vec4; 2], over: bool, count: &mut Count) {
+    let steps = if over { 2.0 } else { 1.0 } + ARITHMETIC;
+    let all = |v: [Vec4; 2]| v.into_iter().flat_map(|v| v.to_array());
+    let off = all(found).zip(all(twin)).any(|(f, t)| (f - t).abs() > steps * half_step(t));
+    if off && count.wrong == 0 {
+        println!("  {found:?}\n  twin: {twin:?}");
+    }
+    count.add(Count { all: 1, hits: usize::from(twin[0].w > 0.0), ties: 0, wrong: usize::from(off) });
+}
+
+fn pixels(width: u32, height: u32) -> impl Iterator<Item = IVec2> {
+    (0..height as i32).flat_map(move |y| (0..width as i32).map(move |x| IVec2::new(x, y)))
+}
+
+/// "trace/narrow", "trace/wide", "cells", "resolve/narrow" and "resolve/wide".
+type Counts = [Count; 5];
+
+fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
+    let traversal = Traversal::new(data).of_version(way.oracle);
+    let gloss = Gloss::new(&traversal, &drawn.chain, Some(FADE), way.over);
+    let mut counts = Counts::default();
+    let [narrow, wide, cells, resolve_narrow, resolve_wide] = &mut counts;
+    // The middle of a narrow lobe is stored in steps of 1 / 32767 along two axes, which a rounding may move by one; the
+    // root of its power is good to its last bits.
+    let narrow_error = |aim: &Aim, _: &Gathered| {
+        let step = 4.0 / 32767.0;
+        [step, step, step, 8.0 * f32::EPSILON * aim.lobe.power.sqrt()]
+    };
+    // Places and densities of wide lobes are good to their last bits, those of the greatest coordinate; where a ray
+    // goes far, its depth is good to those of the depth that it begins at. The way to a near hit counts a thousandfold.
+    let wide_error = |aim: &Aim, found: &Gathered| {
+        let place = found.key.truncate().abs().max_element() * (found.key.z / aim.point.z).max(1.0);
+        let is_near = |position: Vec2| (position - aim.pixel.as_vec2() - 0.5).abs().max_element() < 8.5;
+        let near = gloss.follow(aim).is_some_and(|(hit, _)| is_near(hit.position));
+        let last = 8.0 * f32::EPSILON * if near { 1000.0 * aim.point.abs().max_element() } else { place };
+        [last, last, last, 8.0 * f32::EPSILON * 64.0]
+    };
+    for p in pixels(data.width, data.height) {
+        let (x, y) = (p.x as u32, p.y as u32);
+        if let Some(aim) = gloss.aim_narrow(p) {
+            let twin = |aim: &Aim| Gathered::unpack(gloss.narrow_ray(aim).pack());
+            check_ray(&gloss, aim, &drawn.narrow.at_clamped(x, y), narrow_error, twin, narrow);
+        }
+        let shown = [&drawn.reflection, &drawn.composite].map(|image| Vec4::from_slice(image.at(x, y)));
+        let (twin, count) = match gloss.resolve_narrow(&drawn.narrow, p) {
+            Some(twin) => (Some(twin), &mut *resolve_narrow),
+            None => (gloss.resolve_wide(&drawn.cells, p), &mut *resolve_wide),
+        };
+        match twin {
+            Some((reflection, color)) => check_shown(shown, [reflection, color.extend(1.0)], way.over, count),
+            // Nothing is rounded there.
+            None => count.wrong += usize::from(shown != [Vec4::ZERO, data.color[data.index(x, y)].extend(1.0)]),
+        }
+    }
+    for cell in pixels(drawn.wide.width, drawn.wide.height) {
+        let (x, y) = (cell.x as u32, cell.y as u32);
+        let Some(aim) = gloss.aim_wide(cell) else { continue };
+        let twin = |aim: &Aim| gloss.wide_ray(aim);
+        check_ray(&gloss, aim, &drawn.wide.at_clamped(x, y), wide_error, twin, wide);
+        let (found, twin) = (drawn.cells.at_clamped(x, y), gloss.cell(&drawn.wide, cell));
+        check_shown([found.reflection, found.surface], [twin.reflection, twin.surface], way.over, cells);
+    }
+    counts
+}
+
+/// The G-buffer of a built-in view with one roughness.
+fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32) -> GBufferData {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view(view).unwrap();
+    let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
+    let mut stage = Stage::new(gpu, &scene).unwrap();
+    let (materials, camera) = (globals.materials(&scene, view), view.camera(&scene, extent));
+    let shot =
+        Shot::new(&mut stage, methods::find("hzct").unwrap(), &Setup::new(extent), Wants::IMAGE, camera, materials)
+            .unwrap();
+    stage.output(&shot).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+/// A G-buffer with a roughness of its own in every block of `block` pixels a side: none that reflects, mirrors, narrow
+/// lobes and wide ones beside each other.
+fn mixed(data: &GBufferData, block: u32) -> GBufferData {
+    let stream = Stream::new(u64::from(block), u64::from(data.width));
+    let mut mixed = data.clone();
+    for (x, y) in (0..data.height).flat_map(|y| (0..data.width).map(move |x| (x, y))) {
+        let at = u64::from(y / block * 1000 + x / block);
+        let i = data.index(x, y);
+        mixed.roughness[i] = half([0.0, 0.02, 0.1, 0.2, 0.21, 0.4, 0.7, 1.0][(8.0 * stream.uniform(2 * at)) as usize]);
+        mixed.reflectivity[i] *= f32::from(u8::from(stream.uniform(2 * at + 1) < 0.9));
+    }
+    mixed
+}
+
+fn half(v: f32) -> f32 {
+    half::f16::from_f32(v).to_f32()
+}
+
+/// Noise: depths over four decades, normals in any direction, colours up to thousands.
+fn noise(extent: [u32; 2]) -> GBufferData {
+    let count = u64::from(extent[0]) * u64::from(extent[1]);
+    let stream = Stream::new(count, 7);
+    let unit = |i: u64, n: u64| stream.uniform(8 * i + n);
+    let vector = |i: u64, n: u64| Vec3::from([0, 1, 2].map(|c| half(unit(i, n + c) as f32 * 2.0 - 1.0)));
+    let z = |i: u64| 0.2 * 2000.0_f64.powf(unit(i, 0));
+    GBufferData {
+        width: extent[0],
+        height: extent[1],
+        camera: Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), extent[0] as f32 / extent[1] as f32),
+        depth: (0..count).map(|i| ((0.1 * 1000.0 / z(i) - 0.1) / (1000.0 - 0.1)) as f32).collect(),
+        normal: (0..count).map(|i| vector(i, 1)).collect(),
+        reflectivity: vec![1.0; count as usize],
+        roughness: vec![half(0.3); count as usize],
+        color: (0..count).map(|i| vector(i, 4).abs().map(|v| half(4000.0 * v * v * v))).collect(),
+    }
+}
+
+#[test]
+fn every_glossy_pass_is_its_twin() {
+    use OracleVersion::{V1, V2};
+    let gpu = gpu();
+    let corridor = |roughness, deviation| rooms(&gpu, "corridor", [127, 61], roughness, deviation);
+    let mapped = corridor(0.5, 1.0);
+    let mut cases: Vec<(String, GBufferData, bool)> = Vec::new();
+    for (roughness, deviation) in [(0.05, 0.0), (0.1, 1.0), (0.3, 0.0), (0.6, 1.0)] {
+        cases.push((format!("roughness {roughness}"), corridor(roughness, deviation), true));
+    }
+    for block in [1, 5, 24] {
+        cases.push((format!("mixed in blocks of {block}"), mixed(&mapped, block), false));
+    }
+    for extent in [[1, 1], [53, 1], [5, 3], [66, 65]] {
+        cases.push((format!("noise, {extent:?}"), noise(extent), true));
+        cases.push((format!("mixed noise, {extent:?}"), mixed(&noise(extent), 3), false));
+    }
+    let take = if is_gpu_assisted() { 1 } else { usize::MAX };
+    let mut totals = Counts::default();
+    for (name, data, of_one_kind) in cases.iter().take(take) {
+        for (oracle, tiles, over) in [(V1, !of_one_kind, false), (V2, true, true)] {
+            let way = Way { oracle, tiles, over };
+            let counts = check(data, &draw(&gpu, data, way), way);
+            println!("{name}, {way:?}: {:?}", counts.map(|c| [c.all, c.hits, c.ties, c.wrong]));
+            assert!(counts.iter().all(|c| c.wrong == 0), "{name}, {way:?}");
+            totals.iter_mut().zip(counts).for_each(|(total, count)| total.add(count));
+        }
+    }
+    println!("rays or pixels, hits, ties: {:?}", totals.map(|c| [c.all, c.hits, c.ties]));
+    // Enough of each, and few that could end anywhere.
+    for Count { all, hits, ties, .. } in totals.into_iter().take(take) {
+        assert!(hits > 5000 && hits < all && ties * 50 < all, "{all}, {hits}, {ties}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn a_ray_that_is_not_gathered_is_seen() {
+    let gpu = gpu();
+    let way = Way { oracle: OracleVersion::V1, tiles: true, over: false };
+    for (roughness, traced, shown) in [(0.1, 0, 3), (0.5, 1, 2)] {
+        let data = rooms(&gpu, "corridor", [127, 61], roughness, 0.0);
+        let mut drawn = draw(&gpu, &data, way);
+        for rays in [&mut drawn.narrow, &mut drawn.wide] {
+            rays.texels.iter_mut().step_by(16).for_each(|ray| *ray = Gathered::unpack([0; 4]));
+        }
+        let counts = check(&data, &drawn, way);
+        assert!(counts[traced].wrong * 20 > counts[traced].all, "{counts:?}");
+        // Each stands in the neighbourhood of 9 pixels, or of 25 cells, most of which have others like it.
+        assert!(counts[shown].wrong * 10 > counts[shown].all, "{counts:?}");
+    }
+}

@@ -1,0 +1,154 @@
+//! Small images of the built-in scenes, kept in `tests/golden/`, and compared by FLIP. To renew them
+//! after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
+
+use crate::common::{gpu, unfaded};
+use ssct::gpu::{DeviceQuery, Gpu};
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{METHODS, Setup, Wants};
+use ssct::metrics::flip::FlipMap;
+use ssct::parameter::Preset;
+use ssct::passes::color_chain::ChainFilter;
+use ssct::report::images::{Rgb, display};
+use ssct::scene::library;
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage};
+use std::path::{Path, PathBuf};
+
+const EXTENT: [u32; 2] = [192, 108];
+
+/// Mean FLIP that an image may differ by. Devices may disagree about pixels on edges, the last of 8
+/// bits of a filter's weights, and rays that pass a cell within rounding: a pixel in a hundred or
+/// so, if it were wholly wrong, makes 0.01. Another preset, filter or fade makes 0.07 and more, which
+/// `a_changed_pass_is_seen` holds this against.
+const BOUND: f64 = 0.01;
+
+/// The views with their roughness: mirrors and gloss in the scenes of the first thesis, the materials'
+/// own in those of the second.
+const VIEWS: [(&str, &str, Option<f32>); 7] = [
+    ("rooms", "cylinder", Some(0.0)),
+    ("rooms", "corridor", Some(0.3)),
+    ("atrium", "hall", Some(0.1)),
+    ("street", "car", None),
+    ("museum", "exit-sign", None),
+    ("cathedral", "rose", None),
+    ("corridor", "corridor", None),
+];
+
+fn golden(stem: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{stem}.png"))
+}
+
+/// Where images of a failed comparison go.
+fn failed(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(name)
+}
+
+fn is_updating() -> bool {
+    std::env::var_os("SSCT_UPDATE_GOLDEN").is_some_and(|v| v == "1")
+}
+
+/// Compares with the golden image, or replaces it; what is wrong, in a sentence.
+fn compare(stem: &str, image: &Rgb) -> Option<String> {
+    let path = golden(stem);
+    if is_updating() {
+        image.write_png(&path).unwrap();
+        return None;
+    }
+    let Ok(known) = image::open(&path) else {
+        return Some(format!("{stem}: {} is missing; SSCT_UPDATE_GOLDEN=1 makes it", path.display()));
+    };
+    let known = known.into_rgb8();
+    assert_eq!([known.width(), known.height()], [image.width, image.height], "{stem}");
+    let map = FlipMap::new(known.as_raw(), &image.bytes, image.width, image.height);
+    println!("{stem}: FLIP {:.5}", map.mean());
+    if map.mean() < BOUND {
+        return None;
+    }
+    let (rendered, difference) = (failed(&format!("{stem}.png")), failed(&format!("{stem}-flip.png")));
+    image.write_png(&rendered).unwrap();
+    Rgb { bytes: map.picture(), ..image.clone() }.write_png(&difference).unwrap();
+    Some(format!(
+        "{stem}: mean FLIP {:.4} is not below {BOUND}; rendered: {}, FLIP map: {}",
+        map.mean(),
+        rendered.display(),
+        difference.display()
+    ))
+}
+
+#[test]
+fn images_of_the_built_in_scenes_are_as_they_were() {
+    let devices = ssct::gpu::device::devices().unwrap();
+    let usable: Vec<_> = devices.into_iter().filter(|d| d.unsuitable.is_none()).collect();
+    assert!(!usable.is_empty());
+    if let [one] = &usable[..] {
+        println!("one device here, {} ({}): held against the images alone", one.info.name, one.info.driver);
+    }
+    for device in &usable {
+        // One image for all devices: where there are two, they are this close to each other, too.
+        println!("{} ({})", device.info.name, device.info.driver);
+        let device = Some(device.index.to_string());
+        check(&Gpu::open(&DeviceQuery { device, validation: true, ..DeviceQuery::default() }).unwrap());
+        if is_updating() {
+            break;
+        }
+    }
+}
+
+/// Holds every method on every view against its image.
+fn check(gpu: &Gpu) {
+    let mut wrong = Vec::new();
+    for name in library::names() {
+        let scene = library::scene(name).unwrap();
+        let mut stage = Stage::new(gpu, &scene).unwrap();
+        for (_, view, roughness) in VIEWS.iter().filter(|(scene, ..)| scene == name) {
+            let view = scene.view(view).unwrap();
+            let globals = Globals { roughness: *roughness, ..Globals::default() };
+            for method in METHODS {
+                let camera = view.camera(&scene, EXTENT);
+                let materials = globals.materials(&scene, view);
+                let shot =
+                    Shot::new(&mut stage, method, &Setup::new(EXTENT), Wants::REFLECTION, camera, materials).unwrap();
+                let image = display(&render(&mut stage, &shot, false).unwrap().composite);
+                wrong.extend(compare(&format!("{name}-{}-{}", view.name, method.name), &image));
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
+    assert!(wrong.is_empty(), "\n{}\n", wrong.join("\n"));
+}
+
+#[test]
+fn a_changed_pass_is_seen() {
+    if is_updating() {
+        return;
+    }
+    // The bound must tell what it is for: another preset, another filter, no fade.
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.3), ..Globals::default() }.materials(&scene, view);
+    let mut image = |setup: &Setup| {
+        let shot = Shot::new(
+            &mut stage,
+            &METHODS[0],
+            setup,
+            Wants::REFLECTION,
+            view.camera(&scene, EXTENT),
+            materials.clone(),
+        )
+        .unwrap();
+        display(&render(&mut stage, &shot, false).unwrap().composite)
+    };
+    let usual = Setup::new(EXTENT);
+    let known = image(&usual);
+    for (what, setup) in [
+        ("preset", usual.of_preset(Preset::Author)),
+        ("filter", usual.with(|p: &mut ThesisDrawing| p.chain_filter = ChainFilter::Gaussian)),
+        ("fade", unfaded(EXTENT)),
+    ] {
+        let mean = FlipMap::new(&known.bytes, &image(&setup).bytes, EXTENT[0], EXTENT[1]).mean();
+        println!("{what}: FLIP {mean:.5}");
+        assert!(mean > 5.0 * BOUND, "{what}: FLIP {mean}");
+    }
+}

@@ -1,0 +1,80 @@
+//! The Hi-Z ray tracing's twin on the CPU against the shader, ray by ray, over the pass's own chain.
+
+use glam::{Vec2, Vec3};
+use ssct::gpu::Pixels;
+use ssct::methods::thesis::{self, HiZParams};
+use ssct::methods::{self, Setup, Wants};
+use ssct::passes::{Content, PathCode};
+use ssct::reference::Level;
+use ssct::reference::hi_z::MinMax;
+use ssct::reference::hi_z_ray_trace::{End, HiZConstants, reflection_ray, trace};
+use ssct::scene::library;
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage};
+
+/// No power of two, so that levels have odd sides.
+const SIZE: [u32; 2] = [97, 55];
+
+#[test]
+fn every_ray_ends_where_the_shader_says() {
+    let gpu = crate::common::gpu();
+    let scene = library::scene("rooms").unwrap();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let setup = Setup::new(SIZE);
+    let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };
+    for name in ["corridor", "window"] {
+        let view = scene.view(name).unwrap();
+        let camera = view.camera(&scene, SIZE);
+        let method = methods::find("ssct").unwrap();
+        let shot = Shot::new(&mut stage, method, &setup, Wants::HITS, camera, globals.materials(&scene, view)).unwrap();
+        let all = render(&mut stage, &shot, true).unwrap().intermediates.unwrap();
+        let find = |stem: &str| -> &Pixels { &all.iter().find(|(s, ..)| s == stem).unwrap().2 };
+        let (normals, hits) = (find("normal"), find("hits"));
+        let chain: Vec<Level<MinMax>> = all
+            .iter()
+            .filter(|(_, kind, _)| *kind == Content::StandardDepth)
+            .map(|(.., p)| Level {
+                width: p.width,
+                height: p.height,
+                texels: p.texels().map(|t| MinMax { min: t[0], max: t[1] }).collect(),
+            })
+            .collect();
+        assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
+        let published: HiZParams = setup.of();
+        let numbers = published.fill(thesis::block(&camera, SIZE, chain.len() as u32, true));
+        let constants = HiZConstants {
+            start_level: numbers.start_level as u32,
+            iterations: numbers.iterations as u32,
+            cross_offset: numbers.cross_offset,
+        };
+        let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
+        let (mut rays, mut same, mut hit) = (0, 0, 0);
+        for y in 0..SIZE[1] {
+            for x in 0..SIZE[0] {
+                let found = hits.at(x, y);
+                let path = PathCode::from_channel(found[3]).unwrap();
+                if path.by_hi_z() != Some(true) {
+                    continue;
+                }
+                let p_ss = ((Vec2::new(x as f32, y as f32) + 0.5) / size).extend(chain[0].at_clamped(x, y).min);
+                let normal = Vec3::from_slice(normals.at(x, y)).normalize();
+                let v_ss = reflection_ray(&camera, p_ss, normal, numbers.reflection_offset);
+                let traced = trace(&chain, p_ss, v_ss, &constants);
+                let end = match path {
+                    PathCode::HiZ => End::Hit,
+                    PathCode::Miss => End::LeftScreen,
+                    _ => End::Exhausted,
+                };
+                let off = (traced.last().truncate() - Vec2::new(found[0], found[1])) * size;
+                let agrees = traced.end == end && (end != End::Hit || off.abs().max_element() <= 1.0);
+                rays += 1;
+                hit += u32::from(end == End::Hit);
+                same += u32::from(agrees);
+            }
+        }
+        println!("{name}: {same} of {rays} rays agree, {hit} hit");
+        assert!(rays > 1000 && hit > 500, "{name}: {rays} rays, {hit} hits");
+        // The rest: a rounding decides about a cell, and the ray goes on from there.
+        assert!(f64::from(same) >= 0.98 * f64::from(rays), "{name}: {same} of {rays}");
+    }
+}

@@ -1,0 +1,98 @@
+//! The built-in impostors against the triangles: each shows, texel by texel, what a ray along its
+//! normal sees of the lit scene, the right way round.
+
+use glam::{DVec3, Vec3};
+use ssct::math::srgb_to_linear;
+use ssct::passes::scene_data::MAX_LIGHTS;
+use ssct::reference::bvh::WorldRay;
+use ssct::reference::surface::World;
+use ssct::scene::{Encoding, Impostor, Material, Scene, library};
+
+/// Points along each side of an image that are looked at.
+const GRID: u32 = 24;
+
+/// Linear colour and alpha of a texel.
+fn texel(scene: &Scene, impostor: &Impostor, x: u32, y: u32) -> (Vec3, u8) {
+    let texture = &scene.textures[impostor.texture];
+    let at = &texture.rgba[4 * (y * texture.width + x) as usize..][..4];
+    (Vec3::from_array([0, 1, 2].map(|k| srgb_to_linear(f32::from(at[k]) / 255.0))), at[3])
+}
+
+/// Mean difference between an impostor's image and what rays see, and the share of the rays that see
+/// nothing near the rectangle where the image says that something is. `mirrored` reads the image from
+/// its other end.
+fn difference(world: &World, impostor: &Impostor, reach: f32, mirrored: bool) -> (f32, f32) {
+    let texture = &world.scene.textures[impostor.texture];
+    // A little askew: boxes and planes along the axes are met from one side or the other, never along.
+    let askew = 1e-5 * (impostor.half_u.normalize() + impostor.half_v.normalize());
+    let direction = (askew - impostor.normal()).as_dvec3().normalize();
+    let (mut sum, mut seen, mut missed) = (0.0, 0.0, 0.0_f32);
+    for k in 0..GRID * GRID {
+        let (x, y) = ((k % GRID) * texture.width / GRID, (k / GRID) * texture.height / GRID);
+        let u = 2.0 * (x as f32 + 0.5) / texture.width as f32 - 1.0;
+        let v = 2.0 * (y as f32 + 0.5) / texture.height as f32 - 1.0;
+        let (colour, alpha) = texel(world.scene, impostor, if mirrored { texture.width - 1 - x } else { x }, y);
+        if alpha < 255 {
+            continue;
+        }
+        let place = impostor.centre + u * impostor.half_u + v * impostor.half_v;
+        let ray = WorldRay {
+            origin: (place + reach * impostor.normal()).as_dvec3(),
+            direction,
+            t_min: 0.0,
+            t_max: f64::from(2.0 * reach),
+        };
+        match world.closest(&ray) {
+            Some(hit) => {
+                let sees: DVec3 = world.color(&ray, &world.point(&ray, &hit));
+                sum += (sees.as_vec3() - colour).abs().element_sum() / 3.0;
+                seen += 1.0;
+            }
+            None => missed += 1.0,
+        }
+    }
+    assert!(seen > 50.0, "{}: only {seen} points, {missed} missed", impostor.name);
+    (sum / seen, missed / (seen + missed))
+}
+
+#[test]
+fn impostors_show_what_stands_there() {
+    for name in library::names() {
+        let scene = library::scene(name).unwrap();
+        assert!(scene.lights.len() <= MAX_LIGHTS, "{name}");
+        // Impostors leave the relief out.
+        let flat = |m: &Material| Material { normal_deviation: 0.0, ..m.clone() };
+        let materials: Vec<Material> = scene.materials.iter().map(flat).collect();
+        let world = World::new(&scene, &materials);
+        for impostor in &scene.impostors {
+            let texture = &scene.textures[impostor.texture];
+            assert_eq!(texture.encoding, Encoding::Srgb);
+            assert!(impostor.half_u.dot(impostor.half_v).abs() < 1e-4, "{impostor:?}");
+            let ratio = impostor.half_u.length() / impostor.half_v.length();
+            assert!((texture.width as f32 / texture.height as f32 / ratio - 1.0).abs() < 0.03, "{impostor:?}");
+            // From before what stands out of the rectangle: a car's side, a front's sills.
+            let reach = if impostor.name == "car" { 1.2 } else { 0.4 };
+            let (wrong, missed) = difference(&world, impostor, reach, false);
+            let (mirrored, _) = difference(&world, impostor, reach, true);
+            println!("{name} {}: {wrong:.4}, missed {missed:.3}, mirrored {mirrored:.4}", impostor.name);
+            assert!(wrong < 0.05 && missed < 0.02, "{name} {}: {wrong}, missed {missed}", impostor.name);
+            assert!(mirrored > 1.3 * wrong, "{name} {}: {mirrored} mirrored, {wrong} not", impostor.name);
+        }
+    }
+}
+
+#[test]
+fn cut_signs_are_transparent_around_their_shape_as_their_geometry_is() {
+    let street = library::scene("street").unwrap();
+    for name in ["hotel-sign", "bar-sign", "car"] {
+        let impostor = street.impostors.iter().find(|i| i.name == name).expect("the sign");
+        let texels = street.textures[impostor.texture].rgba.chunks(4);
+        let empty = texels.clone().filter(|t| t[3] == 0).count() as f32 / texels.len() as f32;
+        assert!((0.02..0.6).contains(&empty), "{name}: {empty}");
+    }
+    for name in ["hotel", "bar"] {
+        let material = street.materials.iter().find(|m| m.name == name).expect("a material");
+        let mask = &street.textures[material.alpha_mask.expect("a mask")];
+        assert!(mask.rgba.chunks(4).any(|t| t[0] == 0), "{name}");
+    }
+}

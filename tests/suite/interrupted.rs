@@ -1,0 +1,218 @@
+//! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
+//! What was measured stays, and nothing is measured twice.
+
+use serde_json::Value;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
+const TIME: [&str; 7] = ["time", "--scene", "corridor", "--size", "32x18", "--method", "ssct,unified"];
+const ERROR: [&str; 10] =
+    ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--method", "ssct"];
+
+fn command(args: &[&str], more: &[&str]) -> Command {
+    let mut command = Command::new(SSCT);
+    command.args(args).args(more).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Runs to the end; whatever it is, no panic, and one line at most on standard error.
+fn run(args: &[&str], more: &[&str]) -> (Option<i32>, String) {
+    ended(command(args, more).output().unwrap())
+}
+
+fn ended(output: Output) -> (Option<i32>, String) {
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(said.lines().count() <= 1 && !said.contains("panicked"), "{said}");
+    (output.status.code(), said)
+}
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap().success());
+}
+
+/// The whole lines of a folder's journal.
+fn journal(folder: &Path) -> Vec<String> {
+    let text = std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
+    let whole = text.rfind('\n').map_or(0, |at| at + 1);
+    text[..whole].lines().map(str::to_owned).collect()
+}
+
+fn measures(folder: &Path, lines: usize) {
+    let start = Instant::now();
+    while journal(folder).len() < lines {
+        assert!(start.elapsed() < Duration::from_secs(120), "nothing is measured");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Starts a run, and halts it where it has measured so much: a test that takes its time does not find
+/// the run at its end.
+fn start(args: &[&str], more: &[&str], folder: &Path, lines: usize) -> Child {
+    let child = command(args, more).spawn().unwrap();
+    measures(folder, lines);
+    signal(&child, "STOP");
+    child
+}
+
+/// Tells a halted run to stop, which it hears as it goes on.
+fn stop(child: Child, name: &str) -> (Option<i32>, String) {
+    signal(&child, name);
+    signal(&child, "CONT");
+    ended(child.wait_with_output().unwrap())
+}
+
+/// The keys of a journal, each of which must be there once.
+fn keys(lines: &[String]) -> HashSet<String> {
+    let entries = lines.iter().map(|l| serde_json::from_str::<Value>(l).unwrap());
+    let all: Vec<String> = entries.filter_map(|e| e["key"].as_str().map(str::to_owned)).collect();
+    let once: HashSet<String> = all.iter().cloned().collect();
+    assert_eq!(once.len(), all.len(), "something was measured twice");
+    once
+}
+
+fn records(file: PathBuf) -> Vec<Value> {
+    serde_json::from_slice(&std::fs::read(file).unwrap()).unwrap()
+}
+
+#[test]
+fn times_survive_a_kill_and_a_signal() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let name = out.to_str().unwrap();
+    let samples = 300;
+    let args = ["--samples", &samples.to_string(), "-o", name];
+
+    let mut killed = start(&TIME, &args, &out, 30);
+    let (status, said) = run(&TIME, &args);
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("another run is writing into"), "{said}");
+    let halted = journal(&out).len();
+    signal(&killed, "CONT");
+    measures(&out, halted + 1);
+    signal(&killed, "KILL");
+    killed.wait().unwrap();
+    let first = journal(&out);
+    assert!((30..2 * samples).contains(&first.len()), "{}", first.len());
+
+    let (status, said) = run(&TIME, &args);
+    assert_eq!(status, Some(2), "what was measured is not thrown away: {said}");
+    assert!(said.contains("--resume goes on with it"), "{said}");
+    assert_eq!(journal(&out), first);
+
+    let resumed = start(&TIME, &[&args[..], &["--resume"]].concat(), &out, first.len() + 30);
+    let (status, said) = stop(resumed, "INT");
+    assert_eq!(status, Some(130), "{said}");
+    assert!(said.contains("stopped by SIGINT") && said.contains("--resume"), "{said}");
+    let second = journal(&out);
+    assert!(second.len() < 2 * samples + 2 && second[..first.len()] == first, "nothing is lost");
+    let counted: u64 = records(out.join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
+    assert_eq!(counted, second.len() as u64, "what was measured is written");
+
+    assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
+    let third = journal(&out);
+    assert_eq!((&third[..second.len()], keys(&third).len()), (&second[..], 2 * samples + 2));
+    let made = records(out.join("time.json"));
+    assert!(
+        made.len() == 2 && made.iter().all(|r| r["total"]["samples"] == samples && r["frame"]["samples"] == samples)
+    );
+    assert_eq!(run(&TIME, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
+    assert_eq!((keys(&journal(&out)), records(out.join("time.json"))), (keys(&third), made), "there is nothing to do");
+    // A finished run is begun anew without the flag.
+    assert_eq!(run(&TIME, &["--samples", "1", "-o", name]), (Some(0), String::new()));
+    assert_eq!(keys(&journal(&out)).len(), 2 + 2);
+}
+
+#[test]
+fn cells_of_the_error_study_survive_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let args = ["--rays", "4", "--roughness", "0,0.1,0.2,0.3,0.4,0.5", "--samples", "9", "-o", out];
+    let mut killed = start(&ERROR, &args, folder.path(), 6);
+    signal(&killed, "KILL");
+    killed.wait().unwrap();
+    let first = journal(folder.path());
+    let resumed = start(&ERROR, &[&args[..], &["--resume"]].concat(), folder.path(), first.len() + 5);
+    let (status, said) = stop(resumed, "TERM");
+    assert_eq!(status, Some(143), "{said}");
+    let second = journal(folder.path());
+    assert_eq!(run(&ERROR, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
+    let third = journal(folder.path());
+    assert_eq!((&second[..first.len()], &third[..second.len()]), (&first[..], &second[..]));
+    // Nine samples and a cell for each roughness of the scene's one view.
+    assert_eq!(keys(&third).len(), 6 * 10);
+    let roughness: HashSet<String> =
+        records(folder.path().join("error.json")).iter().map(|r| r["roughness"].to_string()).collect();
+    assert_eq!(roughness.len(), 6);
+}
+
+#[test]
+fn a_lost_device_leaves_what_was_measured() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let faulty = |fault: &str| {
+        ended(command(&TIME, &["--samples", "50", "--resume", "-o", out]).env("SSCT_FAULT", fault).output().unwrap())
+    };
+    let (status, said) = faulty("submission:260");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("device has been lost"), "{said}");
+    let first = journal(folder.path());
+    let counted: u64 =
+        records(folder.path().join("time.json")).iter().map(|r| r["total"]["samples"].as_u64().unwrap()).sum();
+    assert!(first.len() > 10 && counted == first.len() as u64, "{counted} of {}", first.len());
+    let (status, said) = faulty("allocation:60");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.starts_with("ssct: Vulkan: "), "{said}");
+    assert_eq!(journal(folder.path()), first);
+    assert_eq!(faulty("nonsense").0, Some(2));
+    assert_eq!(run(&TIME, &["--samples", "50", "--resume", "-o", out]).0, Some(0));
+    assert_eq!(keys(&journal(folder.path())).len(), 2 * 51);
+}
+
+#[test]
+fn no_room_and_no_right_to_write_are_sentences() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    std::fs::write(path("file"), "").unwrap();
+    let runs = [&TIME[..], &["study", "--quick"], &["error", "--quick"], &["stress", "--quick"], &["figures"]];
+    for (n, args) in runs.into_iter().enumerate() {
+        let out = [path("file"), path("file/below"), "/proc/ssct".to_owned()][n % 3].clone();
+        let (status, said) = run(args, &["-o", &out]);
+        assert_eq!(status, Some(1), "{args:?} {out}: {said}");
+        assert!(said.contains("cannot create the folder") && said.contains(&out), "{said}");
+    }
+    // Files of a kilobyte at most, whoever the user is.
+    let little = |args: &str| {
+        let line = format!("trap '' XFSZ; ulimit -f 2; exec {SSCT} {args}");
+        ended(Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap())
+    };
+    for (args, file) in [
+        ("render --scene corridor --size 96x54 -o x.png", "x.png"),
+        ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
+        ("gbuffer export --scene corridor --size 96x54 g.exr", "g.exr"),
+        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "journal.jsonl"),
+    ] {
+        let (status, said) = little(args);
+        assert_eq!(status, Some(1), "{args}: {said}");
+        assert!(said.contains("cannot write") && said.contains(file) && said.contains("too large"), "{said}");
+    }
+    let names = |of: &Path| {
+        let mut names: Vec<_> =
+            std::fs::read_dir(of).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(folder.path()), ["file", "t"], "nothing half-written");
+    for name in names(&folder.path().join("t")).iter().filter(|n| n.ends_with(".json")) {
+        records(folder.path().join("t").join(name)); // Whole, or it would not parse.
+    }
+    if Path::new("/dev/full").exists() {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = Command::new(SSCT).arg("devices").stdout(full).stderr(Stdio::piped()).output().unwrap();
+        let (status, said) = ended(output);
+        assert_eq!(status, Some(1));
+        assert!(said.contains("cannot print: No space left on device"), "{said}");
+    }
+}

@@ -1,0 +1,47 @@
+//! The integration tests, in one program: they are linked once, and run beside each other on as many threads as
+//! there are processors. One file is chosen by its name: `cargo test --test suite gloss::`.
+//!
+//! None of them changes what the process has once (environment variables, the working folder): who needs others starts
+//! the command, or this program again. Tests that measure the process itself, or break devices, are in `tests/alone`.
+
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod architecture;
+mod area_light;
+mod billboard;
+mod chains;
+mod cli;
+mod compare;
+mod cone;
+mod cube_maps;
+mod docs;
+mod error_study;
+mod figures;
+mod filters;
+mod gbuffer_file;
+mod gloss;
+mod gloss_twin;
+mod golden;
+mod hi_z_ray_trace;
+mod impostors;
+#[cfg(unix)]
+mod interrupted;
+mod many;
+mod mirror;
+mod oracle_rooms;
+mod page;
+mod planar;
+mod precision;
+mod resolution;
+mod same;
+mod scene_loading;
+mod schmidt;
+mod stress;
+mod unified;
+mod validation;
+mod window;
+mod world_shared_scenes;
+mod world_vs_gbuffer;

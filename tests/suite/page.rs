@@ -1,0 +1,319 @@
+//! The study's page: made from small records and pictures in a temporary folder, read as text, and
+//! shown by a headless Chromium where there is one.
+
+use crate::common::folder::Folder;
+use crate::common::html::{attributes, chromium};
+use ssct::gpu::DeviceInfo;
+use ssct::methods::{Setup, find};
+use ssct::metrics::HitAgreement;
+use ssct::parameter::Preset;
+use ssct::passes::gbuffer::Drawn;
+use ssct::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
+use ssct::report::images::Rgb;
+use ssct::report::{error_report, plot};
+use ssct::scene::Lens;
+use ssct::study::error::{Against, ErrorRecord};
+use ssct::study::record::{Head, PassRecord, Provenance, recorded};
+use ssct::study::table::compare;
+use ssct::study::{Globals, Stats, TimeRecord};
+use std::path::Path;
+
+/// Phone and desktop, in CSS pixels.
+const WIDTHS: [u32; 2] = [390, 1280];
+
+fn device() -> DeviceInfo {
+    let [name, driver, api, kind] = ["A <GPU> & more", "driver 1", "1.3.0", "CPU"].map(str::to_owned);
+    DeviceInfo { name, driver, api, kind }
+}
+
+fn head(kind: &str, method: &str, roughness: f32) -> Head {
+    let globals = Globals { roughness: Some(roughness), reflectivity: 1.0, normal_deviation: Some(roughness) };
+    Head {
+        kind: kind.into(),
+        program: Provenance { definitions: 1, version: "0".into(), commit: "c".into(), device: device() },
+        scene: "rooms".into(),
+        view: "two-cylinders".into(),
+        method: method.into(),
+        preset: Preset::Published,
+        width: 640,
+        height: 480,
+        roughness: Some(roughness),
+        setup: recorded(&Setup::new([640, 480]), find(method).ok(), &Lens::default(), &globals),
+    }
+}
+
+fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
+    let passes = ["depth", "hi-z/1", "hi-z/2", "visibility/1", "color/1", "trace+cone", "composite"];
+    let pass =
+        |name: &&str| PassRecord { name: (*name).to_owned(), counted: true, stats: Stats::of(&[ms / 7.0]), work: None };
+    TimeRecord {
+        head: head("time", method, roughness),
+        passes: passes.iter().map(pass).collect(),
+        total: Stats::of(&[ms]),
+        frame: Stats::of(&[ms]),
+        drawn: Drawn::default(),
+        recorded: passes.map(str::to_owned).to_vec(),
+        skipped: Vec::new(),
+        samples: vec![vec![ms / 7.0; 7]],
+    }
+}
+
+fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRecord {
+    ErrorRecord {
+        head: head("error", method, 0.0),
+        time_ms: Some(ms),
+        against,
+        hits: HitAgreement { hit_agreement: Some(1.0 - error), ..HitAgreement::default() },
+        rmse: (against != Against::Oracle).then_some(error),
+        rel_mse: None,
+        flip: None,
+        standard_error: None,
+    }
+}
+
+/// A picture of one colour with some noise, so that its JPEG is smaller than its PNG.
+fn picture(folder: &Path, name: &str, color: [u8; 3]) -> Picture {
+    let noise = |n: u32| (n.wrapping_mul(2_654_435_761) >> 28) as u8;
+    let bytes = (0..64 * 36 * 3).map(|n| color[n as usize % 3].saturating_add(noise(n))).collect();
+    let file = format!("images/{}.png", name.replace(' ', "-"));
+    Rgb { width: 64, height: 36, bytes }.write_png(&folder.join(&file)).unwrap();
+    Picture { file, name: name.into(), caption: format!("{name}, \"quoted\" <caption>") }
+}
+
+/// The page in a folder, with all that it links to.
+struct Made {
+    folder: Folder,
+    html: String,
+}
+
+impl Made {
+    fn new() -> Self {
+        let folder = Folder::new();
+        let path = folder.root();
+        let times: Vec<_> = [0.0, 0.1]
+            .into_iter()
+            .flat_map(|r| [time_record("ssct", r, 10.0), time_record("hzct", r, 8.0), time_record("sslr", r, 12.0)])
+            .collect();
+        let errors: Vec<_> = [Against::Oracle, Against::Screen, Against::World]
+            .into_iter()
+            .flat_map(|a| [error_record("ssct", a, 10.0, 0.03), error_record("hzct", a, 8.0, 0.05)])
+            .collect();
+        let device = device();
+        let of = |name: &str, color| picture(path, name, color);
+        let (lit, ssct, reference) = (of("lit", [200, 0, 0]), of("ssct", [0, 200, 0]), of("reference", [0, 0, 200]));
+        let gallery = |title: &str, strip, compared: [&str; 2]| Gallery {
+            title: title.into(),
+            strips: vec![strip],
+            compared: compared.map(str::to_owned),
+        };
+        // Two pairs beside a reference.
+        let [ssct_map, lit_map] = [of("ssct map", [90, 0, 0]), of("lit map", [0, 90, 0])];
+        let pairs = vec![[ssct.clone(), ssct_map], [lit.clone(), lit_map]];
+        let beside = Strip::Beside { title: "held against".into(), reference, pairs };
+        std::fs::write(path.join("time.json"), "[]").unwrap();
+        let page = Page {
+            device: &device,
+            command: "ssct study".into(),
+            times: Times {
+                settings: "Timed.".into(),
+                table: compare(&times),
+                table_records: &times,
+                view_records: &times,
+                plot: plot::stage_bars(&times).unwrap(),
+            },
+            errors: Errors {
+                settings: "Small.".into(),
+                records: &errors,
+                plots: error_report::plots(&errors).unwrap(),
+                pictures: vec![gallery("cell", beside, ["ssct", "reference"])],
+            },
+            views: vec![gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
+            figures: vec![lit],
+            records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
+        };
+        let html = page.render(path).unwrap();
+        assert_eq!(html, page.render(path).unwrap(), "the same data make the same page");
+        folder.write("index.html", &html);
+        Self { folder, html }
+    }
+}
+
+#[test]
+fn the_page_needs_nothing_from_elsewhere() {
+    let page = Made::new();
+    for word in ["http:", "https:", "url(", "@import", "<iframe", "<object"] {
+        assert!(!page.html.contains(word), "{word}");
+    }
+    let sources = attributes(&page.html, "src");
+    // Two of the view, five of the cell, one figure.
+    assert_eq!(sources.len(), 8);
+    assert!(sources.iter().all(|s| s.starts_with("data:image/jpeg;base64,/9j/")), "JPEG begins with ff d8 ff");
+    assert!(!page.html.contains("<script src") && page.html.contains("<script>"));
+}
+
+#[test]
+fn ids_are_unique_pictures_have_words_and_links_lead_somewhere() {
+    let page = Made::new();
+    let ids = attributes(&page.html, "id");
+    let mut unique = ids.clone();
+    unique.sort();
+    unique.dedup();
+    assert_eq!(unique.len(), ids.len(), "{ids:?}");
+    let images = page.html.split("<img").skip(1).map(|tag| tag.split('>').next().unwrap());
+    assert!(images.map(|tag| assert!(tag.contains(" alt=\""), "{tag}")).count() > 8);
+    let links = attributes(&page.html, "href");
+    assert!(links.contains(&"time.json") && links.contains(&"images/"));
+    for link in links.iter().filter(|l| !l.starts_with("data:")) {
+        match link.strip_prefix('#') {
+            Some(id) => assert!(ids.contains(&id), "{link}"),
+            None => assert!(page.folder.path(link).exists(), "{link}"),
+        }
+    }
+    assert!(page.html.contains("A &lt;GPU&gt; &amp; more") && !page.html.contains("<GPU>"), "text is escaped");
+    for tag in ["section", "div", "table", "tr", "figure", "a", "details", "svg", "template", "select"] {
+        let open = page.html.matches(&format!("<{tag} ")).count() + page.html.matches(&format!("<{tag}>")).count();
+        assert_eq!(open, page.html.matches(&format!("</{tag}>")).count(), "{tag}");
+    }
+}
+
+#[test]
+fn a_missing_picture_is_named() {
+    let page = Made::new();
+    let device = device();
+    let missing = Picture { file: "images/none.png".into(), name: "none".into(), caption: String::new() };
+    let empty = Page {
+        device: &device,
+        command: String::new(),
+        times: Times {
+            settings: String::new(),
+            table: Vec::new(),
+            table_records: &[],
+            view_records: &[],
+            plot: "<svg></svg>".into(),
+        },
+        errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
+        views: Vec::new(),
+        figures: Vec::new(),
+        records: Vec::new(),
+    };
+    assert!(empty.render(page.folder.root()).unwrap().contains("Not measured."));
+    let wrong = Page { figures: vec![missing], ..empty };
+    assert!(wrong.render(page.folder.root()).unwrap_err().to_string().contains("none.png"));
+}
+
+/// Shows the page in frames of some widths, with and without its script, and writes down what is there.
+const PROBE: &str = r#"<!DOCTYPE html><body><pre id="found"></pre><script>
+const lines = [];
+const visible = (e) => e.getClientRects().length > 0;
+function probe(frame, what) {
+  const d = frame.contentDocument, root = d.documentElement;
+  lines.push(`${what} overflow ${root.scrollWidth - root.clientWidth}`);
+  lines.push(`${what} pictures ${[...d.images].filter(i => i.naturalWidth == 64 && i.clientWidth >= 100).length > 7}`);
+  lines.push(`${what} dividers ${[...d.querySelectorAll("section .compare")].filter(visible).length}`);
+  const strip = d.querySelector(".strip.beside");
+  lines.push(`${what} columns ${getComputedStyle(strip).gridTemplateColumns.split(" ").length}`);
+  // The reference stands between the first pair, and beside the second too.
+  const at = [...strip.children].map(f => f.getBoundingClientRect());
+  const [reference, first, map, second] = at;
+  lines.push(`${what} between ${first.right < reference.left && reference.right < map.left && first.top == reference.top}`);
+  lines.push(`${what} above ${reference.bottom < first.top && first.bottom < map.top && map.bottom < second.top}`);
+  const section = strip.closest("section"), range = section.querySelector("input");
+  if (!range) return;
+  const right = range.parentElement.querySelector(".right"), select = section.querySelectorAll("select")[1];
+  range.value = 25;
+  range.dispatchEvent(new Event("input"));
+  lines.push(`${what} clip ${getComputedStyle(right).clipPath}`);
+  lines.push(`${what} choices ${[...select.options].map(o => o.value)}`);
+  const before = right.src;
+  select.value = "lit";
+  select.dispatchEvent(new Event("change"));
+  lines.push(`${what} chosen ${right.src != before} ${range.getAttribute("aria-valuetext")}`);
+}
+function show(width, sandbox) {
+  const frame = document.createElement("iframe");
+  frame.style = `width: ${width}px; height: 900px; border: 0`;
+  if (sandbox) frame.sandbox = "allow-same-origin";
+  frame.src = "index.html";
+  return new Promise(done => { frame.onload = () => done(frame); document.body.append(frame); });
+}
+(async () => {
+  for (const width of [390, 1280]) probe(await show(width, false), `${width}`);
+  probe(await show(390, true), "no-script");
+  document.getElementById("found").textContent = lines.join("\n");
+})();
+</script>"#;
+
+#[test]
+fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
+    let page = Made::new();
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
+    page.folder.write("probe.html", PROBE);
+    let url = format!("file://{}", page.folder.path("probe.html").display());
+    let output = command.args(["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
+    let expected = |what: &str, columns: u32| {
+        let wide = columns > 1;
+        format!(
+            "{what} overflow 0\n{what} pictures true\n{what} dividers 2\n{what} columns {columns}\n\
+             {what} between {wide}\n{what} above {}\n\
+             {what} clip inset(0px 0px 0px 25%)\n{what} choices reference,ssct,ssct map,lit,lit map\n\
+             {what} chosen true 25 % ssct, then lit\n",
+            !wide
+        )
+    };
+    let without = "no-script overflow 0\nno-script pictures true\nno-script dividers 0\nno-script columns 1\n\
+                   no-script between false\nno-script above true";
+    let expected = expected("390", 1) + &expected("1280", 3) + without;
+    assert_eq!(found, expected, "{}", String::from_utf8_lossy(&output.stderr));
+}
+
+#[test]
+fn a_screenshot_shows_words_plots_and_pictures() {
+    let page = Made::new();
+    for width in WIDTHS {
+        let profile = tempfile::tempdir().unwrap();
+        let Some(mut command) = chromium(profile.path()) else { return };
+        let file = page.folder.path(&format!("{width}.png"));
+        let url = format!("file://{}", page.folder.path("index.html").display());
+        command
+            .arg("--hide-scrollbars")
+            .arg(format!("--screenshot={}", file.display()))
+            .arg(format!("--window-size={width},6000"));
+        assert!(command.arg(url).output().unwrap().status.success());
+        let image = image::open(&file).unwrap().into_rgb8();
+        assert_eq!(image.width(), width);
+        let near = |a: [u8; 3], b: [u8; 3]| (0..3).all(|c| a[c].abs_diff(b[c]) < 24);
+        let count = |color| image.pixels().filter(|p| near(p.0, color)).count();
+        // Words are dark, a bar of the first plot has its colour, and the three pictures theirs.
+        for (what, color, least) in [
+            ("words", [0, 0, 0], 2000),
+            ("bars", [0x4c, 0x78, 0xa8], 200),
+            ("lit", [207, 7, 7], 10_000),
+            ("ssct", [7, 207, 7], 10_000),
+            ("reference", [7, 7, 207], 10_000),
+        ] {
+            assert!(count(color) >= least, "{what} at {width}: {} pixels", count(color));
+        }
+    }
+}
+
+#[test]
+fn medians_by_roughness_are_of_a_method_s_first_variant() {
+    let base = error_record("unified", Against::Screen, 4.0, 0.02);
+    let other = |head: fn(&mut Head)| {
+        let mut record = error_record("unified", Against::Screen, 4.0, 0.08);
+        head(&mut record.head);
+        record
+    };
+    let of_oracle_2 = other(|head| drop(head.setup.insert("oracle".into(), 2.into())));
+    let records = [
+        base,
+        of_oracle_2.clone(),
+        of_oracle_2.clone(),
+        other(|head| drop(head.setup.insert("resolution_scale".into(), 0.5.into()))),
+    ];
+    assert_eq!(error_report::source_cells(&records)[1], ["unified, screen", "0.0200"]);
+    assert_eq!(error_report::source_cells(&[of_oracle_2])[1], ["unified, screen", "0.0800"]);
+}

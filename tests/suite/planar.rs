@@ -1,0 +1,115 @@
+//! `planar` against the triangles: on a flat mirror both ask what one ray sees, by a mirrored camera and by
+//! tracing it.
+
+use crate::common::{Builder, camera, gpu, show};
+use glam::Vec3;
+use ssct::gpu::Gpu;
+use ssct::methods::planar::PlanarParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct::passes::planar::MirrorDrawing;
+use ssct::reference::first_hits::FirstHits;
+use ssct::reference::surface::World;
+use ssct::reference::world::{Escape, WorldReference};
+use ssct::scene::{Camera, Scene};
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [321, 239];
+
+/// A mirror that leans forward, coloured boards and a slanting picture before it, and a red board behind it that
+/// it must not show. A second, smaller mirror stands at its side.
+fn scene() -> Scene {
+    let mut b = Builder::new("mirrors");
+    b.light(Vec3::new(0.3, -0.6, 0.5));
+    b.0.lights.push(ssct::scene::Light::Point { position: Vec3::new(-1.0, 2.0, 2.0), energy: 3.0 });
+    let mirror = b.mirror();
+    let up = Vec3::new(0.0, 1.0, -0.15).normalize();
+    b.quad(mirror, Vec3::new(-2.5, 0.0, 5.0), Vec3::X * 5.0, up * 3.0, Vec3::X.cross(up) * -1.0);
+    let side = b.mirror();
+    b.quad(side, Vec3::new(3.0, 0.0, 1.5), Vec3::Z * 3.0, Vec3::Y * 2.0, -Vec3::X);
+    let red = b.matt(Vec3::new(1.0, 0.0, 0.0));
+    b.quad(red, Vec3::new(-4.0, -1.0, 6.5), Vec3::X * 8.0, Vec3::Y * 5.0, -Vec3::Z);
+    let floor = b.matt(Vec3::new(0.3, 0.5, 0.4));
+    b.quad(floor, Vec3::new(-6.0, -0.01, -3.0), Vec3::X * 12.0, Vec3::Z * 8.0, Vec3::Y);
+    for k in 0..5 {
+        let board = b.matt(Vec3::new(0.2 * k as f32, 0.9 - 0.15 * k as f32, 0.3 + 0.1 * k as f32));
+        let at = Vec3::new(-2.2 + 0.9 * k as f32, 0.2, 3.6 - 0.5 * k as f32);
+        b.quad(board, at, Vec3::new(0.5, 0.0, 0.2), Vec3::Y * (0.5 + 0.2 * k as f32), Vec3::new(0.2, 0.0, -0.5));
+    }
+    b.0
+}
+
+fn look(extent: [u32; 2]) -> Camera {
+    camera(Vec3::new(0.3, 1.4, 0.0), Vec3::new(0.5, 1.0, 4.0), extent)
+}
+
+fn setup(variant: MirrorDrawing, planes: u32) -> Setup {
+    Setup::new(EXTENT).with(|p: &mut PlanarParams| (p.planar_variant, p.planar_planes) = (variant, planes))
+}
+
+fn shot(gpu: &Gpu, scene: &Scene, variant: MirrorDrawing, planes: u32) -> (Stage, Shot) {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let setup = setup(variant, planes);
+    let method = find("planar").unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, look(EXTENT), scene.materials.clone()).unwrap();
+    (stage, shot)
+}
+
+#[test]
+fn a_mirror_shows_what_its_rays_meet() {
+    let gpu = gpu();
+    let scene = scene();
+    let mut images = Vec::new();
+    for variant in [MirrorDrawing::Stencil, MirrorDrawing::Target] {
+        for planes in [1, 2] {
+            let (mut stage, shot) = shot(&gpu, &scene, variant, planes);
+            let reflection = render(&mut stage, &shot, false).unwrap().reflection;
+            gpu.check_validation().unwrap();
+            let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+            let first_hits = FirstHits::from_gbuffer(&data);
+            let world = World::new(&scene, &scene.materials);
+            let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+            let mut state = reference.start();
+            reference.add(&mut state, 1);
+            let truth = reference.image(&state).reflection;
+            // Of the first mirror, unless both are mirrored: the second stands to the right of it.
+            let (mut of_mirror, mut alike, mut lit) = (0, 0, 0);
+            for ((texel, truth), receiver) in reflection.texels().zip(&truth).zip(&first_hits.receivers) {
+                let Some(receiver) = receiver else {
+                    assert_eq!(texel, [0.0; 4], "a reflection where nothing reflects");
+                    continue;
+                };
+                if planes == 1 && receiver.position.x > 2.9 {
+                    assert_eq!(texel, [0.0; 4], "the second plane");
+                    continue;
+                }
+                of_mirror += 1;
+                let error = (Vec3::from_slice(texel) - *truth).abs().max_element();
+                alike += u32::from(error < 0.01);
+                lit += u32::from(truth.max_element() > 0.0);
+                assert!(truth.max_element() == 0.0 || texel[0] < 0.9 || truth.x > 0.8, "the board behind the mirror");
+            }
+            println!("{variant:?}, {planes}: {alike} of {of_mirror} pixels alike, {lit} not black");
+            assert!(of_mirror > 8_000 && lit > of_mirror / 3, "{of_mirror}, {lit}");
+            // What differs are edges, and hits of the other mirror, which a mirror shows black as well.
+            assert!(f64::from(alike) > 0.99 * f64::from(of_mirror), "{variant:?}: {alike} of {of_mirror}");
+            images.push(reflection.values);
+        }
+    }
+    assert!(images[0] == images[2] && images[1] == images[3], "both variants show the same");
+    assert!(images[0] != images[1]);
+}
+
+#[test]
+fn the_stencil_spares_what_the_mirror_does_not_show() {
+    let gpu = gpu();
+    let scene = scene();
+    let drawn = |variant| {
+        let setup = setup(variant, 1);
+        let shown = show(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
+        shown.get("mirrored-normal").texels().filter(|n| n[..3] != [0.0; 3]).count()
+    };
+    let (stencil, target) = (drawn(MirrorDrawing::Stencil), drawn(MirrorDrawing::Target));
+    println!("{stencil} pixels drawn inside the stencil, {target} without");
+    assert!(stencil > 4_000 && stencil < target * 9 / 10, "{stencil} of {target}");
+}

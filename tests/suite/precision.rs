@@ -1,0 +1,69 @@
+//! The precision ladder: it begins at the truth, falls as formats get coarser, and its rung of this project's
+//! own formats is what the G-buffer's images hold.
+
+use crate::common::gpu;
+use glam::Vec3;
+use ssct::gpu::FrameContext;
+use ssct::methods::{self, Setup};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::reference::surface::World;
+use ssct::scene::library;
+use ssct::study::Globals;
+use ssct::study::precision::{
+    ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
+};
+
+const SIZE: [u32; 2] = [161, 91];
+
+#[test]
+fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: None };
+
+    let materials = globals.materials(&scene, view);
+    let exact = Exact::trace(&World::new(&scene, &materials), &view.camera(&scene, SIZE), SIZE);
+    let own = Storage::OWN.store(&exact);
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let images = GBufferImages::upload(&mut context, &exact.data).unwrap();
+    let held = images.gbuffer();
+    assert!(context.read(held.depth.all()).unwrap().values == own.depth);
+    for (image, values) in [(held.normal.all(), &own.normal), (held.color.level(0), &own.color)] {
+        let read: Vec<Vec3> = context.read(image).unwrap().texels().map(Vec3::from_slice).collect();
+        assert!(read == *values, "an image of the G-buffer rounds otherwise than its rung");
+    }
+
+    let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
+    let setup = Setup::new(SIZE);
+    let records =
+        measure(&PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 }).unwrap();
+    let finest = Storage::FINEST;
+    for method in [ORACLE, "unified"] {
+        let rungs = rungs(&records, method);
+        assert_eq!(rungs.len(), Storage::ladder().len());
+        let wrong = |storage: Storage| rungs.iter().find(|r| r.storage == storage).unwrap().wrong_hits.unwrap();
+        let rmse = |storage: Storage| rungs.iter().find(|r| r.storage == storage).unwrap().rmse[0];
+        let normal = |normal| Storage { normal, ..finest };
+        let halves = normal(NormalFormat::Rgba16f);
+        if method == ORACLE {
+            assert!(wrong(finest) < 1e-3 && rmse(finest) < 1e-3, "{method}: {} {}", wrong(finest), rmse(finest));
+        } else {
+            // Its normals are 16-bit floats at best. What they cost is what they cost the oracle.
+            assert_eq!((wrong(finest), rmse(finest)), (wrong(halves), rmse(halves)), "{method}");
+            let oracle = ssct::study::precision::rungs(&records, ORACLE);
+            let cost = oracle.iter().find(|r| r.storage == halves).unwrap();
+            assert!((rmse(halves) - cost.rmse[0]).abs() < 1e-3, "{method}: {} {}", rmse(halves), cost.rmse[0]);
+        }
+        assert!(wrong(halves) < wrong(normal(NormalFormat::Rgb10a2)), "{method}");
+        assert!(wrong(normal(NormalFormat::Rgb10a2)) < wrong(normal(NormalFormat::Rgba8)), "{method}");
+        let depth = Storage { depth: DepthFormat::D16, ..finest };
+        assert!(wrong(depth) > wrong(finest) && rmse(depth) > rmse(finest), "{method}");
+        // Colours move no ray.
+        let color = Storage { color: ColorFormat::Rgba8Srgb, ..finest };
+        assert!(wrong(color) == wrong(finest) && rmse(color) > rmse(finest), "{method}");
+    }
+    let truth = &rungs(&records, ORACLE)[0];
+    assert_eq!((truth.wrong_hits, truth.rmse[0]), (Some(0.0), 0.0), "the oracle agrees with itself");
+    gpu.check_validation().unwrap();
+}

@@ -1,0 +1,68 @@
+//! Reflections at half resolution (thesis §4.4): in place, of the right surface, and for a quarter of
+//! the rays.
+
+use crate::common::{clutter, clutter_camera, gpu, show};
+use ssct::gpu::Pixels;
+use ssct::gpu::frame::Mode;
+use ssct::methods::{EffectParams, Setup, Wants, find};
+use ssct::metrics::rmse;
+use ssct::scene::View;
+use ssct::study::{Globals, Shot, Stage};
+
+const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: None };
+
+/// An image moved right and down by whole pixels, its border repeated.
+fn moved(image: &Pixels, dx: i32, dy: i32) -> Vec<f32> {
+    let at = |v: u32, d: i32, side: u32| (v as i32 - d).clamp(0, side as i32 - 1) as u32;
+    let pixels = (0..image.height).flat_map(|y| (0..image.width).map(move |x| (x, y)));
+    pixels.flat_map(|(x, y)| image.at(at(x, dx, image.width), at(y, dy, image.height)).to_vec()).collect()
+}
+
+/// Half and quarter resolution, by full pixels a side of a traced one.
+fn divided(extent: [u32; 2], divisor: u32) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.resolution_scale = 1.0 / divisor as f32)
+}
+
+#[test]
+fn half_resolution_lies_where_full_resolution_does() {
+    let gpu = gpu();
+    for extent in [[640, 480], [321, 239]] {
+        let of = |divisor| {
+            let setup = divided(extent, divisor);
+            show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &GLOSSY)
+        };
+        let (full, half) = (of(1), of(2));
+        let (full, small) = (full.get("reflection"), half.get("reflection"));
+        let here = rmse(&full.values, &small.values);
+        let black = rmse(&full.values, &vec![0.0; full.values.len()]);
+        println!("{extent:?}: half resolution errs by {here:.4}, no reflection by {black:.4}");
+        assert!(here < 0.5 * black, "{extent:?}: {here} of {black}");
+        for (dx, dy) in [(2, 0), (-2, 0), (0, 2), (0, -2)] {
+            let elsewhere = rmse(&full.values, &moved(small, dx, dy));
+            assert!(here < elsewhere, "{extent:?}: closer when moved by {dx}, {dy}: {elsewhere} < {here}");
+        }
+        // What reflects is told at full resolution.
+        for ((full, small), material) in full.texels().zip(small.texels()).zip(half.get("material").texels()) {
+            assert!(material[0] > 1e-4 || small == [0.0; 4], "{extent:?}: {full:?} became {small:?}");
+        }
+    }
+}
+
+#[test]
+fn half_resolution_traces_a_quarter_of_the_pixels() {
+    let gpu = gpu();
+    let mut stage = Stage::new(&gpu, &clutter()).unwrap();
+    let materials = GLOSSY.materials(&clutter(), &View::default());
+    let mut invocations = |divisor| {
+        let extent = [640, 480];
+        let setup = divided(extent, divisor);
+        let camera = clutter_camera(extent);
+        let shot =
+            Shot::new(&mut stage, find("ssct").unwrap(), &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
+        let (report, _) = stage.run(&shot, Mode::Counted).unwrap();
+        let index = report.recorded.iter().position(|p| p == "trace+cone").unwrap();
+        report.work[index].fragment_invocations
+    };
+    let (full, half) = (invocations(1), invocations(2));
+    assert!(full >= 640 * 480 && half.abs_diff(full / 4) <= full / 64, "{half} of {full}");
+}

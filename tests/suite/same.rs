@@ -1,0 +1,139 @@
+//! The same everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of
+//! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
+//! a process of its own.
+
+use crate::common::{clutter, clutter_camera, expected_failures, gpu};
+use sha2::{Digest, Sha256};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::methods::{METHODS, Setup, Wants};
+use ssct::scene::{View, gbuffer_file};
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// Odd sides, several tiles of the rasteriser and workgroups.
+const EXTENT: [u32; 2] = [161, 97];
+
+/// Where a child finds its G-buffer.
+const GBUFFER: &str = "SSCT_TEST_GBUFFER";
+
+fn hash(images: &[&Pixels]) -> String {
+    let mut hash = Sha256::new();
+    images.iter().for_each(|p| hash.update(bytemuck::cast_slice::<_, u8>(&p.values)));
+    hash.finalize().iter().take(8).map(|b| format!("{b:02x}")).collect()
+}
+
+/// What every method makes: of the G-buffer of a file, or, if it must see the scene, of one that is drawn.
+fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
+    let data = gbuffer_file::load(file).unwrap();
+    let scene = clutter();
+    let mut stage = Stage::new(gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
+    let mut all = BTreeMap::new();
+    for method in METHODS {
+        let setup = Setup::new(EXTENT);
+        let made = if method.is_screen_space() {
+            let made = gbuffer::reflect(gpu, &data, method, &setup).unwrap();
+            hash(&[&made.reflection, &made.composite])
+        } else {
+            let camera = clutter_camera(EXTENT);
+            let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
+            let made = render(&mut stage, &shot, false).unwrap();
+            hash(&[&made.reflection, &made.composite])
+        };
+        all.insert(method.name.to_owned(), made);
+    }
+    all
+}
+
+#[test]
+#[ignore = "a process that the test beside it starts"]
+fn child() {
+    let file = std::env::var_os(GBUFFER).expect("a G-buffer");
+    let gpu = Gpu::open(&DeviceQuery::default()).unwrap();
+    println!("subgroup {}", gpu.subgroup_size());
+    for (method, hash) in images(&gpu, Path::new(&file)) {
+        println!("image {method} {hash}");
+    }
+}
+
+/// The images of a process with some variables set, and its subgroup size; `None` if it crashed.
+fn in_a_process(file: &Path, variables: &[(&str, &str)]) -> Option<(BTreeMap<String, String>, u32)> {
+    let output = Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "same::child", "--ignored", "--nocapture"])
+        .env(GBUFFER, file)
+        .envs(variables.iter().copied())
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&output.stdout).into_owned();
+    // A panic of ours has a status; what the driver does to itself ends in a signal.
+    output.status.code()?;
+    assert!(output.status.success(), "{variables:?}: {said}{}", String::from_utf8_lossy(&output.stderr));
+    let image = |line: &str| {
+        let (method, hash) = line.strip_prefix("image ")?.split_once(' ')?;
+        Some((method.to_owned(), hash.to_owned()))
+    };
+    let images: BTreeMap<_, _> = said.lines().filter_map(image).collect();
+    assert_eq!(images.len(), METHODS.len(), "{said}");
+    let subgroup = said.lines().find_map(|l| l.strip_prefix("subgroup ")).unwrap().parse().unwrap();
+    Some((images, subgroup))
+}
+
+#[test]
+fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("clutter.exr");
+    let gpu = gpu();
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
+    let shot =
+        Shot::new(&mut stage, &METHODS[0], &Setup::new(EXTENT), Wants::REFLECTION, clutter_camera(EXTENT), materials)
+            .unwrap();
+    stage.run(&shot, Mode::Plain).unwrap();
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    std::fs::write(&file, gbuffer_file::encode(&data, &file).unwrap()).unwrap();
+
+    let here = images(&gpu, &file);
+    assert_eq!(images(&gpu, &file), here, "twice in a process");
+    // Mesa's variables, which other drivers don't read: threads of the rasteriser (0: the caller's own), and
+    // bits of its vectors, which make the subgroup.
+    for threads in ["0", "1", "5"] {
+        let (there, _) = in_a_process(&file, &[("LP_NUM_THREADS", threads)]).expect("no crash");
+        assert_eq!(there, here, "{threads} threads");
+    }
+    match in_a_process(&file, &[("LP_NATIVE_VECTOR_WIDTH", "128")]) {
+        Some((there, subgroup)) => {
+            println!("subgroups of {} and {subgroup}", gpu.subgroup_size());
+            assert_eq!(there, here, "subgroups of {subgroup}");
+        }
+        None => {
+            let expected = expected_failures("subgroup", &gpu);
+            assert!(expected.iter().any(|id| id == "LP_NATIVE_VECTOR_WIDTH=128"), "a crash that nobody expects");
+            println!("only subgroups of {}: the driver crashes with others", gpu.subgroup_size());
+        }
+    }
+}
+
+#[test]
+fn no_shader_asks_for_subgroups() {
+    // What cannot ask cannot depend on them: operations of subgroups need an extension in GLSL.
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders-glsl")];
+    let mut read = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_none_or(|e| e != "md") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                assert!(!text.contains("GL_KHR_shader_subgroup") && !text.contains("ARB_shader_ballot"), "{path:?}");
+                read += 1;
+            }
+        }
+    }
+    assert!(read > 40, "{read} files");
+}

@@ -1,0 +1,122 @@
+//! Loading scenes: every quirk of OBJ, MTL and scene files that is promised to be handled, every
+//! error with its sentence, the shared scenes where they are there, and mutated files.
+
+mod errors;
+mod geometry;
+mod materials;
+mod mutations;
+mod scene_files;
+mod shared_scenes;
+
+use glam::{Vec2, Vec3};
+use ssct::scene::obj::{Handedness, ObjFile, ObjOptions};
+use ssct::scene::{Mesh, Scene, Vertex, obj};
+use std::path::PathBuf;
+use tempfile::TempDir;
+
+/// A folder with files.
+struct Folder(TempDir);
+
+impl Folder {
+    fn new(files: &[(&str, &str)]) -> Self {
+        let folder = Self(tempfile::tempdir().unwrap());
+        for (name, text) in files {
+            folder.write(name, text.as_bytes());
+        }
+        folder
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    }
+
+    /// Writes a picture; the name says the format.
+    fn image(&self, name: &str, width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 4]) {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        image::RgbaImage::from_fn(width, height, |x, y| image::Rgba(texel(x, y))).save(path).unwrap();
+    }
+
+    /// Loads `a.obj` as it stands (left-handed).
+    fn scene(&self) -> Scene {
+        self.load("a.obj", &LEFT).unwrap()
+    }
+
+    fn load(&self, name: &str, options: &ObjOptions) -> ssct::error::Result<Scene> {
+        obj::load(&[ObjFile::from(self.path(name))], options)
+    }
+
+    /// The error of loading `a.obj`, without the folder's name.
+    fn error(&self) -> String {
+        self.without_folder(&self.load("a.obj", &LEFT).unwrap_err().to_string())
+    }
+
+    fn without_folder(&self, text: &str) -> String {
+        text.replace(&format!("{}/", self.0.path().display()), "")
+    }
+
+    fn warnings(&self, scene: &Scene) -> Vec<String> {
+        scene.warnings.iter().map(|w| self.without_folder(w)).collect()
+    }
+}
+
+const LEFT: ObjOptions = ObjOptions { handedness: Handedness::Left, scale: 1.0 };
+
+/// A unit square in the xy plane, its normal along +z by winding, textured upright.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+
+/// The square as `a.obj`, with a face and what else.
+fn square(rest: &str) -> Folder {
+    Folder::new(&[("a.obj", &format!("{SQUARE}{rest}"))])
+}
+
+fn position(vertex: &Vertex) -> Vec3 {
+    vertex.position.into()
+}
+
+fn normal(vertex: &Vertex) -> Vec3 {
+    vertex.normal.into()
+}
+
+fn triangles(mesh: &Mesh) -> impl Iterator<Item = [Vertex; 3]> + '_ {
+    mesh.indices.chunks_exact(3).map(|t| [0, 1, 2].map(|i| mesh.vertices[t[i] as usize]))
+}
+
+fn area(scene: &Scene) -> f32 {
+    let cross = |[a, b, c]: [Vertex; 3]| (position(&b) - position(&a)).cross(position(&c) - position(&a));
+    scene.meshes.iter().flat_map(triangles).map(|t| 0.5 * cross(t).length()).sum()
+}
+
+/// What every loaded scene keeps to, whatever its files are like.
+fn assert_sound(scene: &Scene) {
+    assert!(!scene.views.is_empty() && !scene.lights.is_empty());
+    for mesh in &scene.meshes {
+        assert!(mesh.material < scene.materials.len() && !mesh.indices.is_empty());
+        for vertex in &mesh.vertices {
+            let tangent = Vec3::from_slice(&vertex.tangent[..3]);
+            assert!(position(vertex).is_finite() && Vec2::from(vertex.uv).is_finite());
+            assert!((normal(vertex).length() - 1.0).abs() < 1e-4, "{vertex:?}");
+            assert!((tangent.length() - 1.0).abs() < 1e-3, "{vertex:?}");
+            assert!(tangent.dot(normal(vertex)).abs() < 1e-3, "{vertex:?}");
+            assert_eq!(vertex.tangent[3].abs(), 1.0);
+            assert!(position(vertex).cmpge(mesh.bounds.min).all() && position(vertex).cmple(mesh.bounds.max).all());
+        }
+        for [a, b, c] in triangles(mesh) {
+            let edge = |v: &Vertex| (position(v) - position(&a)).as_dvec3();
+            let cross = edge(&b).cross(edge(&c));
+            let side = cross.dot((normal(&a) + normal(&b) + normal(&c)).as_dvec3());
+            assert!(side > -1e-5 * cross.length(), "the winding disagrees with the normals: {a:?} {b:?} {c:?}");
+        }
+    }
+    for material in &scene.materials {
+        let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
+        assert!(maps.into_iter().flatten().all(|i| i < scene.textures.len()));
+        assert!((0.0..=1.0).contains(&material.reflectivity) && (0.0..=1.0).contains(&material.roughness));
+    }
+}

@@ -1,0 +1,353 @@
+//! `NAME.scene.toml`.
+
+use super::*;
+use ssct::error::Result;
+use ssct::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
+
+fn folder(text: &str) -> Folder {
+    let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
+    folder.write("a.mtl", b"newmtl floor\nKs 0.5 0.5 0.5\nNs 100\nnewmtl wall\nKs 0.25 0.25 0.25\n");
+    folder.write("test.scene.toml", text.as_bytes());
+    folder.image("sign.png", 4, 2, |x, y| [x as u8 * 60, y as u8 * 200, 9, if x == 0 { 0 } else { 255 }]);
+    folder
+}
+
+fn load(folder: &Folder, extra_scale: f32) -> Result<Scene> {
+    scene_file::load(&folder.path("test.scene.toml"), extra_scale)
+}
+
+const FULL: &str = r#"
+name = "both"
+handedness = "left"
+scale = 2
+
+[[mesh]]
+file = "a.obj"
+
+[[mesh]]
+file = "a.obj"
+surface = "sky"
+
+[material.default]
+reflectivity = 0.75
+
+[material.floor]
+roughness = 0.5
+normal_deviation = 0.25
+
+[camera]
+fov_y_deg = 90
+near = 0.5
+far = 50.0
+
+[[light]]
+kind = "point"
+position = [1, 2, 3]
+energy = 4.0
+
+[[light]]
+kind = "directional"
+direction = [0, -2, 0]
+energy = 1
+
+[view.zebra]
+eye = [0, 0, -1]
+look_at = [0, 0, 1]
+
+[view.ant]
+eye = [0, 1, -1]
+look_at = [0, 0, 1]
+near = 0.25
+materials = { wall = { reflectivity = 1 }, default = { roughness = 0.125 } }
+
+[view.mole]
+eye = [0, 1, -1]
+look_at = [0, 0, 1]
+
+[view.mole.materials.floor]
+reflectivity = 0.0
+
+[[probe]]
+name = "door"
+position = [1, 2, 3]
+min = [0, 0, 0]
+max = [2, 4, 5]
+
+[[impostor]]
+file = "sign.png"
+centre = [0, 2, 1]
+half_u = [1, 0, 0]
+half_v = [0, -0.5, 0]
+
+[[impostor]]
+name = "the same"
+file = "sign.png"
+centre = [0, 2, 2]
+half_u = [0, 0, 1]
+half_v = [0, -0.5, 0]
+
+[[area_light]]
+kind = "sphere"
+radiance = [1, 0.5, 0.25]
+centre = [1, 2, 3]
+radius = 0.5
+
+[[area_light]]
+kind = "capsule"
+radiance = [1, 1, 1]
+a = [0, 1, 0]
+b = [0, 2, 0]
+radius = 0.125
+
+[[area_light]]
+kind = "rectangle"
+radiance = [2, 2, 2]
+centre = [0, 3, 0]
+half_u = [1, 0, 0]
+half_v = [0, 0, 2]
+"#;
+
+#[test]
+fn every_key_arrives() {
+    let scene = load(&folder(FULL), 1.0).unwrap();
+    assert_sound(&scene);
+    assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.warnings.len()), ("both", 4, 0));
+    assert_eq!(scene.bounds().max, Vec3::new(2.0, 2.0, 0.0));
+    let materials: Vec<_> =
+        scene.materials.iter().map(|m| (m.name.as_str(), m.reflectivity, m.normal_deviation, m.surface)).collect();
+    assert_eq!(
+        materials,
+        [
+            ("floor", 0.5, 0.25, Surface::Lit),
+            ("wall", 0.75, 1.0, Surface::Lit),
+            ("floor", 0.5, 0.25, Surface::Sky),
+            ("wall", 0.75, 1.0, Surface::Sky),
+        ]
+    );
+    assert_eq!((scene.materials[0].roughness, scene.materials[1].roughness), (0.5, 0.0));
+    let lens = Lens { fov_y_radians: 90_f32.to_radians(), near_m: 0.5, far_m: 50.0 };
+    assert_eq!(scene.lens, lens);
+    assert_eq!(
+        scene.lights,
+        [
+            Light::Point { position: Vec3::new(1.0, 2.0, 3.0), energy: 4.0 },
+            Light::Directional { direction: Vec3::NEG_Y, energy: 1.0 },
+        ]
+    );
+    let names: Vec<_> = scene.views.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(names, ["zebra", "ant", "mole"], "in the order of the file");
+    assert_eq!(scene.views[0].lens, None);
+    assert_eq!(scene.views[1].lens, Some(Lens { near_m: 0.25, ..lens }));
+}
+
+#[test]
+fn probes_impostors_and_area_lights_arrive() {
+    let scene = load(&folder(FULL), 1.0).unwrap();
+    let bounds = Aabb { min: Vec3::ZERO, max: Vec3::new(2.0, 4.0, 5.0) };
+    assert_eq!(scene.probes, [Probe { name: "door".into(), position: Vec3::new(1.0, 2.0, 3.0), bounds }]);
+    let [sign, same] = &scene.impostors[..] else { panic!("two impostors") };
+    let half_v = -0.5 * Vec3::Y;
+    let expected = Impostor {
+        name: "sign.png".into(),
+        centre: Vec3::new(0.0, 2.0, 1.0),
+        half_u: Vec3::X,
+        half_v,
+        texture: sign.texture,
+    };
+    assert_eq!((sign, same.name.as_str(), same.half_u), (&expected, "the same", Vec3::Z));
+    assert_eq!(sign.normal(), Vec3::NEG_Z, "an image that reads to the right and down faces the viewer");
+    let image = &scene.textures[sign.texture];
+    assert_eq!((image.width, image.height, image.encoding), (4, 2, Encoding::Srgb));
+    assert_eq!((image.rgba[3], image.rgba[7], &scene.textures[same.texture].rgba), (0, 255, &image.rgba));
+    let rectangle = AreaShape::Rectangle { centre: 3.0 * Vec3::Y, half_u: Vec3::X, half_v: 2.0 * Vec3::Z };
+    assert_eq!(
+        scene.area_lights,
+        [
+            AreaLight {
+                shape: AreaShape::Sphere { centre: Vec3::new(1.0, 2.0, 3.0), radius: 0.5 },
+                radiance: Vec3::new(1.0, 0.5, 0.25)
+            },
+            AreaLight {
+                shape: AreaShape::Capsule { a: Vec3::Y, b: 2.0 * Vec3::Y, radius: 0.125 },
+                radiance: Vec3::ONE
+            },
+            AreaLight { shape: rectangle, radiance: Vec3::splat(2.0) },
+        ]
+    );
+}
+
+#[test]
+fn views_change_materials_only_for_themselves() {
+    let scene = load(&folder(FULL), 1.0).unwrap();
+    let of = |name: &str| {
+        let materials = scene.materials_in(scene.view(name).unwrap());
+        [0, 1].map(|i| (materials[i].reflectivity, materials[i].roughness))
+    };
+    assert_eq!(of("zebra"), [(0.5, 0.5), (0.75, 0.0)]);
+    assert_eq!(of("ant"), [(0.5, 0.125), (1.0, 0.0)], "default speaks for those that are not named");
+    assert_eq!(of("mole"), [(0.0, 0.5), (0.75, 0.0)]);
+}
+
+#[test]
+fn an_extra_scale_enlarges_everything_that_has_a_place() {
+    let scene = load(&folder(FULL), 3.0).unwrap();
+    assert_eq!(scene.bounds().max, Vec3::new(6.0, 6.0, 0.0));
+    assert_eq!((scene.views[0].eye, scene.views[0].look_at), (Vec3::NEG_Z * 3.0, Vec3::Z * 3.0));
+    assert_eq!(scene.lights[0], Light::Point { position: Vec3::new(3.0, 6.0, 9.0), energy: 4.0 });
+    assert_eq!(
+        (scene.probes[0].position, scene.probes[0].bounds.max),
+        (Vec3::new(3., 6., 9.), Vec3::new(6., 12., 15.))
+    );
+    let AreaShape::Sphere { centre, radius } = scene.area_lights[0].shape else { panic!("a sphere") };
+    assert_eq!((centre, radius), (Vec3::new(3.0, 6.0, 9.0), 1.5));
+    assert_eq!((scene.impostors[1].centre, scene.impostors[1].half_u), (Vec3::new(0.0, 6.0, 6.0), 3.0 * Vec3::Z));
+    assert_eq!(scene.lens.near_m, 0.5);
+}
+
+#[test]
+fn little_suffices() {
+    let scene = load(&folder("[[mesh]]\nfile = 'A.OBJ'\n"), 1.0).unwrap();
+    assert_eq!((scene.name.as_str(), scene.views[0].name.as_str()), ("test", "default"));
+    assert_eq!((scene.lights.len(), scene.lens.fov_y_radians), (1, Lens::default().fov_y_radians));
+    let middle = Probe { name: "middle".into(), position: Vec3::new(0.5, 0.5, 0.0), bounds: scene.bounds() };
+    assert_eq!((scene.probes, scene.impostors.len(), scene.area_lights.len()), (vec![middle], 0, 0));
+    let bare = folder("").load("a.obj", &LEFT).unwrap();
+    assert_eq!((bare.probes[0].position, bare.probes.len()), (Vec3::new(0.5, 0.5, 0.0), 1));
+    assert!(normal(&scene.meshes[0].vertices[0]).z < 0.0, "right-handed unless it says otherwise");
+    let reflectivities: Vec<_> = scene.materials.iter().map(|m| m.reflectivity).collect();
+    assert!((reflectivities[0] - 0.5).abs() < 1e-6 && (reflectivities[1] - 0.25).abs() < 1e-6);
+}
+
+#[test]
+fn unknown_materials_are_warnings() {
+    let text = "[[mesh]]\nfile = 'a.obj'\n[material.ceiling]\nroughness = 0.5\n[view.v]\neye = [0, 0, 0]\n\
+        look_at = [1, 0, 0]\nmaterials = { roof = { roughness = 1.0 } }\n";
+    let folder = folder(text);
+    assert_eq!(
+        folder.warnings(&load(&folder, 1.0).unwrap()),
+        [
+            "test.scene.toml: [material.ceiling] changes nothing: no mesh has this material",
+            "test.scene.toml: [view.v] changes material roof, which no mesh has",
+        ]
+    );
+}
+
+#[test]
+fn errors_name_the_line() {
+    let impostor = |file: &str, half_v: &str| {
+        format!("[[impostor]]\nfile = '{file}'\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\nhalf_v = {half_v}\n")
+    };
+    let view = |rest: &str| format!("[view.v]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n{rest}\n");
+    let cases = [
+        ("[camera]\nfov_y_deg = 180\n".into(), "4: fov_y_deg must lie between 0 and 180, but is 180"),
+        ("[camera]\nfov_y_deg = 0.0\n".into(), "4: fov_y_deg must be a number > 0, not 0"),
+        ("[camera]\nnear = -1\n".into(), "4: near must be a number > 0, not -1"),
+        ("[camera]\nnear = nan\n".into(), "4: near must be a number > 0, not NaN"),
+        ("[camera]\nnear = 2\nfar = 2\n".into(), "5: far (2) must be greater than near (2)"),
+        (view("near = 5000"), "6: far (1000) must be greater than near (5000)"),
+        (view("materials = { floor = { roughness = 2 } }"), "6: roughness must lie in 0 to 1, but is 2"),
+        (
+            "[view.v]\neye = [1, 2, 3]\nlook_at = [1, 2, 3]\n".into(),
+            "5: view \"v\" looks at its own eye; look_at must be another point",
+        ),
+        (
+            "[view.v]\neye = [inf, 2, 3]\nlook_at = [1, 2, 3]\n".into(),
+            "4: eye must have three finite numbers, not [inf, 2, 3]",
+        ),
+        ("[material.floor]\nreflectivity = -0.5\n".into(), "4: reflectivity must lie in 0 to 1, but is -0.5"),
+        ("[material.floor]\nnormal_deviation = nan\n".into(), "4: normal_deviation must lie in 0 to 1, but is NaN"),
+        ("[[light]]\nkind = 'point'\nenergy = 1\n".into(), "3: a point light has a position and no direction"),
+        (
+            "[[light]]\nkind = 'directional'\nenergy = 1\nposition = [0, 0, 0]\n".into(),
+            "3: a directional light has a direction and no position",
+        ),
+        (
+            "[[light]]\nkind = 'directional'\nenergy = 1\ndirection = [0, 0, 0]\n".into(),
+            "6: direction must not be zero",
+        ),
+        (
+            "[[light]]\nkind = 'point'\nenergy = 0\nposition = [0, 0, 0]\n".into(),
+            "5: energy must be a number > 0, not 0",
+        ),
+        ("[[mesh]]\nfile = 'gone.obj'\n".into(), "4: there is no file \"gone.obj\""),
+        (
+            "[[probe]]\nname = 'a'\nposition = [0, 0, 0]\nmin = [0, 0, 0]\nmax = [1, 0, 1]\n".into(),
+            "7: max must be greater than min along every axis",
+        ),
+        (
+            "[[probe]]\nname = 'a'\nposition = [0, 2, 0]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n".into(),
+            "5: position must lie between min and max",
+        ),
+        (impostor("gone.png", "[0, 1, 0]"), "4: there is no file \"gone.png\""),
+        (impostor("sign.png", "[0, 0, 0]"), "7: half_v must not be zero"),
+        (impostor("sign.png", "[1, 1, 0]"), "7: half_u and half_v must stand at right angles"),
+        (
+            "[[area_light]]\nkind = 'sphere'\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\n".into(),
+            "3: a sphere has a centre and a radius beside its radiance, and no other key",
+        ),
+        (
+            "[[area_light]]\nkind = 'sphere'\nradiance = [1, -1, 1]\ncentre = [0, 0, 0]\nradius = 1\n".into(),
+            "5: radiance must not be negative, but is [1, -1, 1]",
+        ),
+        (
+            "[[area_light]]\nkind = 'capsule'\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 0\n".into(),
+            "8: radius must be a number > 0, not 0",
+        ),
+    ];
+    for (rest, expected) in cases {
+        let folder = folder(&format!("[[mesh]]\nfile = 'a.obj'\n{rest}"));
+        let error = load(&folder, 1.0).unwrap_err().to_string();
+        assert_eq!(folder.without_folder(&error), format!("test.scene.toml:{expected}"), "{rest}");
+    }
+}
+
+#[test]
+fn syntax_errors_and_unknown_keys_name_the_line() {
+    let cases = [
+        ("[[mesh]]\nfile = 'a.obj'\nfiel = 1\n", "3: unknown field `fiel`"),
+        ("sky = 1\n", "1: unknown field `sky`"),
+        ("[[mesh]]\nfile = 'a.obj'\nsurface = 'glass'\n", "3: unknown variant `glass`"),
+        ("handedness = 'both'\n", "1: unknown variant `both`"),
+        ("\n[camera\n", "2: "),
+        ("[camera]\nnear = 'close'\n", "2: invalid type"),
+        ("[[probe]]\nnam = 'a'\n", "2: unknown field `nam`"),
+        ("[[impostor]]\nfile = 'a.png'\nalpha = 1\n", "3: unknown field `alpha`"),
+        ("[[area_light]]\nkind = 'disc'\n", "2: unknown variant `disc`"),
+        ("[[light]]\nkind = 'point'\n", "1: missing field `energy`"),
+        ("[view.v]\neye = [0, 0]\nlook_at = [0, 0, 1]\n", "2: invalid length 2"),
+        ("[view.v]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[view.v]\n", "4: duplicate key"),
+    ];
+    for (text, expected) in cases {
+        let folder = folder(text);
+        let error = load(&folder, 1.0).unwrap_err().to_string();
+        let error = folder.without_folder(&error);
+        assert!(error.starts_with(&format!("test.scene.toml:{expected}")), "{text:?}: {error}");
+        assert!(!error.contains('\n'), "{error:?}");
+    }
+}
+
+#[test]
+fn files_that_cannot_be_scene_files_are_refused() {
+    let folder = folder("name = 'empty'\n");
+    let error = |folder: &Folder| folder.without_folder(&load(folder, 1.0).unwrap_err().to_string());
+    assert_eq!(error(&folder), "test.scene.toml: a scene file needs at least one [[mesh]]");
+    folder.write("test.scene.toml", b"name = 'a'\nname2 = '\xff'\n");
+    assert_eq!(error(&folder), "test.scene.toml:2: a scene file must be UTF-8 text");
+    std::fs::File::create(folder.path("test.scene.toml")).unwrap().set_len(2 << 20).unwrap();
+    assert!(error(&folder).starts_with("test.scene.toml: a scene file of 2097152 bytes is too large"));
+    std::fs::remove_file(folder.path("test.scene.toml")).unwrap();
+    assert!(error(&folder).starts_with("cannot read test.scene.toml: "));
+    assert!(matches!(load(&folder, -1.0).unwrap_err(), ssct::error::Error::Usage(_)));
+}
+
+#[test]
+fn a_scene_file_may_have_paths_and_their_faults_have_a_line() {
+    let text = "[[mesh]]\nfile = \"a.obj\"\n[[path.walk.key]]\neye = [0, 1, 0]\nlook_at = [0, 1, 4]\ntime = 0\n\
+                [[path.walk.key]]\neye = [2, 1, 0]\nlook_at = [0, 1, 4]\ntime = 3\n";
+    let scene = load(&folder(text), 2.0).unwrap();
+    let [path] = &scene.paths[..] else { panic!("{:?}", scene.paths) };
+    assert_eq!((path.name.as_str(), path.keys().len(), path.keys()[1].time_s), ("walk", 2, Some(3.0)));
+    assert_eq!(path.at(1.0), ([4.0, 2.0, 0.0].into(), [0.0, 2.0, 8.0].into()), "scaled like views");
+    let wrong = load(&folder(&text.replace("time = 3", "time = 0")), 1.0).unwrap_err().to_string();
+    assert!(wrong.ends_with("test.scene.toml:7: its time must be after 0, but is 0"), "{wrong}");
+}

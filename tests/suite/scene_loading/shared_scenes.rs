@@ -1,0 +1,105 @@
+//! The scenes in `../shared/scenes`, where they are there.
+
+use super::*;
+use ssct::scene::{Light, Surface, scene_file};
+use std::path::Path;
+use std::time::Instant;
+
+/// The folder of the scenes, or a line that says why the test does nothing.
+fn shared() -> Option<&'static Path> {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes"));
+    if !folder.is_dir() {
+        println!("skipped: ../shared/scenes is absent");
+        return None;
+    }
+    Some(folder)
+}
+
+fn assert_near(a: Vec3, b: Vec3) {
+    assert!((a - b).length() < 1e-3, "{a} {b}");
+}
+
+/// What warnings say is missing.
+fn missing(scene: &Scene) -> Vec<&str> {
+    let found = scene.warnings.iter().filter_map(|w| w.split_once(": image ")?.1.split_once(" is missing; "));
+    found.map(|(name, _)| name).collect()
+}
+
+#[test]
+fn sponza_loads_as_its_scene_file_says() {
+    let Some(folder) = shared() else { return };
+    let start = Instant::now();
+    let scene = scene_file::load(&folder.join("sponza/sponza.scene.toml"), 1.0).unwrap();
+    println!("sponza.scene.toml loaded in {:.2} s", start.elapsed().as_secs_f32());
+    assert_sound(&scene);
+    // 8521 triangles and 135,321 quads, less one triangle without area.
+    assert_eq!((scene.name.as_str(), scene.triangle_count()), ("sponza", 8521 + 2 * 135_321 - 1));
+    assert_near(scene.bounds().min, Vec3::new(-19.209_46, -1.264_425, -11.054_26));
+    assert_near(scene.bounds().max, Vec3::new(17.999_08, 14.294_332, 11.828_071));
+    assert_eq!(missing(&scene), ["textures\\gi_flag.tga"]);
+    assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].ends_with("sponza.obj: 1 triangle without area was left out"));
+
+    let reflecting = |materials: &[ssct::scene::Material]| -> Vec<String> {
+        materials.iter().filter(|m| m.reflectivity > 1e-4).map(|m| m.name.clone()).collect()
+    };
+    let views: Vec<_> = scene.views.iter().map(|v| (v.name.as_str(), reflecting(&scene.materials_in(v)))).collect();
+    let expected = [("atrium", vec!["floor"]), ("lion", vec!["floor"]), ("hall", vec!["bricks", "floor"])];
+    assert_eq!(views, expected.map(|(v, m)| (v, m.into_iter().map(String::from).collect())));
+    assert_eq!(scene.materials.len(), 26);
+    assert_eq!(scene.materials.iter().filter(|m| m.alpha_mask.is_some()).count(), 3);
+    // Eight normal maps and the bricks' colour, which is taken for a height field.
+    let maps: Vec<_> = scene.materials.iter().filter_map(|m| m.normal_map).collect();
+    assert_eq!(maps.len(), 9);
+    assert!(maps.iter().all(|&i| scene.textures[i].is_normal_map()));
+    assert_eq!(scene.lights.len(), 1);
+}
+
+#[test]
+fn the_rooms_load_as_their_scene_file_says() {
+    let Some(folder) = shared() else { return };
+    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
+    assert_sound(&scene);
+    assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.materials.len()), ("ssct-rooms", 1542, 7));
+    assert_near(scene.bounds().min, Vec3::new(-6.0, -1.0, -5.0));
+    assert_near(scene.bounds().max, Vec3::new(6.0, 1.951_34, 5.158_07));
+    let sky: Vec<_> = scene.meshes.iter().filter(|m| scene.materials[m.material].surface == Surface::Sky).collect();
+    assert_eq!(sky.iter().map(|m| m.indices.len() / 3).sum::<usize>(), 6, "three windows");
+    assert!(scene.materials.iter().all(|m| m.reflectivity == 1.0 && m.roughness == 0.0));
+    let views: Vec<_> = scene.views.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!(views, ["cylinder", "window-floor", "corridor", "two-cylinders", "window", "ceiling"]);
+    assert_eq!(scene.lights.iter().filter(|l| matches!(l, Light::Point { .. })).count(), 3);
+    let mut images = missing(&scene);
+    images.sort_unstable();
+    let expected = [
+        "Bricks4.jpg",
+        "Bricks4_NORM.png",
+        "CeilingWood1.jpg",
+        "StonesColorMap.jpg",
+        "StonesNormalMap.jpg",
+        "TilesColorMap.jpg",
+        "TilesNormalMap.jpg",
+        "WoodFloor1.jpg",
+        "WoodFloor2.jpg",
+        "white.png",
+    ];
+    assert_eq!(images, expected);
+    assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn the_bare_files_load_and_show_something() {
+    let Some(folder) = shared() else { return };
+    for (name, triangles, inside) in [
+        ("sponza/sponza.obj", 279_162, true),
+        ("ssct-rooms/SSCTTestScene2.obj", 1536, true),
+        ("ssct-rooms/SSCTTestScene2-Windows.obj", 6, false),
+    ] {
+        let scene = obj::load(&[ObjFile::from(folder.join(name))], &ObjOptions::default()).unwrap();
+        assert_sound(&scene);
+        assert_eq!(scene.triangle_count(), triangles, "{name}");
+        let (eye, bounds) = (scene.views[0].eye, scene.bounds());
+        assert_eq!(eye.cmpge(bounds.min).all() && eye.cmple(bounds.max).all(), inside, "{name}: {eye}");
+        assert!(scene.lens.far_m > (bounds.max - bounds.min).length());
+    }
+}

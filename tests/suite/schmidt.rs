@@ -1,0 +1,155 @@
+//! `ssr` and `ssr-fast` against the closed form of a mirror before a wall, and against what their
+//! listings say of every hit.
+
+use crate::common::{Builder, Shown, bilinear, camera, clutter, clutter_camera, gpu, show, unfaded};
+use glam::{DVec2, DVec3, Vec3};
+use ssct::math::projection::{project, unproject};
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::{EffectParams, Setup, find};
+use ssct::passes::PathCode;
+use ssct::scene::{Camera, Lens};
+use ssct::study::Globals;
+
+/// Eq. 28 as printed, fed with standard depth: 2 d / (d + far).
+fn linear_depth(z: f64) -> f64 {
+    let (near, far) = (f64::from(Lens::default().near_m), f64::from(Lens::default().far_m));
+    2.0 * near / (far + near - z * (far - near))
+}
+
+fn path(hit: &[f32]) -> PathCode {
+    PathCode::from_channel(hit[3]).expect("a path code")
+}
+
+const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
+const WALL_Z: f64 = 6.0;
+
+/// A mirror floor that ends at a wall.
+fn wall(camera: Camera, extent: [u32; 2], method: &str, fade: bool) -> Shown {
+    let mut b = Builder::new("wall");
+    b.light(Vec3::Z);
+    let picture = b.picture(64, 64, |x, y| [(4 * x) as u8, (4 * y) as u8, 128]);
+    b.quad(picture, Vec3::new(-12.0, -1.0, WALL_Z as f32), Vec3::X * 24.0, Vec3::Y * 12.0, -Vec3::Z);
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-12.0, 0.0, 0.0), Vec3::X * 24.0, Vec3::Z * WALL_Z as f32, Vec3::Y);
+    let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fade = fade);
+    show(&gpu(), &b.0, camera, method, &setup, &Globals::default())
+}
+
+#[test]
+fn the_march_of_listing_4_ends_within_a_step_of_the_wall() {
+    for extent in [[512, 256], [239, 321]] {
+        let view = camera(EYE, EYE + Vec3::Z, extent);
+        let shown = wall(view, extent, "ssr", true);
+        let (hits, reflection) = (shown.get("hits"), shown.get("reflection"));
+        let to_clip = view.view_to_clip().as_dmat4();
+        let inverse = to_clip.inverse();
+        let step = 1.0 / f64::from(extent[0].max(extent[1]));
+        let size = DVec2::new(f64::from(extent[0]), f64::from(extent[1]));
+        let (mut found, mut far, mut through, mut self_hits) = (0, 0, 0, 0);
+        for (y, x) in (0..extent[1]).flat_map(|y| (0..extent[0]).map(move |x| (y, x))) {
+            if shown.get("material").at(x, y)[0] < 0.5 {
+                continue;
+            }
+            let uv = (DVec2::new(f64::from(x), f64::from(y)) + 0.5) / size;
+            let d = unproject(uv.extend(0.5), &inverse).normalize();
+            let p = d * (f64::from(-EYE.y) / d.y);
+            let r = DVec3::new(d.x, -d.y, d.z);
+            let (from, end) = (project(p, &to_clip), project(p + r * ((WALL_Z - p.z) / r.z), &to_clip));
+            let advance = (end - from).normalize() * step;
+            let length = from.distance(end);
+            let is_on_screen = end.truncate().cmpge(DVec2::ZERO).all() && end.truncate().cmple(DVec2::ONE).all();
+            // Two steps are skipped, the last may overshoot, and there are only so many.
+            if !is_on_screen || length > 1.0 - 2.0 * step || length < 3.0 * step {
+                far += 1;
+                continue;
+            }
+            // A step that goes deeper than the threshold may pass through the wall.
+            if linear_depth(end.z + advance.z) - linear_depth(end.z) > 0.001 {
+                through += 1;
+                continue;
+            }
+            let hit = hits.at(x, y);
+            assert_eq!(path(hit), PathCode::Linear, "({x}, {y})");
+            let at = DVec3::new(f64::from(hit[0]), f64::from(hit[1]), f64::from(hit[2]));
+            let beyond = (at - end).dot(advance.normalize()) / step;
+            // The floor's own depth, a pixel's slope away from the ray, may stop it before.
+            if beyond < -0.1 {
+                self_hits += 1;
+                continue;
+            }
+            // f16 normals, and the ray's direction from two projected points.
+            assert!(beyond < 1.1, "({x}, {y}): {beyond} steps beyond the wall");
+            let fade = 16.0 * at.x * (1.0 - at.x) * at.y * (1.0 - at.y);
+            // At the sample before, as printed: a step away, where the slope is at most 4 a side.
+            let difference = (f64::from(reflection.at(x, y)[3]) - fade).abs();
+            assert!(difference <= 4.0 * 2.0 * step + 1.0 / 1024.0, "({x}, {y}): {difference}");
+            found += 1;
+        }
+        println!("{extent:?}: {found} as they should be, {self_hits} on the floor, {far} off, {through} too steep");
+        assert!(found > 15_000, "{found}");
+        assert!(self_hits * 50 < found, "{self_hits} stop at the floor");
+    }
+}
+
+#[test]
+fn a_hit_is_as_near_to_its_surface_as_its_listing_says_and_has_its_colour() {
+    let extent = [320, 240];
+    let gpu = gpu();
+    for method in ["ssr", "ssr-fast"] {
+        let setup = unfaded(extent);
+        let shown = show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &Globals::default());
+        let (hits, depth, lit) = (shown.get("hits"), shown.get("depth"), shown.get("color"));
+        let (mut count, mut misses) = (0, 0);
+        for (hit, reflection) in hits.texels().zip(shown.get("reflection").texels()) {
+            if path(hit) != PathCode::Linear {
+                assert_eq!(reflection, [0.0; 4]);
+                misses += usize::from(path(hit) == PathCode::LinearMiss);
+                continue;
+            }
+            count += 1;
+            assert_eq!(reflection[3], 1.0, "without fade");
+            let texel = |v: f32, side: u32| ((v * side as f32) as u32).min(side - 1);
+            let surface = 1.0 - f64::from(depth.at(texel(hit[0], extent[0]), texel(hit[1], extent[1]))[0]);
+            let behind = linear_depth(f64::from(hit[2])) - linear_depth(surface);
+            // Nearest depth: a hit on the border of two texels may be the other's.
+            let on_border = [hit[0] * extent[0] as f32, hit[1] * extent[1] as f32].iter().any(|v| v.fract() < 1e-3);
+            let range = if method == "ssr" { 0.0..=0.001_001 } else { -0.002_001..=0.002_001 };
+            assert!(on_border || range.contains(&behind), "{method}: {behind}");
+            let seen = bilinear(lit, hit[0], hit[1]);
+            for c in 0..3 {
+                assert!((reflection[c] - seen[c]).abs() < 0.003, "{method}: {reflection:?}, not {seen:?}");
+            }
+        }
+        println!("{method}: {count} hits, {misses} misses");
+        assert!(count > 5_000 && misses > 100, "{method}: {count}, {misses}");
+    }
+}
+
+#[test]
+fn steps_and_blur_do_what_they_say() {
+    let extent = [320, 240];
+    let gpu = gpu();
+    let image = |method: &str, pixel_step: u32, distance_blur: bool| {
+        let setup = unfaded(extent).with(|p: &mut SsrFastParams| {
+            (p.pixel_step, p.distance_blur) = (pixel_step, distance_blur);
+        });
+        show(&gpu, &clutter(), clutter_camera(extent), method, &setup, &Globals::default())
+    };
+    let published =
+        |method: &str| show(&gpu, &clutter(), clutter_camera(extent), method, &unfaded(extent), &Globals::default());
+    for method in ["ssr", "ssr-fast"] {
+        assert_eq!(published(method).get("hits"), image(method, 1, false).get("hits"), "printed is 1");
+        assert_ne!(published(method).get("hits"), image(method, 4, false).get("hits"));
+    }
+    // The blur changes colours and no hit; listing 4 has none.
+    let (plain, blurred) = (image("ssr-fast", 1, false), image("ssr-fast", 1, true));
+    assert_eq!(plain.get("hits"), blurred.get("hits"));
+    assert_ne!(plain.get("reflection"), blurred.get("reflection"));
+    assert!(find("ssr").unwrap().read().iter().all(|p| p.name != "distance_blur"));
+    // As printed, level 7 is added and not counted: near the viewer that is one sample and the mean of
+    // the surroundings, over one.
+    let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();
+    let ratio = mean(&blurred) / mean(&plain);
+    println!("blurred over plain: {ratio:.3}");
+    assert!((1.6..2.4).contains(&ratio), "{ratio}");
+}

@@ -1,0 +1,463 @@
+//! `unified` on the device: its pyramid and its hits are its twin's to the bit, and its hits are the
+//! oracle's on every view (docs/definitions.md, "Oracle").
+
+use crate::common::{check_validation, clutter, clutter_camera, gpu, is_gpu_assisted, shared_scenes, unfaded};
+use glam::Vec3;
+use rayon::prelude::*;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::math::OracleVersion;
+use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
+use ssct::metrics::hits::HitAgreement;
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::pyramid::{self, PyramidPass};
+use ssct::passes::{GBuffer, PathCode, Reflectors};
+use ssct::reference::random::Stream;
+use ssct::reference::unified::{Code, Parameters, Traversal};
+use ssct::reference::{Hierarchy, MissReason, Outcome};
+use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, View, library, scene_file};
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+
+/// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
+const SIZES: [[u32; 2]; 12] = [
+    [1, 1],
+    [1, 37],
+    [53, 1],
+    [2, 2],
+    [5, 3],
+    [63, 65],
+    [64, 64],
+    [65, 127],
+    [97, 101],
+    [128, 66],
+    [321, 239],
+    [641, 479],
+];
+
+/// Those of them that are tried: instrumented shaders are the same at all, and slow.
+fn sizes() -> Vec<[u32; 2]> {
+    SIZES.into_iter().filter(|s| !is_gpu_assisted() || [[1, 1], [5, 3], [65, 127]].contains(s)).collect()
+}
+
+/// The pyramid's pipeline, which methods made while it is kept share: instrumented, it is compiled for half a minute.
+fn compiled(gpu: &Gpu) -> PyramidPass {
+    PyramidPass::new(gpu, [1, 1]).unwrap()
+}
+
+fn setup(extent: [u32; 2], oracle: OracleVersion) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| p.oracle = oracle)
+}
+
+/// A G-buffer of one kind with mirrors that reflect in any direction, or in depth only.
+fn random_gbuffer(kind: u64, extent: [u32; 2]) -> GBufferData {
+    let stream = Stream::new(kind, u64::from(extent[0] * 1000 + extent[1]));
+    let pixels = u64::from(extent[0]) * u64::from(extent[1]);
+    let unit = |i: u64, n: u64| stream.uniform(8 * i + n);
+    let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), extent[0] as f32 / extent[1] as f32);
+    let reversed = |z: f64| (0.1 * 1000.0 / z - 0.1) / (1000.0 - 0.1);
+    let depth = |i: u64| match kind {
+        0 => reversed(0.2 * 2000.0_f64.powf(unit(i, 0))),
+        1 => [0.02, 0.1][((i % u64::from(extent[0]) / 3 + i / u64::from(extent[0]) / 3) % 2) as usize],
+        2 => 0.05 * (1.0 + i as f64 / pixels as f64),
+        _ => [0.0, 0.04][usize::from(unit(i, 0) < 0.3)],
+    };
+    let normal = |i: u64| {
+        let n = Vec3::from([1, 2, 3].map(|n| half::f16::from_f64(unit(i, n) * 2.0 - 1.0).to_f32()));
+        if kind == 2 { Vec3::new(0.0, n.y, n.z) } else { n }
+    };
+    GBufferData {
+        width: extent[0],
+        height: extent[1],
+        camera,
+        depth: (0..pixels).map(|i| depth(i) as f32).collect(),
+        normal: (0..pixels).map(normal).collect(),
+        reflectivity: vec![1.0; pixels as usize],
+        roughness: vec![0.0; pixels as usize],
+        color: vec![Vec3::ONE; pixels as usize],
+    }
+}
+
+/// The pyramid's image and the hits of a G-buffer by a version of the oracle.
+fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels) {
+    let extent = [data.width, data.height];
+    let mut context = FrameContext::new(gpu).unwrap();
+    let images = GBufferImages::upload(&mut context, data).unwrap();
+    let pass = PyramidPass::new(gpu, extent).unwrap();
+    let method = unified::INFO.alone(gpu, &setup(extent, oracle), Wants::HITS).unwrap();
+    let mut frame = context.begin(Mode::Plain).unwrap();
+    let parameters = unified::parameters(&data.camera, extent, true);
+    let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
+    let input = Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None };
+    let output = method.record(&mut frame, &input).unwrap();
+    frame.finish().unwrap();
+    let pyramid = context.read(pyramid.0.all()).unwrap();
+    (pyramid, context.read(output.hits.unwrap().0.all()).unwrap())
+}
+
+/// Holds pyramid and hits against the twin, bit by bit; how many pixels, how many hit, and how many met a block
+/// from behind.
+fn check_twin(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> [usize; 3] {
+    let (pyramid, hits) = run(gpu, data, oracle);
+    let twin = Traversal::new(data).of_version(oracle);
+    let strip = pyramid::strip([data.width, data.height]);
+    let strips = (2 * twin.parameters.padded.x as u32) >> strip;
+    for (n, level) in twin.levels.iter().enumerate() {
+        let first = strips - (strips >> n);
+        for (i, block) in level.texels.iter().enumerate() {
+            let (x, y) = (i as u32 % level.width, i as u32 / level.width);
+            let found = pyramid.at((y << strip) | (x % (1 << strip)), first + (x >> strip));
+            let what = || format!("{}x{}, level {n}, cell ({x}, {y}): {found:?}, {block:?}", data.width, data.height);
+            assert!(
+                found[0].to_bits() == block.front.to_bits() && found[1].to_bits() == block.back.to_bits(),
+                "{}",
+                what()
+            );
+        }
+    }
+    let (mut count, mut behind) = (0, 0);
+    for (i, found) in hits.texels().enumerate() {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        let expected = twin.mirror_ray(x, y).filter(|_| data.reflects(i)).map(|(ray, _)| twin.traverse(&ray));
+        let what = || format!("{}x{}, ({x}, {y}): {found:?}, {expected:?}", data.width, data.height);
+        let code = PathCode::from_channel(found[3]).expect("a code");
+        match expected {
+            None => assert_eq!(code, PathCode::None, "{}", what()),
+            Some(hit) if hit.code == Code::Surface => {
+                let uv = hit.position * twin.parameters.pixel_to_clip;
+                assert_eq!(code, PathCode::HiZ, "{}", what());
+                let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
+                assert_eq!(bits, [0, 1, 2].map(|c| found[c].to_bits()), "{}", what());
+                count += 1;
+            }
+            Some(hit) if hit.code == Code::Behind => {
+                assert_eq!(code, PathCode::MissBehind, "{}", what());
+                behind += 1;
+            }
+            Some(hit) => {
+                assert_eq!(hit.code, Code::Nothing, "{}", what());
+                assert!(!code.is_hit() && code != PathCode::None && code != PathCode::Unfinished, "{}", what());
+            }
+        }
+    }
+    [hits.values.len() / 4, count, behind]
+}
+
+#[test]
+fn pyramid_and_hits_equal_their_twin_to_the_bit() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let mut totals = [[0; 3]; 2];
+    let mut add = |data: &GBufferData| {
+        for (total, oracle) in totals.iter_mut().zip([OracleVersion::V1, OracleVersion::V2]) {
+            let counts = check_twin(&gpu, data, oracle);
+            *total = [0, 1, 2].map(|i| total[i] + counts[i]);
+        }
+    };
+    for extent in sizes() {
+        (0..4).for_each(|kind| add(&random_gbuffer(kind, extent)));
+        let mut stage = Stage::new(&gpu, &clutter()).unwrap();
+        let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&clutter(), &View::default());
+        let shot =
+            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::HITS, clutter_camera(extent), materials)
+                .unwrap();
+        stage.run(&shot, Mode::Plain).unwrap();
+        add(&gbuffer::read(&mut stage.context, &shot).unwrap());
+    }
+    // So tall that the pyramid's image has narrower strips.
+    [[5, 2100], [3, 4200]].into_iter().for_each(|extent| add(&random_gbuffer(0, extent)));
+    check_validation(&gpu).unwrap();
+    println!("pixels, hits and blocks met from behind by version of the oracle: {totals:?}, 0 ULP");
+    assert!(totals.iter().all(|t| t[1] > t[0] / 10), "{totals:?}");
+    assert!(totals[0][2] == 0 && totals[1][2] > totals[1][1] / 100, "{totals:?}");
+}
+
+#[test]
+fn the_parameters_are_the_twins() {
+    for extent in SIZES {
+        let camera = clutter_camera(extent);
+        let (gpu, twin) = (unified::parameters(&camera, extent, true), Parameters::new(&camera, extent));
+        assert_eq!(gpu.view_to_clip, twin.view_to_clip.to_array());
+        assert_eq!(gpu.pixel_to_clip, twin.pixel_to_clip.to_array());
+        assert_eq!(gpu.pixel_to_view, twin.pixel_to_view.to_array());
+        assert_eq!((gpu.size, gpu.padded), (twin.size.to_array(), twin.padded.to_array()));
+        assert_eq!((gpu.top_level, gpu.depth_offset), (twin.top_level, twin.depth_offset));
+    }
+}
+
+/// How the hits of a view compare with the oracle's in a version, and how many misses say why as the oracle does.
+fn agreement(
+    stage: &mut Stage,
+    scene: &Scene,
+    view: &View,
+    extent: [u32; 2],
+    oracle: OracleVersion,
+) -> (HitAgreement, f64, usize) {
+    let globals = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
+    let camera = view.camera(scene, extent);
+    let shot =
+        Shot::new(stage, &unified::INFO, &setup(extent, oracle), Wants::HITS, camera, globals.materials(scene, view))
+            .unwrap();
+    let (_, _, output) = stage.output(&shot).unwrap();
+    let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
+    let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let hierarchy = Hierarchy::new(&data).of_version(oracle);
+    let trace = |i: usize| hierarchy.trace(i as u32 % data.width, i as u32 / data.width);
+    let truth: Vec<_> = (0..data.depth.len()).into_par_iter().map(|i| data.reflects(i).then(|| trace(i))).collect();
+    let codes: Vec<_> = hits.texels().map(|t| PathCode::from_channel(t[3]).expect("a code")).collect();
+    let (mut misses, mut same) = (0, 0);
+    for (truth, code) in
+        truth.iter().flatten().zip(truth.iter().zip(&codes).filter(|(t, _)| t.is_some()).map(|(_, c)| c))
+    {
+        if let (Outcome::Miss { reason, behind }, false) = (truth.outcome, code.is_hit()) {
+            let expected = match reason {
+                _ if behind => PathCode::MissBehind,
+                MissReason::LeftScreen => PathCode::MissScreen,
+                MissReason::Near => PathCode::MissNear,
+                MissReason::Far => PathCode::MissSky,
+                MissReason::NoRay => PathCode::None,
+            };
+            misses += 1;
+            same += usize::from(*code == expected);
+        }
+    }
+    let oracle: Vec<_> = truth.iter().map(|t| t.and_then(|t| t.position_px())).collect();
+    let unfinished = codes.iter().filter(|c| **c == PathCode::Unfinished).count();
+    let agreement = HitAgreement::new(&data.reflecting(), &gbuffer::hit_positions(&hits), &oracle);
+    (agreement, f64::from(same as u32) / f64::from(misses.max(1)), unfinished)
+}
+
+fn check_views(gpu: &Gpu, scene: &Scene, sizes: &[[u32; 2]]) {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    for view in scene.views.iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
+        for (&extent, oracle) in sizes.iter().flat_map(|s| [(s, OracleVersion::V1), (s, OracleVersion::V2)]) {
+            let (found, reasons, unfinished) = agreement(&mut stage, scene, view, extent, oracle);
+            let share = found.hit_agreement.expect("something reflects");
+            println!(
+                "{} {} {extent:?} oracle {oracle:?}: {:.4} % of {} (displaced {:.1e}, false {:.1e}, missed {:.1e}), p99 {:.1e} px, reasons {:.3} %",
+                scene.name,
+                view.name,
+                100.0 * share,
+                found.pixels,
+                found.displaced.unwrap(),
+                found.false_hits.unwrap(),
+                found.missed.unwrap(),
+                found.hit_error_px_p99.unwrap_or(0.0),
+                100.0 * reasons
+            );
+            assert!(share >= 0.9999, "{} {} {extent:?}: {found:?}", scene.name, view.name);
+            assert!(reasons >= 0.999, "{} {} {extent:?}: {reasons}", scene.name, view.name);
+            assert_eq!(unfinished, 0, "{} {} {extent:?}", scene.name, view.name);
+        }
+    }
+}
+
+#[test]
+fn hits_on_the_views_of_the_built_in_scenes_are_the_oracles() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    for name in library::names() {
+        check_views(&gpu, &library::scene(name).unwrap(), &[[321, 239]]);
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+#[ignore = "a minute: every view at 960x540 and 641x479, the shared scenes included"]
+fn hits_on_every_view_are_the_oracles() {
+    let gpu = gpu();
+    let sizes = [[960, 540], [641, 479]];
+    for name in library::names() {
+        check_views(&gpu, &library::scene(name).unwrap(), &sizes);
+    }
+    let Some(folder) = shared_scenes() else { return };
+    for file in ["ssct-rooms/rooms.scene.toml", "sponza/sponza.scene.toml"] {
+        check_views(&gpu, &scene_file::load(&folder.join(file), 1.0).unwrap(), &sizes);
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn a_frame_records_what_its_materials_need() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let extent = [127, 61];
+    let mut passes = |globals: Globals| {
+        let materials = globals.materials(&scene, &View::default());
+        let shot = Shot::new(
+            &mut stage,
+            &unified::INFO,
+            &Setup::new(extent),
+            Wants::REFLECTION,
+            clutter_camera(extent),
+            materials,
+        )
+        .unwrap();
+        let (report, _, output) = stage.output(&shot).unwrap();
+        let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0)).unwrap();
+        let composite = stage.context.read(output.composite.level(0)).unwrap();
+        assert!(report.skipped.iter().all(|s| !s.why.is_empty()));
+        let skipped: Vec<_> = report.skipped.into_iter().map(|s| s.pass).collect();
+        (report.recorded, skipped, output.traced.reflection.is_some(), lit == composite)
+    };
+    let (recorded, skipped, reflects, is_lit) = passes(Globals { reflectivity: 0.0, ..Globals::default() });
+    assert_eq!(recorded, ["g-buffer", "lighting"]);
+    assert!(!skipped.is_empty() && !reflects && is_lit);
+    let of = |roughness| Globals { roughness: Some(roughness), ..Globals::default() };
+    let narrow = ["trace/narrow", "resolve/narrow"];
+    let wide = ["trace/wide", "cells", "resolve/wide"];
+    for (globals, traced, left_out) in [
+        (of(0.0), &["trace/mirrors"][..], [&["color"][..], &narrow, &wide].concat()),
+        (of(0.1), &["color/1", "trace/narrow", "resolve/narrow"], [&["trace/mirrors"][..], &wide].concat()),
+        (of(0.3), &["trace/wide", "cells", "resolve/wide"], [&["trace/mirrors"][..], &narrow].concat()),
+    ] {
+        let (recorded, skipped, reflects, is_lit) = passes(globals);
+        assert!(traced.iter().all(|t| recorded.iter().any(|p| p == t)), "{recorded:?}");
+        assert_eq!(skipped, left_out);
+        assert!(recorded.iter().all(|p| !left_out.contains(&p.as_str())), "{recorded:?}");
+        assert!(reflects && !is_lit);
+    }
+    check_validation(&gpu).unwrap();
+}
+
+/// The corridor of the built-in rooms at a size that is odd both ways.
+struct Corridor {
+    scene: Scene,
+    view: View,
+    extent: [u32; 2],
+    camera: Camera,
+}
+
+impl Corridor {
+    fn new() -> Self {
+        let scene = library::scene("rooms").unwrap();
+        let view = scene.view("corridor").unwrap().clone();
+        let extent = [127, 61];
+        let camera = view.camera(&scene, extent);
+        Self { scene, view, extent, camera }
+    }
+
+    fn materials(&self, roughness: f32) -> Vec<Material> {
+        Globals { roughness: Some(roughness), ..Globals::default() }.materials(&self.scene, &self.view)
+    }
+
+    /// The method alone in a frame: its reflection, and the composite if it makes one.
+    fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
+        let mut frame = context.begin(Mode::Plain).unwrap();
+        let output = method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None }).unwrap();
+        frame.finish().unwrap();
+        let reflection = context.read(output.reflection.unwrap().0.all()).unwrap();
+        (reflection, output.composite.map(|image| context.read(image.all()).unwrap()))
+    }
+}
+
+#[test]
+fn over_another_reflection_what_rays_miss_is_not_black_but_not_there() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
+    for roughness in [0.0, 0.1, 0.5] {
+        let materials = corridor.materials(roughness);
+        let plain = unfaded(extent);
+        let shot = Shot::new(&mut stage, &unified::INFO, &plain, Wants::REFLECTION, camera, materials).unwrap();
+        stage.run(&shot, Mode::Plain).unwrap();
+        // The method alone: it knows that something is behind, and leaves showing it to others.
+        let [alone, over] = [Fallback::None, Fallback::Environment].map(|fallback| {
+            let setup = plain.with(|p: &mut EffectParams| p.fallback = fallback);
+            let method = unified::INFO.alone(&gpu, &setup, Wants::REFLECTION).unwrap();
+            corridor.made(&mut stage.context, &*method, shot.gbuffer.gbuffer()).0
+        });
+        let (mut pixels, mut partly) = (0, 0);
+        for (a, o) in alone.texels().zip(over.texels()).filter(|(a, _)| a[3] > 0.999) {
+            assert!((0.0..=1.0005).contains(&o[3]), "{roughness}: {a:?} {o:?}");
+            // Together they bring the same light: 16-bit floats, rounded twice.
+            assert!((0..3).all(|c| (a[c] - o[c] * o[3]).abs() <= 3e-3 * a[c] + 1e-4), "{roughness}: {a:?} {o:?}");
+            pixels += 1;
+            partly += usize::from(o[3] < 0.9);
+        }
+        assert!(pixels > 2000, "{roughness}: {pixels}");
+        assert_eq!(partly > pixels / 20, roughness > 0.0, "{roughness}: {partly} of {pixels}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+/// Images keep what the frame before left where no tile is drawn.
+#[test]
+fn over_tiles_nothing_of_an_earlier_frame_shows() {
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
+    for roughness in [0.1, 0.5] {
+        let materials = corridor.materials(roughness);
+        let shot =
+            Shot::new(&mut stage, &unified::INFO, &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
+        stage.run(&shot, Mode::Plain).unwrap();
+        let all = gbuffer::read(&mut stage.context, &shot).unwrap();
+        // Every other tile, so that drawn ones end at pixels that reflect, and a lone pixel.
+        let mut part = all.clone();
+        for (i, reflectivity) in part.reflectivity.iter_mut().enumerate() {
+            let (x, y) = (i % 127, i / 127);
+            let inside = (x / 16 + y / 16) % 2 == 0 || (x, y) == (71, 40);
+            *reflectivity *= f32::from(u8::from(inside));
+        }
+        // Whatever an earlier frame saw is bright.
+        let bright = GBufferData { color: vec![Vec3::splat(1000.0); all.color.len()], ..all };
+        let images = [bright, part].map(|data| GBufferImages::upload(&mut stage.context, &data).unwrap());
+        let run = |context: &mut FrameContext, frames: &[usize]| {
+            let method = unified::INFO.alone(&gpu, &Setup::new(extent), Wants::REFLECTION).unwrap();
+            frames.iter().map(|i| corridor.made(context, &*method, images[*i].gbuffer())).last().unwrap()
+        };
+        let alone = run(&mut stage.context, &[1]);
+        assert!(alone.0.values.iter().any(|v| *v > 0.01) && alone.1.is_some());
+        assert!(run(&mut stage.context, &[0, 1]) == alone, "{roughness}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn every_way_to_draw_makes_the_same_image() {
+    // Whole, where all that reflects does so in one way; over lists, if nothing is known; with hits beside.
+    let gpu = gpu();
+    let _compiled = compiled(&gpu);
+    let corridor = Corridor::new();
+    let (extent, camera) = (corridor.extent, corridor.camera);
+    let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
+    for roughness in [0.0, 0.1, 0.5] {
+        let materials = corridor.materials(roughness);
+        let images = |stage: &mut Stage, hits: bool, known: bool| {
+            let (setup, wants) = (Setup::new(extent), Wants { hits, reflection: true });
+            let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
+            let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
+            // With hits, too, it is drawn whole: what is compared with the oracle is what is timed.
+            assert!(report.recorded.iter().all(|p| p != "composite"), "{:?}", report.recorded);
+            let method = unified::INFO.alone(&gpu, &setup, wants).unwrap();
+            assert!(drawn.reflectors.everywhere && drawn.reflectors.kinds() == 1);
+            let reflectors = if known { drawn.reflectors } else { Reflectors::UNKNOWN };
+            let gbuffer = GBuffer { reflectors, ..shot.gbuffer.gbuffer() };
+            let (reflection, composite) = corridor.made(&mut stage.context, &*method, gbuffer);
+            [composite.unwrap(), reflection]
+        };
+        let whole = images(&mut stage, false, true);
+        assert!(whole[1].values.iter().any(|v| *v > 0.1));
+        for (hits, known, how) in
+            [(true, true, "with hits"), (false, false, "over lists"), (true, false, "over lists with hits")]
+        {
+            assert!(images(&mut stage, hits, known) == whole, "{roughness} {how}");
+        }
+        // Without a reflection of its own, the image is the same.
+        let mut composite = |reflection: bool| {
+            let (setup, wants) = (Setup::new(extent), Wants { hits: false, reflection });
+            let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
+            let (_, _, output) = stage.output(&shot).unwrap();
+            assert_eq!(output.traced.reflection.is_some(), reflection);
+            stage.context.read(output.composite.level(0)).unwrap()
+        };
+        assert!([true, false].map(&mut composite).iter().all(|c| *c == whole[0]), "{roughness} without a reflection");
+    }
+    check_validation(&gpu).unwrap();
+}

@@ -1,0 +1,161 @@
+//! The validation layers (core, synchronization, best practices; with SSCT_GPU_AV=1 GPU-assisted too) have nothing to say of any method
+//! in any mode, but for the allow-list; and each entry of the list is one that they do say. That
+//! they listen at all is shown in `gpu::validation`, by a hazard that they must see.
+
+use crate::common::{check_validation, clutter, clutter_camera, expected_failures, is_gpu_assisted, own_gpu};
+use ash::vk;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::memory::Place;
+use ssct::gpu::programs::Classify;
+use ssct::gpu::shader::UnifiedBlock;
+use ssct::gpu::validation::ALLOWED;
+use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, ImageDesc};
+use ssct::math::constants::LISTS;
+use ssct::methods::linear::LinearParams;
+use ssct::methods::poster::PosterParams;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
+use ssct::parameter::Preset;
+use ssct::passes::PosterFilter;
+use ssct::passes::color_chain::ChainFilter;
+use ssct::passes::linear_trace::LinearMarch;
+use ssct::passes::pyramid::PyramidPass;
+use ssct::scene::View;
+use ssct::study::image::render;
+use ssct::study::{Globals, Shot, Stage};
+
+/// The modes of a method: all combinations for those that see the screen alone, and each fallback.
+fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
+    let usual = Setup::new(extent);
+    // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
+    // of the time.
+    if !method.is_screen_space() || extent[0] > 500 || (extent == [1, 1] && is_gpu_assisted()) {
+        return vec![(usual, Wants::REFLECTION)];
+    }
+    let mut setups = Vec::new();
+    for preset in [Preset::Published, Preset::Author] {
+        for (split, wants) in [(false, Wants::REFLECTION), (false, Wants::HITS), (true, Wants::HITS)] {
+            for (chain_filter, march) in
+                [(ChainFilter::Hardware, LinearMarch::Growing), (ChainFilter::Gaussian, LinearMarch::Fixed)]
+            {
+                // Volumes of the largest size would take most of the test's time.
+                let small = extent[0] < 200 && chain_filter == ChainFilter::Gaussian;
+                let poster_filter = if small { PosterFilter::Volume } else { PosterFilter::Mip };
+                let setup = usual.of_preset(preset);
+                let setup = setup.with(|p: &mut ThesisDrawing| (p.split, p.chain_filter) = (split, chain_filter));
+                let setup = setup.with(|p: &mut LinearParams| p.march = march);
+                setups.push((setup.with(|p: &mut PosterParams| p.poster_filter = poster_filter), wants));
+            }
+        }
+    }
+    let around = |change: &dyn Fn(&mut EffectParams)| usual.with(|p: &mut EffectParams| change(p));
+    let blurred = around(&|p| p.fallback = Fallback::Environment).with(|p: &mut SsrFastParams| p.distance_blur = true);
+    setups.push((blurred, Wants::REFLECTION));
+    setups.push((around(&|p| p.fallback = Fallback::Pccm), Wants::REFLECTION));
+    setups.push((around(&|p| p.resolution_scale = 0.5), Wants::HITS));
+    let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
+    setups.push((quarter, Wants::REFLECTION));
+    setups
+}
+
+#[test]
+fn every_method_in_every_mode_is_valid() {
+    let gpu = own_gpu();
+    // Instrumented, it is compiled for half a minute; methods made while it is kept share it.
+    let compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(&scene, &View::default());
+    let mut frames = 0;
+    // Instrumented shaders are the same at every size, and slow.
+    let sizes = &[[1, 1], [127, 61], [641, 479]][..if is_gpu_assisted() { 2 } else { 3 }];
+    for &extent in sizes {
+        for method in METHODS {
+            for (setup, wants) in setups(method, extent) {
+                let camera = clutter_camera(extent);
+                let shot = Shot::new(&mut stage, method, &setup, wants, camera, materials.clone()).unwrap();
+                let what = format!("{}, {setup:?}", method.name);
+                // Twice each: the second frame's barriers start from the first's states.
+                for mode in [Mode::Plain, Mode::Plain, Mode::Timed, Mode::Timed, Mode::Counted] {
+                    let (report, drawn) = stage.run(&shot, mode).unwrap();
+                    check_validation(&gpu).unwrap_or_else(|e| panic!("{what}, {mode:?}: {e}"));
+                    assert!(drawn.meshes > 0, "{what}");
+                    assert_eq!(report.passes.len(), if mode == Mode::Timed { report.recorded.len() } else { 0 });
+                    frames += 1;
+                }
+                let image = render(&mut stage, &shot, true).unwrap();
+                check_validation(&gpu).unwrap_or_else(|e| panic!("{what}, read back: {e}"));
+                assert_eq!([image.composite.width, image.composite.height], extent);
+            }
+        }
+    }
+    // And each of its settings: variants that are off by default.
+    for method in METHODS {
+        for setup in method.sweep(&Setup::new([127, 61])) {
+            let camera = clutter_camera(setup.extent);
+            let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials.clone()).unwrap();
+            for mode in [Mode::Plain, Mode::Plain, Mode::Timed] {
+                stage.run(&shot, mode).unwrap();
+                check_validation(&gpu).unwrap_or_else(|e| panic!("{}, {setup:?}, {mode:?}: {e}", method.name));
+                frames += 1;
+            }
+        }
+    }
+    println!("{frames} frames without a message");
+    // With all resources gone.
+    drop((stage, compiled));
+    check_validation(&gpu).unwrap();
+    let said = |id: &str| gpu.validation().iter().any(|m| m.id == id);
+    for (id, _) in ALLOWED {
+        assert!(said(id), "nothing says {id} any more: take it off the allow-list");
+    }
+    for id in expected_failures("gpu-assisted", &gpu).iter().filter(|_| is_gpu_assisted()) {
+        assert!(said(id), "nothing says {id} any more: take it off the expected failures");
+    }
+}
+
+/// That silence under GPU-assisted validation says something.
+#[test]
+fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
+    if !is_gpu_assisted() {
+        println!("skipped: SSCT_GPU_AV is not 1");
+        return;
+    }
+    let said = |bytes: u64| {
+        let gpu = own_gpu();
+        let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();
+        let buffer =
+            |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();
+        let (counts, lists) = (buffer("counts", bytes), buffer("tiles", 4));
+        let listed_image = ImageDesc {
+            name: "listed tiles",
+            format: vk::Format::R32_UINT,
+            extent: [1, 1],
+            levels: 1,
+            layers: 1,
+            usage: vk::ImageUsageFlags::STORAGE,
+        };
+        let listed_image = Image::new(&gpu, &listed_image).unwrap();
+        let pipeline = ComputePipeline::new(&gpu).unwrap();
+        // Of an image without pixels, so that it writes the numbers of instances alone.
+        let block = UnifiedBlock::default();
+        let classify = Classify {
+            unified: &block,
+            material_buffer: material.all(),
+            Counts: &counts,
+            Tiles: &lists,
+            listed_image: listed_image.all(),
+        };
+        let record = |frame: &mut Frame| {
+            frame.clear("material", material.all(), [0.0; 4])?;
+            frame.compute("classify", &pipeline, &classify, [1; 3])
+        };
+        FrameContext::new(&gpu).unwrap().once(record).unwrap();
+        gpu.violations()
+    };
+    let whole = said(LISTS as u64 * size_of::<vk::DrawIndirectCommand>() as u64);
+    assert!(whole.is_empty(), "{whole:?}");
+    let cut_off = said(16);
+    assert!(cut_off.iter().any(|m| m.text.contains("access out of bounds")), "{cut_off:?}");
+}

@@ -1,0 +1,40 @@
+//! The world reference on Crytek Sponza, where `../shared/scenes` is there: a quarter of a million
+//! triangles and masked plants.
+
+use ssct::reference::first_hits::FirstHits;
+use ssct::reference::surface::World;
+use ssct::scene::{Camera, scene_file};
+use std::path::Path;
+use std::time::Instant;
+
+#[test]
+fn sponza_is_ready_for_rays_in_seconds_and_has_no_cracks() {
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes/sponza/sponza.scene.toml"));
+    if !file.exists() {
+        println!("skipped: ../shared/scenes is absent");
+        return;
+    }
+    let scene = scene_file::load(file, 1.0).expect("sponza");
+    let start = Instant::now();
+    let world = World::new(&scene, &scene.materials);
+    let built = start.elapsed().as_secs_f64();
+    println!("{} triangles in {built:.2} s", scene.triangle_count());
+    assert!(built < 20.0, "{built} s");
+    // From the middle of the court straight down, only the floor can be seen.
+    let view = scene.views[0].clone();
+    let camera = Camera::new(view.eye, view.eye - glam::Vec3::Y, scene.lens, 1.0);
+    let seen = FirstHits::trace(&world, &camera, [64, 64]);
+    assert!(seen.view_z_m.iter().all(|z| z.is_finite()), "every ray downwards meets the building");
+
+    // With the masks taken out, the plants are solid: some first hits come nearer, none goes further.
+    let mut solid = scene.materials.clone();
+    assert!(solid.iter().any(|m| m.alpha_mask.is_some()));
+    solid.iter_mut().for_each(|m| m.alpha_mask = None);
+    let solid_world = World::new(&scene, &solid);
+    let camera = Camera::new(view.eye, view.look_at, scene.lens, 1.5);
+    let [masked, solid] = [&world, &solid_world].map(|w| FirstHits::trace(w, &camera, [96, 64]).view_z_m);
+    assert!(masked.iter().zip(&solid).all(|(m, s)| s <= m));
+    let nearer = masked.iter().zip(&solid).filter(|(m, s)| s < m).count();
+    println!("{nearer} of 6144 pixels look through a mask");
+    assert!(nearer > 0);
+}

@@ -1,0 +1,167 @@
+//! The world reference's own first hits against the G-buffer and the lit colour of the GPU: two
+//! implementations of geometry, materials, normals and light that share no code.
+
+use glam::{DVec3, Vec3};
+use ssct::gpu::{DeviceQuery, Gpu, Pixels};
+use ssct::methods::{METHODS, Setup, Wants};
+use ssct::reference::first_hits::FirstHits;
+use ssct::reference::surface::World;
+use ssct::reference::world_hits::{WorldHit, world_hits};
+use ssct::scene::{Camera, GBufferData, library};
+use ssct::study::{Globals, Shot, Stage, image};
+
+const SIZE: [u32; 2] = [240, 135];
+
+/// The corridor of the rooms as both see it.
+struct Both {
+    first_hits: FirstHits,
+    camera: Camera,
+    gbuffer: GBufferData,
+    hits: Vec<WorldHit>,
+}
+
+fn both(normal_deviation: f32, maps: bool) -> Both {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let scene = library::scene("rooms").expect("a built-in scene");
+    let view = scene.view("corridor").expect("a view of the rooms");
+    let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(normal_deviation) };
+    let mut materials = globals.materials(&scene, view);
+    if !maps {
+        materials.iter_mut().for_each(|m| (m.albedo_map, m.normal_map) = (None, None));
+    }
+    let camera = view.camera(&scene, SIZE);
+    let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+    let shot =
+        Shot::new(&mut stage, &METHODS[0], &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone()).expect("a shot");
+    image::render(&mut stage, &shot, false).expect("a frame");
+    let images = shot.gbuffer.gbuffer();
+    let [depth, normal, material, color] =
+        [images.depth.all(), images.normal.all(), images.material.all(), images.color.level(0)]
+            .map(|slice| stage.context.read(slice).expect("a readback"));
+    let vectors = |p: &Pixels| p.texels().map(|t| Vec3::from_slice(t)).collect();
+    let gbuffer = GBufferData {
+        width: SIZE[0],
+        height: SIZE[1],
+        camera,
+        depth: depth.values,
+        normal: vectors(&normal),
+        reflectivity: material.texels().map(|t| t[0]).collect(),
+        roughness: material.texels().map(|t| t[1]).collect(),
+        color: vectors(&color),
+    };
+    let world = World::new(&scene, &materials);
+    let first_hits = FirstHits::trace(&world, &camera, SIZE);
+    let hits = world_hits(&world, &gbuffer);
+    Both { first_hits, camera, gbuffer, hits }
+}
+
+/// Whether a pixel and its eight neighbours lie on one smooth surface: 1/z is linear in the image on
+/// a plane, so its second differences are small away from silhouettes and edges.
+fn inside_a_surface(both: &Both, x: u32, y: u32) -> bool {
+    if x == 0 || y == 0 || x + 1 == SIZE[0] || y + 1 == SIZE[1] {
+        return false;
+    }
+    let at = |dx: i32, dy: i32| {
+        let index = both.gbuffer.index((x as i32 + dx) as u32, (y as i32 + dy) as u32);
+        1.0 / both.first_hits.view_z_m[index]
+    };
+    let second = |dx, dy| (at(dx, dy) + at(-dx, -dy) - 2.0 * at(0, 0)).abs();
+    at(0, 0) > 0.0 && [(1, 0), (0, 1), (1, 1), (1, -1)].iter().all(|&(dx, dy)| second(dx, dy) < 1e-4 * at(0, 0))
+}
+
+#[test]
+fn depth_agrees_within_one_in_ten_thousand_away_from_silhouettes() {
+    let both = both(0.0, false);
+    let clip_to_view = both.camera.view_to_clip_reversed().as_dmat4().inverse();
+    let (mut compared, mut worst) = (0, 0.0_f64);
+    for index in 0..both.gbuffer.depth.len() {
+        let (x, y) = (index as u32 % SIZE[0], index as u32 / SIZE[0]);
+        if !inside_a_surface(&both, x, y) {
+            continue;
+        }
+        let z = clip_to_view.project_point3(DVec3::new(0.0, 0.0, f64::from(both.gbuffer.depth[index]))).z;
+        worst = worst.max((z / both.first_hits.view_z_m[index] - 1.0).abs());
+        compared += 1;
+    }
+    eprintln!("{compared} pixels, greatest relative difference of depth {worst:.2e}");
+    assert!(compared > SIZE[0] as usize * SIZE[1] as usize / 2, "{compared} pixels compared");
+    assert!(worst < 1e-4, "{worst}");
+}
+
+/// The greatest difference of a channel, for each pixel, in rising order.
+fn differences(both: &Both) -> Vec<f32> {
+    let pairs = both.gbuffer.color.iter().zip(&both.first_hits.lit);
+    let mut all: Vec<f32> = pairs.map(|(gpu, cpu)| (*gpu - *cpu).abs().max_element()).collect();
+    all.sort_by(f32::total_cmp);
+    all
+}
+
+fn share_within(tolerance: f32, differences: &[f32]) -> f64 {
+    differences.iter().filter(|d| **d <= tolerance).count() as f64 / differences.len() as f64
+}
+
+#[test]
+fn lit_colour_without_images_agrees_within_half_floats() {
+    // The colour is a half float, good for 0.0005 of what is nearly 1. Beyond that are silhouettes.
+    let differences = differences(&both(0.0, false));
+    let (median, share) = (differences[differences.len() / 2], share_within(1e-3, &differences));
+    eprintln!("median {median:.1e}, within 0.001: {share:.4}");
+    assert!(median < 3e-4, "{median}");
+    assert!(share > 0.995, "{share}");
+}
+
+#[test]
+fn lit_colour_with_images_agrees_but_for_their_filtering() {
+    // The GPU reads mip levels over the pixel's footprint, the reference the finest level at its centre:
+    // at this size they differ by the contrast of the images' details.
+    for deviation in [0.0, 1.0] {
+        let differences = differences(&both(deviation, true));
+        let (median, share) = (differences[differences.len() / 2], share_within(0.08, &differences));
+        eprintln!("deviation {deviation}: median {median:.4}, within 0.08: {share:.4}");
+        assert!(median < 0.012, "{median}");
+        assert!(share > 0.97, "{share}");
+    }
+}
+
+#[test]
+fn normals_agree_and_face_the_camera() {
+    // With normal maps, again, mip levels against the finest one.
+    for (deviation, maps, percentile, least) in [(0.0, false, 1, 0.999_99), (1.0, true, 25, 0.98)] {
+        let both = both(deviation, maps);
+        let world_to_view = both.camera.world_to_view.as_dmat4();
+        let mut cosines: Vec<f64> = (0..both.gbuffer.depth.len())
+            .filter_map(|i| {
+                let cpu = world_to_view.transform_vector3(both.first_hits.receivers[i]?.normal);
+                both.gbuffer.reflects(i).then(|| cpu.dot(both.gbuffer.normal[i].as_dvec3().normalize()))
+            })
+            .collect();
+        cosines.sort_by(f64::total_cmp);
+        let low = cosines[cosines.len() * percentile / 100];
+        eprintln!("deviation {deviation}: {percentile} % of the cosines below {low:.6}");
+        assert!(low > least, "{low}");
+    }
+}
+
+#[test]
+fn mirror_rays_do_not_meet_the_surface_that_they_leave() {
+    let both = both(0.0, true);
+    let from = FirstHits::from_gbuffer(&both.gbuffer);
+    let (mut rays, mut visible, mut furthest_off) = (0, 0, 0.0_f64);
+    for (i, hit) in both.hits.iter().enumerate() {
+        let (Some(start), Some(surface)) = (from.receivers[i], both.first_hits.receivers[i]) else { continue };
+        rays += 1;
+        if let WorldHit::Hit { position, visible: seen, .. } = *hit {
+            visible += u32::from(seen);
+            let off = |point: DVec3| (point - surface.position).dot(surface.geometric_normal);
+            // A curved surface's normals lean over its flat triangles, which may then be met.
+            let flat = surface.normal.dot(surface.geometric_normal) > 0.999_999;
+            if flat && (start.position - surface.position).length() < 0.01 {
+                furthest_off = furthest_off.max(off(start.position).abs());
+                assert!(off(position) > 1e-5, "pixel {i} hits itself: {position} from {}", start.position);
+            }
+        }
+    }
+    eprintln!("{rays} rays start within {furthest_off:.1e} m of their surface; {visible} ends are visible");
+    assert!(furthest_off < 1e-5, "the G-buffer's positions lie on the triangles");
+    assert!(rays > 10_000 && visible > rays / 2);
+}
