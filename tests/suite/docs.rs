@@ -143,6 +143,31 @@ fn links_lead_to_files_and_headings_that_exist() {
     assert!(links > 40, "only {links} links found");
 }
 
+/// Whether a piece of code in a page is the path of a file of the repository.
+fn is_path(code: &str) -> bool {
+    let folders = ["benches/", "docs/", "scripts/", "shaders-glsl/", "src/", "tests/"];
+    folders.iter().any(|f| code.starts_with(f)) && code.contains('.') && !code.contains([' ', '*', '<', '{'])
+}
+
+#[test]
+fn files_that_pages_name_exist() {
+    let (mut named, mut missing) = (0, Vec::new());
+    let map = ("src/ARCHITECTURE.md".to_owned(), fs::read_to_string(root().join("src/ARCHITECTURE.md")).unwrap());
+    // A changelog names what was once there, too.
+    for (name, text) in pages().into_iter().chain([map]).filter(|(name, _)| name != "CHANGELOG.md") {
+        for line in outside_code(&text) {
+            for code in line.split('`').skip(1).step_by(2).filter(|code| is_path(code)) {
+                named += 1;
+                if !root().join(code).exists() {
+                    missing.push(format!("{name}: there is no {code}"));
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "named, but not there:\n{}", missing.join("\n"));
+    assert!(named > 5, "only {named} files are named");
+}
+
 /// A text as one line, without what begins the lines of comments.
 fn flowing(text: &str) -> String {
     let bare = |line: &str| {
