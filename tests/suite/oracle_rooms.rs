@@ -172,7 +172,11 @@ const WORLD_AGREEMENT: [(&str, f64); 6] = [
 
 #[test]
 fn the_oracle_agrees_with_the_world_as_much_as_was_measured_elsewhere() {
-    let Some(scene) = rooms().map(with_face_normals) else { return };
+    let Some(mut scene) = rooms().map(with_face_normals) else { return };
+    // The figures are of the views as they were then: the eye of this one stood inside a block.
+    for view in scene.views.iter_mut().filter(|v| v.name == "ceiling") {
+        view.eye.y = -0.6;
+    }
     let gpu = gpu();
     let materials = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(0.0) };
     for (view, expected) in WORLD_AGREEMENT {

@@ -44,13 +44,13 @@ pub fn corridor_with_wall(workshop: &mut Workshop, arguments: &[String]) -> anyh
 }
 
 /// The factor by which the difference image of figure 5.5 is amplified.
-const DIFFERENCE_FACTOR: u8 = 2;
+const EXAGGERATION: u8 = 2;
 
 /// Two renders with their difference below.
 pub fn with_difference(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
     let pictures = pictures(workshop, arguments)?;
     let [a, b] = &pictures[..] else { anyhow::bail!("a difference needs two pictures") };
-    let difference = difference(a, b, DIFFERENCE_FACTOR)?;
+    let difference = difference(a, b, EXAGGERATION)?;
     Ok(FinishedFigure::Picture(sheet(&[pictures, vec![difference]])))
 }
 
