@@ -6,8 +6,8 @@
 // it; the reflection of each cell with a wide lobe, from the rays of the cells around it; and that of each pixel with a
 // wide lobe, between the cells around it. CPU twins: reference::unified::gather and resolve.
 //
-// Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they hold nothing,
-// all that reflects is of the list, and the other pixels show their lit colour.
+// Over tiles, what is not of the list is discarded: the images already hold what it shows. With WHOLE they hold
+// nothing, all that reflects is of the list, and the other pixels show their lit colour.
 
 #include "unified/parameters.glsl"
 
@@ -157,8 +157,8 @@ void main() {
 
 #else
 
-// Which cells have been drawn: those of tiles on the list of wide lobes. Elsewhere their images hold anything. With WHOLE
-// every cell has been.
+// Which cells have been drawn: those of tiles on the list of wide lobes. Elsewhere their images hold anything. With
+// WHOLE every cell has been.
 
 layout(binding = 8, r32ui) uniform readonly uimage2D listed_image; // for each tile, a bit for each list it stands on
 
@@ -203,7 +203,8 @@ layout(location = 1) out vec4 out_surface; // normal, and ViewPoint.z as far as 
 Gathered Load(ivec2 cell) {
     ivec2 at = clamp(cell, ivec2(0), (unified.size - 1) >> 1);
     bool is_drawn = IsDrawn(at);
-    return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0), is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
+    return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0),
+                    is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
 }
 
 struct Here {

@@ -2,8 +2,8 @@
 #pragma program(Mirror)
 // What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite.
 //
-// Over tiles, what is no mirror is discarded: the images already hold what it shows. With WHOLE the images hold nothing,
-// all that reflects is a mirror, and the other pixels show their lit colour.
+// Over tiles, what is no mirror is discarded: the images already hold what it shows. With WHOLE the images hold
+// nothing, all that reflects is a mirror, and the other pixels show their lit colour.
 
 #include "unified/parameters.glsl"
 

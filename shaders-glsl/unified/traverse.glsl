@@ -98,10 +98,7 @@ Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     return MakeRay(pixel, depth, direction, vec3(change, change_z));
 }
 
-// One Hi-Z traversal for every direction. Needs parameters.glsl, pyramid.glsl, normal.glsl, ray.glsl and the
-// image `pyramid`. CPU twin: reference::unified.
-//
-// The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
+// The walk, one for every direction. The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
 // way it runs; where that misses the cell's [back, front], nothing in the cell can be hit and the
 // ray leaves it at once, in front of objects as well as behind them. Otherwise it goes down a level;
 // in a pixel, it hits. It goes up a level where a step left the parent cell, which the cells before

@@ -13,7 +13,7 @@
 //! **The ray** is followed in (pixel x, pixel y, reversed depth), where it is straight and the frustum is
 //! a box. Its direction there is the exact derivative of the projection. For a mirror it has a form in
 //! which nothing cancels: the direction v in which the pixel is seen projects to a point and drops out,
-//! and of the reflected direction v + a n only the normal's share remains (`ray.glsl`). Reversed depth
+//! and of the reflected direction v + a n only the normal's share remains (`traverse.glsl`). Reversed depth
 //! in f32 keeps its precision at any ratio of near to far.
 //!
 //! **The pyramid** ([`pyramid`]) holds, for each cell of 2ⁿ × 2ⁿ pixels, the interval from the farthest
@@ -44,16 +44,17 @@
 //! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) is a ray a pixel for narrow lobes, and one
 //! for 2 × 2 pixels for wide ones, in directions that neighbours have dealt out among them: each pixel
 //! gathers the rays around it as samples of its own lobe, 9 narrow ones or 25 wide ones. Of these it loads 4 or 9:
-//! the four of a block of 2 × 2, which are shaded in step, hand on what they loaded (`gloss_resolve.frag`). Where a map turns
-//! the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its own. Wide
-//! lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
+//! the four of a block of 2 × 2, which are shaded in step, hand on what they loaded (`gloss_resolve.frag`). Where a
+//! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
+//! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
 //! is no randomness and no history. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp` and `tile.vert`; `traverse.glsl`; `mirror.frag`; `gloss.glsl`, `gloss_trace.frag` and
-//! `gloss_resolve.frag`. Each pass has a plain twin in [`reference::unified`](crate::reference::unified).
+//! `gloss_resolve.frag`. The pyramid, the traversal and the passes of gloss have plain twins in
+//! [`reference::unified`](crate::reference::unified).
 
 use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;

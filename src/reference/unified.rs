@@ -1,6 +1,6 @@
 //! Twin of `unified`'s pyramid and traversal (`shaders-glsl/unified/`), in f32 and operation for
 //! operation the same, so that the two can be compared bit by bit. The shaders say why; see
-//! `pyramid.comp`, `ray.glsl` and `traverse.glsl`, whose names are kept.
+//! `pyramid.comp` and `traverse.glsl`, whose names are kept.
 //!
 //! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
@@ -78,7 +78,7 @@ impl Block {
     }
 }
 
-/// A ray in the image; `ray.glsl`.
+/// `Ray` of `traverse.glsl`: a ray in the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
     /// Begins at this pixel's centre.
