@@ -181,7 +181,7 @@ fn shared(source: &str) -> Result<String, String> {
             if !beside.is_empty() {
                 comment = format!("/// {beside}\n");
             }
-            let _ = write!(text, "{comment}pub const {name}: {ty} = {value};\n");
+            let _ = writeln!(text, "{comment}pub const {name}: {ty} = {value};");
         }
         comment.clear();
     }

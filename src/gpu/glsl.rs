@@ -63,7 +63,7 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
         let words = pragma.trim().strip_prefix("program(").and_then(|rest| rest.strip_suffix(')'));
         let words: Vec<&str> = words.unwrap_or_default().split(',').map(str::trim).collect();
         let is_word = |w: &&str| !w.is_empty() && w.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !words.iter().all(|w| is_word(w)) {
+        if !words.iter().all(is_word) {
             return Err(format!(
                 "{}:{}: {text:?} should be `#pragma program(Name)` or `#pragma program(Name, DEFINED, …)`",
                 path.display(),
