@@ -5,6 +5,7 @@
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -32,13 +33,14 @@ impl fmt::Display for Value {
     }
 }
 
-impl Serialize for Value {
-    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+impl Value {
+    /// As records keep it; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
+    pub fn json(self) -> Json {
         match self {
-            Self::Switch(on) => serializer.serialize_bool(*on),
-            Self::Count(n) => serializer.serialize_u32(*n),
-            Self::Number(n) => serializer.serialize_f32(*n),
-            Self::Choice(name) => serializer.serialize_str(name),
+            Self::Switch(on) => on.into(),
+            Self::Count(n) => n.into(),
+            Self::Number(n) => n.to_string().parse::<f64>().map_or(Json::Null, Json::from),
+            Self::Choice(name) => name.into(),
         }
     }
 }

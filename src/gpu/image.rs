@@ -287,11 +287,6 @@ impl Image {
         ImageSlice { image: self, base: 0, count: self.levels(), slice: None }
     }
 
-    /// Bytes that its memory takes.
-    pub fn memory_bytes(&self) -> u64 {
-        self.allocation.as_ref().map_or(0, |a| a.size())
-    }
-
     pub(crate) fn handle(&self) -> vk::Image {
         self.handle
     }

@@ -7,13 +7,12 @@ use crate::gpu::{Frame, FrameContext, Gpu};
 use crate::passes::area_light::AreaLightPass;
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo {
-    name: "area-light",
-    summary: "analytic area lights (direct highlights)",
-    source: "Hermanns 2015, §3.1.1; Karis 2013",
-    create: |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
-    ..MethodInfo::SCENE
-};
+pub const INFO: MethodInfo = MethodInfo::scene(
+    "area-light",
+    "analytic area lights (direct highlights)",
+    "Hermanns 2015, §3.1.1; Karis 2013",
+    |gpu, making| Ok(Box::new(AreaLightMethod::new(gpu, making.setup.extent)?)),
+);
 
 /// The pass.
 struct AreaLightMethod(AreaLightPass);

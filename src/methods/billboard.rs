@@ -10,9 +10,6 @@ use crate::passes::billboard::{BillboardPass, Occlusion, Order};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "billboard",
-    summary: "ray-traced impostor quads",
-    source: "Schmidt 2013, §5.3, listings 2 and 3",
     parameters: BillboardParams::table,
     // The sweeps try one thing at a time.
     combinations: |base| {
@@ -20,13 +17,17 @@ pub const INFO: MethodInfo = MethodInfo {
             (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, Occlusion::Depth);
         })]
     },
-    create: |gpu, making| {
-        Ok(Box::new(BillboardMethod {
-            pass: BillboardPass::new(gpu, making.setup.extent)?,
-            parameters: making.setup.of(),
-        }))
-    },
-    ..MethodInfo::SCENE
+    ..MethodInfo::scene(
+        "billboard",
+        "ray-traced impostor quads",
+        "Schmidt 2013, §5.3, listings 2 and 3",
+        |gpu, making| {
+            Ok(Box::new(BillboardMethod {
+                pass: BillboardPass::new(gpu, making.setup.extent)?,
+                parameters: making.setup.of(),
+            }))
+        },
+    )
 };
 
 parameters! {

@@ -14,13 +14,12 @@ use crate::passes::environment::EnvironmentPass;
 use crate::passes::{Content, CubeMap};
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo {
-    name: "environment",
-    summary: "pre-filtered cube map of the sky, looked up by direction",
-    source: "Hermanns 2015, §3.1.3, §4.2.11",
-    create: |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, making.setup.extent)?)),
-    ..MethodInfo::SCENE
-};
+pub const INFO: MethodInfo = MethodInfo::scene(
+    "environment",
+    "pre-filtered cube map of the sky, looked up by direction",
+    "Hermanns 2015, §3.1.3, §4.2.11",
+    |gpu, making| Ok(Box::new(EnvironmentMethod::new(gpu, making.setup.extent)?)),
+);
 
 /// The lookup, and the map once there is one.
 pub struct EnvironmentMethod {

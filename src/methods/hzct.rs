@@ -9,20 +9,21 @@ use crate::parameter::{Parameter, Parameters, parameters};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "hzct",
-    summary: "Hi-Z tracing and cone tracing; rays towards the camera fade out",
-    source: "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
     traces_hi_z: true,
     parameters: HzctParams::table,
-    create: |gpu, making| {
-        let HzctParams { hi_z, cone, camera_fade, drawn } = making.setup.of();
-        let fill = move |block| {
-            let block = cone.fill(hi_z.fill(block));
-            ThesisBlock { fade_towards_camera: camera_fade, ..block }
-        };
-        Ok(Box::new(ThesisMethod::new(gpu, making, drawn, false, Box::new(fill))?))
-    },
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "hzct",
+        "Hi-Z tracing and cone tracing; rays towards the camera fade out",
+        "Hermanns 2015, §4.2; Uludag, GPU Pro 5",
+        |gpu, making| {
+            let HzctParams { hi_z, cone, camera_fade, drawn } = making.setup.of();
+            let fill = move |block| {
+                let block = cone.fill(hi_z.fill(block));
+                ThesisBlock { fade_towards_camera: camera_fade, ..block }
+            };
+            Ok(Box::new(ThesisMethod::new(gpu, making, drawn, false, Box::new(fill))?))
+        },
+    )
 };
 
 parameters! {

@@ -12,9 +12,6 @@ use crate::passes::linear_trace::{LinearMarch, LinearTracePass};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "linear",
-    summary: "linear march with a growing or constant stride, mirror lookup: no gloss",
-    source: "Hermanns 2015, §4.2.2",
     parameters: LinearParams::table,
     // A hundred steps that span the screen.
     combinations: |base| {
@@ -22,8 +19,12 @@ pub const INFO: MethodInfo = MethodInfo {
             (p.march, p.numbers.march_stride) = (LinearMarch::Fixed, 0.01);
         })]
     },
-    create: |gpu, making| Ok(Box::new(LinearMethod::new(gpu, making)?)),
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "linear",
+        "linear march with a growing or constant stride, mirror lookup: no gloss",
+        "Hermanns 2015, §4.2.2",
+        |gpu, making| Ok(Box::new(LinearMethod::new(gpu, making)?)),
+    )
 };
 
 parameters! {

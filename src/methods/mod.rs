@@ -129,6 +129,9 @@ pub(crate) struct Making {
     pub composite: bool,
 }
 
+/// Makes a method.
+type Create = fn(&Gpu, &Making) -> Result<Box<dyn Method>>;
+
 /// A row of the table.
 pub struct MethodInfo {
     /// Name on the command line and in records.
@@ -150,25 +153,30 @@ pub struct MethodInfo {
     /// Setups that the study of run time against error tries beside a base and the sweeps of single parameters.
     pub combinations: fn(&Setup) -> Vec<Setup>,
     /// Makes it.
-    pub(crate) create: fn(&Gpu, &Making) -> Result<Box<dyn Method>>,
+    pub(crate) create: Create,
 }
 
 impl MethodInfo {
-    /// A screen-space method without parameters; the table's rows say what differs.
-    const SCREEN: Self = Self {
-        name: "",
-        summary: "",
-        source: "",
-        sees: Sees::Screen,
-        fades: true,
-        follows_oracle: false,
-        traces_hi_z: false,
-        parameters: Vec::new,
-        combinations: |_| Vec::new(),
-        create: |_, _| Err(Error::Usage("a method that cannot be made".into())),
-    };
-    /// The same of a method that needs the scene.
-    const SCENE: Self = Self { sees: Sees::Scene, fades: false, ..Self::SCREEN };
+    /// A screen-space method that fades and has no parameters of its own; a row of the table says what differs.
+    const fn screen(name: &'static str, summary: &'static str, source: &'static str, create: Create) -> Self {
+        Self {
+            name,
+            summary,
+            source,
+            sees: Sees::Screen,
+            fades: true,
+            follows_oracle: false,
+            traces_hi_z: false,
+            parameters: Vec::new,
+            combinations: |_| Vec::new(),
+            create,
+        }
+    }
+
+    /// The same of a method that needs the scene, and does not fade.
+    const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: Create) -> Self {
+        Self { sees: Sees::Scene, fades: false, ..Self::screen(name, summary, source, create) }
+    }
 
     /// Makes the method alone, without what [`Effect`] puts around it: it may finish the image itself.
     ///
@@ -185,7 +193,7 @@ impl MethodInfo {
     }
 
     /// Every parameter that it reads: those of the effect around it, and its own.
-    pub fn read(&self) -> Vec<Parameter> {
+    pub fn reads(&self) -> Vec<Parameter> {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
@@ -197,7 +205,7 @@ impl MethodInfo {
     /// The setups that the study of run time against error runs, around a base: the base as published, each of its
     /// parameters' sweeps, and the author's values where they differ.
     pub fn sweep(&self, base: &Setup) -> Vec<Setup> {
-        let rows = self.read();
+        let rows = self.reads();
         let mut all: Vec<Setup> = Vec::new();
         for preset in [Preset::Published, Preset::Author] {
             if preset == Preset::Author && !rows.iter().any(|p| p.author != p.published) {
@@ -259,12 +267,12 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
     // What surrounds every method has a say even where a method does not read it: the oracle judges all of them, and
     // a fallback or a smaller resolution that a method cannot have is refused where it is made.
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let reads = |m: &MethodInfo, name: &str| (m.parameters)().iter().any(|p| p.name == name);
+    let has = |m: &MethodInfo, name: &str| (m.parameters)().iter().any(|p| p.name == name);
     for name in setup.values.given().filter(|name| !around.contains(name)) {
-        if !methods.iter().any(|m| reads(m, name)) {
+        if !methods.iter().any(|m| has(m, name)) {
             let typed = name.replace('_', "-");
             let chosen: Vec<_> = methods.iter().map(|m| m.name).collect();
-            let others: Vec<_> = METHODS.iter().filter(|m| reads(m, name)).map(|m| m.name).collect();
+            let others: Vec<_> = METHODS.iter().filter(|m| has(m, name)).map(|m| m.name).collect();
             return Err(Error::Usage(format!(
                 "{typed} is no parameter of {}; it is one of {}",
                 chosen.join(", "),
@@ -288,7 +296,7 @@ pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();
     for method in METHODS {
-        for parameter in method.read() {
+        for parameter in method.reads() {
             match all.iter_mut().find(|(p, _)| p.name == parameter.name) {
                 Some((_, methods)) => methods.push(method),
                 None => all.push((parameter, vec![method])),
@@ -317,7 +325,7 @@ pub(crate) mod tests {
     #[test]
     fn every_parameter_is_described_and_takes_its_own_values() {
         for method in METHODS {
-            let rows = method.read();
+            let rows = method.reads();
             for (n, p) in rows.iter().enumerate() {
                 let of = format!("{} of {}", p.name, method.name);
                 assert!(p.help.ends_with('.') && p.help.len() > 10, "{of}: {:?}", p.help);
@@ -332,7 +340,7 @@ pub(crate) mod tests {
         for (parameter, methods) in parameters() {
             let same = methods
                 .iter()
-                .all(|m| m.read().iter().any(|p| p.name == parameter.name && p.domain == parameter.domain));
+                .all(|m| m.reads().iter().any(|p| p.name == parameter.name && p.domain == parameter.domain));
             assert!(same, "{} takes other values in another method", parameter.name);
         }
     }
@@ -343,7 +351,7 @@ pub(crate) mod tests {
         for method in METHODS {
             for preset in [Preset::Published, Preset::Author] {
                 let base = Setup::new([64, 48]).of_preset(preset);
-                for parameter in method.read() {
+                for parameter in method.reads() {
                     let mut changed = base.clone();
                     changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
                     let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));

@@ -11,13 +11,12 @@ use crate::scene::{Material, Probe};
 use glam::Vec3;
 
 /// The table's row.
-pub const INFO: MethodInfo = MethodInfo {
-    name: "pccm",
-    summary: "cube maps captured in the scene, corrected for parallax by proxy boxes",
-    source: "Schmidt 2013, §5.2, listing 1",
-    create: |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent)?)),
-    ..MethodInfo::SCENE
-};
+pub const INFO: MethodInfo = MethodInfo::scene(
+    "pccm",
+    "cube maps captured in the scene, corrected for parallax by proxy boxes",
+    "Schmidt 2013, §5.2, listing 1",
+    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent)?)),
+);
 
 /// The lookup, and the maps once they are captured.
 pub struct PccmMethod {

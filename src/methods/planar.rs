@@ -22,12 +22,10 @@ use glam::Vec4;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "planar",
-    summary: "mirrored camera for the largest planes",
-    source: "Hermanns 2015, §3.1.2",
     parameters: PlanarParams::table,
-    create: |gpu, making| Ok(Box::new(PlanarMethod::new(gpu, &making.setup)?)),
-    ..MethodInfo::SCENE
+    ..MethodInfo::scene("planar", "mirrored camera for the largest planes", "Hermanns 2015, §3.1.2", |gpu, making| {
+        Ok(Box::new(PlanarMethod::new(gpu, &making.setup)?))
+    })
 };
 
 parameters! {

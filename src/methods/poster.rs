@@ -12,12 +12,13 @@ use crate::passes::{Content, PosterFilter};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "poster",
-    summary: "cone march through a pre-filtered G-buffer of depth, normal and colour",
-    source: "Hermanns and Franke 2014",
     parameters: PosterParams::table,
-    create: |gpu, making| Ok(Box::new(PosterMethod::new(gpu, making)?)),
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "poster",
+        "cone march through a pre-filtered G-buffer of depth, normal and colour",
+        "Hermanns and Franke 2014",
+        |gpu, making| Ok(Box::new(PosterMethod::new(gpu, making)?)),
+    )
 };
 
 parameters! {

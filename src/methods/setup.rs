@@ -2,7 +2,7 @@
 
 use super::{MethodInfo, environment, pccm};
 use crate::math::OracleVersion;
-use crate::parameter::{Parameter, Parameters, Preset, Values, choices, parameters};
+use crate::parameter::{Field, Parameter, Parameters, Preset, Values, choices, parameters};
 use serde_json::{Map, Value as Json};
 
 choices! {
@@ -103,16 +103,10 @@ impl Setup {
         let own = method.map(|m| (m.parameters)()).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);
         let [width, height] = self.extent;
-        let size = [("width", width.into()), ("height", height.into()), ("preset", json(&self.values.preset))];
-        let values = rows.map(|row| (row.name.to_owned(), json(&self.values.of(&row))));
+        let size = [("width", width.into()), ("height", height.into()), ("preset", self.values.preset.value().json())];
+        let values = rows.map(|row| (row.name.to_owned(), self.values.of(&row).json()));
         size.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(values).collect()
     }
-}
-
-/// As JSON, a number by its decimal: 0.1 and not the nearest binary fraction in more digits.
-fn json(value: &impl serde::Serialize) -> Json {
-    let text = serde_json::to_string(value).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
 }
 
 /// What is wanted of an effect beside the image.

@@ -16,17 +16,17 @@ use crate::scene::Camera;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "ssct",
-    summary: "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
-    source: "Hermanns 2015, ch. 4",
     traces_hi_z: true,
     parameters: SsctParams::table,
-    create: |gpu, making| {
-        let SsctParams { hi_z, march, cone, drawn } = making.setup.of();
-        let fill = move |block| cone.fill(march.fill(hi_z.fill(block)));
-        Ok(Box::new(ThesisMethod::new(gpu, making, drawn, true, Box::new(fill))?))
-    },
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "ssct",
+        "Hi-Z tracing, linear fallback for rays towards the camera, cone tracing",
+        "Hermanns 2015, ch. 4",
+        |gpu, making| {
+            let parameters: SsctParams = making.setup.of();
+            Ok(Box::new(ThesisMethod::new(gpu, making, parameters.drawn, true, parameters.filling())?))
+        },
+    )
 };
 
 parameters! {
@@ -52,6 +52,12 @@ parameters! {
             .source("§4.2.6"),
         /// Trace rays and cones in two passes instead of one.
         split: bool = Parameter::new(false).source("§4.2.3: combined"),
+    }
+}
+
+impl SsctParams {
+    fn filling(self) -> Fill {
+        Box::new(move |block| self.cone.fill(self.march.fill(self.hi_z.fill(block))))
     }
 }
 
@@ -87,10 +93,10 @@ impl ThesisMethod {
     /// # Errors
     /// Those of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
-        let SsctParams { hi_z, march, cone, drawn } = setup.of();
+        let parameters: SsctParams = setup.of();
         let making = Making { setup: setup.clone(), hits: true, reflection: true, composite: false };
-        let fill = move |block| cone.fill(march.fill(hi_z.fill(block)));
-        Self::new(gpu, &making, ThesisDrawing { split: true, ..drawn }, true, Box::new(fill))
+        let drawn = ThesisDrawing { split: true, ..parameters.drawn };
+        Self::new(gpu, &making, drawn, true, parameters.filling())
     }
 
     /// What the cone makes of hits of any origin, for a method made by [`Self::cone_alone`].

@@ -14,14 +14,15 @@ use crate::passes::sslr_trace::SslrTracePass;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "sslr",
-    summary: "uniform march with a stride by roughness, masked blur chain, one lookup in it",
-    source: "Hermanns 2015, §4.3; Valient, Killzone Shadow Fall",
     // It keeps no hit whose distance from the border could be known.
     fades: false,
     parameters: SslrParams::table,
-    create: |gpu, making| Ok(Box::new(SslrMethod::new(gpu, making)?)),
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "sslr",
+        "uniform march with a stride by roughness, masked blur chain, one lookup in it",
+        "Hermanns 2015, §4.3; Valient, Killzone Shadow Fall",
+        |gpu, making| Ok(Box::new(SslrMethod::new(gpu, making)?)),
+    )
 };
 
 choices! {

@@ -12,15 +12,16 @@ use crate::passes::schmidt_trace::{SchmidtMarch, SchmidtTracePass};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "ssr",
-    summary: "march along the reflection in screen space, a sample a pixel; mirrors only",
-    source: "Schmidt 2013, §5.4, listing 4",
     parameters: SsrParams::table,
-    create: |gpu, making| {
-        let SsrParams { pixel_step } = making.setup.of();
-        Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::PerPixel, pixel_step, None)?))
-    },
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "ssr",
+        "march along the reflection in screen space, a sample a pixel; mirrors only",
+        "Schmidt 2013, §5.4, listing 4",
+        |gpu, making| {
+            let SsrParams { pixel_step } = making.setup.of();
+            Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::PerPixel, pixel_step, None)?))
+        },
+    )
 };
 
 parameters! {

@@ -9,16 +9,17 @@ use crate::passes::schmidt_trace::SchmidtMarch;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "ssr-fast",
-    summary: "the same in steps of ten pixels forward and a tenth back; mirrors only",
-    source: "Schmidt 2013, §5.4, listing 5",
     parameters: SsrFastParams::table,
-    create: |gpu, making| {
-        let SsrFastParams { pixel_step, distance_blur, chain_filter } = making.setup.of();
-        let blur = distance_blur.then_some(chain_filter);
-        Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::Optimized, pixel_step, blur)?))
-    },
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "ssr-fast",
+        "the same in steps of ten pixels forward and a tenth back; mirrors only",
+        "Schmidt 2013, §5.4, listing 5",
+        |gpu, making| {
+            let SsrFastParams { pixel_step, distance_blur, chain_filter } = making.setup.of();
+            let blur = distance_blur.then_some(chain_filter);
+            Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::Optimized, pixel_step, blur)?))
+        },
+    )
 };
 
 parameters! {

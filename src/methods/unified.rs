@@ -71,12 +71,13 @@ use crate::scene::Camera;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
-    name: "unified",
-    summary: "one exact Hi-Z traversal for every direction; only what the scene needs",
-    source: "this project",
     follows_oracle: true,
-    create: |gpu, making| Ok(Box::new(UnifiedMethod::new(gpu, making)?)),
-    ..MethodInfo::SCREEN
+    ..MethodInfo::screen(
+        "unified",
+        "one exact Hi-Z traversal for every direction; only what the scene needs",
+        "this project",
+        |gpu, making| Ok(Box::new(UnifiedMethod::new(gpu, making)?)),
+    )
 };
 
 /// The passes in their order, and what the last of them draw into.

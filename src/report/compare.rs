@@ -94,7 +94,7 @@ fn labels(r: &TimeComparison) -> [String; 7] {
 fn method(s: &Subject) -> String {
     let name = s.get("method");
     let preset = Preset::of_name(s.get("preset")).unwrap_or_default();
-    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::read);
+    let rows = methods::find(name).map_or_else(|_| Vec::new(), MethodInfo::reads);
     let values: Vec<_> = rows.iter().filter_map(|row| differing(row, preset, s.get(row.name))).collect();
     if values.is_empty() { name.to_owned() } else { format!("{name} ({})", values.join(", ")) }
 }

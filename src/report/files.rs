@@ -10,6 +10,8 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
+use std::str::FromStr;
+use std::sync::Arc;
 
 /// Writes a file through a temporary one in the same folder, which is made if it is missing.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
@@ -81,18 +83,15 @@ pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
         let line = |p: Option<&csv::Position>| p.and_then(|p| usize::try_from(p.line()).ok());
         let record = record.map_err(|e| Error::malformed(path, line(e.position()), e.to_string()))?;
         let wrong = |message: String| Error::malformed(path, line(record.position()), message);
-        let cell = |name: &str| {
-            let at = headers.iter().position(|h| h == name);
-            at.and_then(|at| record.get(at)).ok_or_else(|| wrong(format!("no sample of a time: no column {name}")))
-        };
-        let no = |name: &str, text: &str| wrong(format!("no sample of a time: {text:?} is no {name}"));
-        let ms = cell("ms")?;
+        let of = subject(&headers, &record, &parameters);
+        // The rows of a run are of few subjects, which follow each other.
+        let known = rows.last().map(|row: &TimeSample| &row.subject).filter(|known| ***known == of);
         let row = TimeSample {
-            subject: subject(&headers, &record, &parameters, cell("method")?),
-            sample: cell("sample")?.parse().map_err(|_| no("number of a sample", cell("sample").unwrap_or("")))?,
-            pass: cell("pass")?.to_owned(),
-            counted: cell("counted")?.parse().map_err(|_| no("truth value", cell("counted").unwrap_or("")))?,
-            ms: ms.parse().map_err(|_| no("time", ms))?,
+            subject: known.cloned().unwrap_or_else(|| Arc::new(of)),
+            sample: parsed(&headers, &record, "sample").map_err(wrong)?,
+            pass: parsed(&headers, &record, "pass").map_err(wrong)?,
+            counted: parsed(&headers, &record, "counted").map_err(wrong)?,
+            ms: parsed(&headers, &record, "ms").map_err(wrong)?,
         };
         if !(row.ms.is_finite() && row.ms >= 0.0) {
             return Err(wrong(format!("{} ms is no time", row.ms)));
@@ -108,13 +107,24 @@ pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
     Ok(rows)
 }
 
+/// A cell of a row, or what is wrong with it.
+fn parsed<T: FromStr>(
+    headers: &csv::StringRecord,
+    record: &csv::StringRecord,
+    column: &str,
+) -> std::result::Result<T, String> {
+    let at = headers.iter().position(|h| h == column);
+    let text = at.and_then(|at| record.get(at)).ok_or_else(|| format!("no sample of a time: no column {column}"))?;
+    text.parse().map_err(|_| format!("no sample of a time: {text:?} in the column {column}"))
+}
+
 /// What a row is of. Parameters that the method does not have are left out: an older file has a value in every column.
 fn subject(
     headers: &csv::StringRecord,
     record: &csv::StringRecord,
     parameters: &[(Parameter, Vec<&MethodInfo>)],
-    method: &str,
 ) -> Subject {
+    let method = headers.iter().zip(record).find(|(name, _)| *name == "method").map_or("", |(_, method)| method);
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |name: &str| {
         let of = parameters.iter().find(|(p, _)| p.name == name);

@@ -10,6 +10,7 @@ use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
 use serde::{Serialize, Serializer};
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// The name under which the sum of a frame's counted passes is compared.
 pub const TOTAL: &str = "total";
@@ -63,8 +64,8 @@ impl Serialize for Subject {
 /// A row of raw samples: the time of one pass in one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeSample {
-    /// What the frame was of.
-    pub subject: Subject,
+    /// What the frame was of; rows that follow each other share it.
+    pub subject: Arc<Subject>,
     /// Number of the frame among those of its subject.
     pub sample: u64,
     /// Label.
@@ -100,12 +101,22 @@ impl Run {
     fn told_by_both(&self, other: &Self) -> Vec<TimeSample> {
         let mut known: BTreeMap<String, Option<BTreeSet<&String>>> = BTreeMap::new();
         let mut samples = self.samples.clone();
+        let mut last: Option<[Arc<Subject>; 2]> = None;
         for s in &mut samples {
-            let method = s.subject.get("method").to_owned();
-            let told = known.entry(method).or_insert_with_key(|method| other.told(method));
-            if let Some(told) = told {
-                s.subject.0.retain(|name, _| told.contains(name));
-            }
+            let stripped = match &last {
+                Some([from, to]) if Arc::ptr_eq(from, &s.subject) => Arc::clone(to),
+                _ => {
+                    let method = s.subject.get("method").to_owned();
+                    match known.entry(method).or_insert_with_key(|method| other.told(method)) {
+                        None => Arc::clone(&s.subject),
+                        Some(told) => {
+                            let values = s.subject.0.iter().filter(|(name, _)| told.contains(name));
+                            Arc::new(Subject(values.map(|(name, text)| (name.clone(), text.clone())).collect()))
+                        }
+                    }
+                }
+            };
+            last = Some([std::mem::replace(&mut s.subject, Arc::clone(&stripped)), stripped]);
         }
         samples
     }
@@ -312,8 +323,8 @@ fn groups(rows: &[TimeSample]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for frame in rows.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject) {
         let Some(first) = frame.first() else { continue };
-        let at = groups.iter().rposition(|(s, _)| *s == first.subject).unwrap_or_else(|| {
-            groups.push((first.subject.clone(), Vec::new()));
+        let at = groups.iter().rposition(|(s, _)| *s == *first.subject).unwrap_or_else(|| {
+            groups.push(((*first.subject).clone(), Vec::new()));
             groups.len() - 1
         });
         let passes = &mut groups[at].1;

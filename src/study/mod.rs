@@ -15,6 +15,7 @@ pub mod stress;
 pub mod sweep;
 pub mod table;
 pub mod timing;
+pub mod twin;
 
 pub use image::{Intermediates, RenderedImage};
 pub use record::{Stats, TimeRecord};

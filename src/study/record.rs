@@ -106,13 +106,8 @@ pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals
         ("reflectivity", Some(globals.reflectivity)),
         ("normal_deviation", globals.normal_deviation),
     ];
-    all.extend(factors.map(|(name, value)| (name.to_owned(), decimal(value))));
+    all.extend(factors.map(|(name, value)| (name.to_owned(), value.map_or(Json::Null, |v| Value::Number(v).json()))));
     all
-}
-
-/// A number by its decimal, as records show it.
-fn decimal(value: Option<f32>) -> Json {
-    value.and_then(|v| v.to_string().parse::<f64>().ok()).map_or(Json::Null, Json::from)
 }
 
 /// A value of a [`RecordedSetup`] as text: nothing for null.
@@ -190,7 +185,7 @@ impl Head {
     /// What a variant of a method is called: method, fallback, preset, and the parameters that differ from the preset's
     /// values.
     pub fn variant(&self) -> String {
-        let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::read);
+        let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::reads);
         let has_presets = rows.iter().any(|row| row.author != row.published);
         let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
         let fallback = |row: &&Parameter| row.name != "fallback";
@@ -201,18 +196,10 @@ impl Head {
     }
 }
 
-/// A parameter's value as [`cell`] shows the recorded one.
-fn value_cell(value: Value) -> String {
-    match value {
-        Value::Switch(on) => on.to_string(),
-        other => other.to_string(),
-    }
-}
-
 /// A parameter's value in a few words, if it is not the preset's; `text` is the value as a record has it. `None` also if a
 /// record does not say it: it is of a time before there was the parameter.
 pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
-    if text.is_empty() || text == value_cell(row.of(preset)) {
+    if text.is_empty() || text == cell(&row.of(preset).json()) {
         return None;
     }
     Some(match row.domain {

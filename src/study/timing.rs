@@ -195,7 +195,7 @@ mod tests {
         for method in METHODS {
             let base = Setup::new([64, 48]);
             let before = key(method, &base);
-            for parameter in method.read() {
+            for parameter in method.reads() {
                 let mut changed = base.clone();
                 changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
                 assert_ne!(before, key(method, &changed), "{} of {}", parameter.name, method.name);

@@ -7,9 +7,10 @@ use ssct::methods::{self, Setup, Wants};
 use ssct::passes::{Content, PathCode};
 use ssct::reference::Level;
 use ssct::reference::hi_z::MinMax;
-use ssct::reference::hi_z_ray_trace::{End, HiZConstants, reflection_ray, trace};
+use ssct::reference::hi_z_ray_trace::{End, reflection_ray, trace};
 use ssct::scene::library;
 use ssct::study::image::render;
+use ssct::study::twin::hi_z_constants;
 use ssct::study::{Globals, Shot, Stage};
 
 /// No power of two, so that levels have odd sides.
@@ -42,11 +43,7 @@ fn every_ray_ends_where_the_shader_says() {
         assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
         let published: HiZParams = setup.of();
         let numbers = published.fill(thesis::block(&camera, SIZE, chain.len() as u32, true));
-        let constants = HiZConstants {
-            start_level: numbers.start_level as u32,
-            iterations: numbers.iterations as u32,
-            cross_offset: numbers.cross_offset,
-        };
+        let constants = hi_z_constants(&numbers);
         let size = Vec2::new(SIZE[0] as f32, SIZE[1] as f32);
         let (mut rays, mut same, mut hit) = (0, 0, 0);
         for y in 0..SIZE[1] {

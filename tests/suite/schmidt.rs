@@ -145,7 +145,7 @@ fn steps_and_blur_do_what_they_say() {
     let (plain, blurred) = (image("ssr-fast", 1, false), image("ssr-fast", 1, true));
     assert_eq!(plain.get("hits"), blurred.get("hits"));
     assert_ne!(plain.get("reflection"), blurred.get("reflection"));
-    assert!(find("ssr").unwrap().read().iter().all(|p| p.name != "distance_blur"));
+    assert!(find("ssr").unwrap().reads().iter().all(|p| p.name != "distance_blur"));
     // As printed, level 7 is added and not counted: near the viewer that is one sample and the mean of
     // the surroundings, over one.
     let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();

@@ -9,12 +9,13 @@ use crate::methods::thesis::{self, HiZParams};
 use crate::passes::{Content, PathCode};
 use crate::reference::Level;
 use crate::reference::hi_z::MinMax;
-use crate::reference::hi_z_ray_trace::{End, HiZConstants, HiZTrace, reflection_ray, trace};
+use crate::reference::hi_z_ray_trace::{End, HiZTrace, reflection_ray, trace};
 use crate::report::diagrams::{self, Fetches};
 use crate::report::gbuffer_pictures;
 use crate::report::images::{Rgb, display};
 use crate::report::sheet::{Part, difference, enlarged, framed, sheet};
 use crate::scene::Camera;
+use crate::study::twin::hi_z_constants;
 use crate::study::{Intermediates, RenderedImage};
 use glam::{Vec2, Vec3};
 
@@ -130,11 +131,7 @@ pub fn ray(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<Fini
     let extent = [normals.width, normals.height];
     let published: HiZParams = Setup::new(extent).of();
     let numbers = published.fill(thesis::block(&camera, extent, chain.len() as u32, true));
-    let constants = HiZConstants {
-        start_level: numbers.start_level as u32,
-        iterations: numbers.iterations as u32,
-        cross_offset: numbers.cross_offset,
-    };
+    let constants = hi_z_constants(&numbers);
     let size = Vec2::new(extent[0] as f32, extent[1] as f32);
     let traced = |n: usize| -> Option<HiZTrace> {
         let (x, y) = (n as u32 % extent[0], n as u32 / extent[0]);

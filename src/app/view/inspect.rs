@@ -14,6 +14,7 @@ use crate::reference::ray::{RaySetup, Segment};
 use crate::reference::unified::{Code, Traversal};
 use crate::reference::{Level, Oracle, Trace};
 use crate::scene::GBufferData;
+use crate::study::twin::hi_z_constants;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use rayon::prelude::*;
 
@@ -202,11 +203,7 @@ impl Inspection {
                 texels: gbuffer.depth.iter().map(|reversed| 1.0 - reversed).collect(),
             };
             Twin::HiZ {
-                constants: HiZConstants {
-                    start_level: block.start_level.max(0) as u32,
-                    iterations: block.iterations.max(0) as u32,
-                    cross_offset: block.cross_offset,
-                },
+                constants: hi_z_constants(&block),
                 reflection_offset: block.reflection_offset,
                 direction_epsilon: block.view_direction_epsilon,
                 chain: chain(&depth),

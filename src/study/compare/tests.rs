@@ -14,7 +14,7 @@ fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSam
         ("cone_samples", "7"),
     ];
     let subject = Subject(set.map(|(name, value)| (name.to_owned(), value.to_owned())).into());
-    TimeSample { subject, sample, pass: pass.into(), counted, ms }
+    TimeSample { subject: Arc::new(subject), sample, pass: pass.into(), counted, ms }
 }
 
 /// Six frames of a method: an uncounted pass and two counted ones.
@@ -70,7 +70,7 @@ fn a_setting_that_differs_is_another_subject_and_is_named() {
     let changed = |name: &str, value: &str| {
         let mut run = plain.clone();
         for s in &mut run.samples {
-            s.subject.0.insert(name.into(), value.into());
+            Arc::make_mut(&mut s.subject).0.insert(name.into(), value.into());
         }
         run
     };
@@ -92,7 +92,7 @@ fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
     let plain = run("ssct", 1.0);
     let mut older = plain.clone();
     for s in &mut older.samples {
-        s.subject.0.remove("cone_samples");
+        Arc::make_mut(&mut s.subject).0.remove("cone_samples");
     }
     for (a, b, who) in [(&plain, &older, "B's samples"), (&older, &plain, "A's samples")] {
         let records = times(a, b, 0.05);
@@ -103,7 +103,7 @@ fn what_one_file_does_not_say_is_left_out_of_account_with_a_warning() {
     // What the other run's other methods are set to is no setting of this one's.
     let mut both = plain.clone();
     both.samples.extend(run("poster", 1.0).samples.into_iter().map(|mut s| {
-        s.subject.0.insert("edge_retries".into(), "0".into());
+        Arc::make_mut(&mut s.subject).0.insert("edge_retries".into(), "0".into());
         s
     }));
     assert_eq!(times(&plain, &both, 0.05).iter().filter(|r| r.only_in.is_none()).count(), 4);

@@ -36,9 +36,6 @@ pub const AGREEMENT: f64 = 0.9999;
 /// Far above any method on any device; a loop without an end is further.
 const RUNAWAY_MS: (f64, f64) = (5_000.0, 0.02);
 
-/// The factors of a case: its G-buffer's own values.
-const AS_IN_CASE: Globals = Globals { roughness: None, reflectivity: 1.0, normal_deviation: None };
-
 /// What a method made of a case.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StressRecord {
@@ -129,7 +126,7 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
-        records.push(made.judge(gpu, &case.name, method, &data, &AS_IN_CASE, truth.as_ref()));
+        records.push(made.judge(gpu, &case.name, method, &data, &Globals::default(), truth.as_ref()));
     }
     Ok(records)
 }

@@ -29,7 +29,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         }
         ui.label(RichText::new(format!("{} ({})", method.summary, method.source)).weak().small());
         let side = &mut state.sides[index];
-        let rows = side.method.read();
+        let rows = side.method.reads();
         Grid::new("options").num_columns(3).show(ui, |ui| {
             if rows.iter().any(|row| row.author != row.published) {
                 preset(ui, side);

@@ -71,7 +71,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
     };
     for info in METHODS {
         let (read, not): (Vec<_>, Vec<_>) =
-            another.into_iter().partition(|(name, _)| info.read().iter().any(|p| p.typed_name() == *name));
+            another.into_iter().partition(|(name, _)| info.reads().iter().any(|p| p.typed_name() == *name));
         let default = frame(&mut bench, info, &[]);
         assert!(frame(&mut bench, info, &not_refused(info, not)) == default, "{}: what it does not read", info.name);
         for option in read {

@@ -1,0 +1,13 @@
+//! What the twins on the CPU are given of the methods on the device.
+
+use crate::gpu::shader::ThesisBlock;
+use crate::reference::hi_z_ray_trace::HiZConstants;
+
+/// The numbers that the Hi-Z traversal reads of a method's parameter block.
+pub fn hi_z_constants(block: &ThesisBlock) -> HiZConstants {
+    HiZConstants {
+        start_level: block.start_level.max(0) as u32,
+        iterations: block.iterations.max(0) as u32,
+        cross_offset: block.cross_offset,
+    }
+}
