@@ -50,8 +50,11 @@ impl MethodOptions {
             let raw = || matches.get_raw(id).and_then(|mut v| v.next()).map(|v| v.to_string_lossy().into_owned());
             there.then(|| (id.clone(), raw().unwrap_or_default()))
         };
-        let names = methods::parameters().into_iter().map(|(p, _)| p.typed_name());
-        std::iter::once(PRESET.to_owned()).chain(names).filter_map(|id| given(&id)).collect()
+        let mut names: Vec<_> = methods::parameters().into_iter().map(|(p, _)| p.typed_name()).collect();
+        names.push(PRESET.to_owned());
+        names.sort_unstable();
+        names.dedup();
+        names.iter().filter_map(given).collect()
     }
 }
 
@@ -62,22 +65,23 @@ pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
         .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
 }
 
-/// The flag of a parameter, with the methods that read it and the values of both presets.
-fn flag(parameter: &Parameter, methods: &[&methods::MethodInfo]) -> Arg {
-    let names: Vec<_> = methods.iter().map(|m| m.name).collect();
-    let mut help = format!("{} [", parameter.help);
-    if names.len() < 4 {
-        help += &format!("{}; ", names.join(", "));
-    }
-    help += &format!("published: {}", parameter.published);
-    if parameter.author != parameter.published {
-        help += &format!("; author: {}", parameter.author);
-    }
-    help += "]";
+/// The flag of a name, from every parameter of that name with the methods that read it. Its help has the values of both
+/// presets, which may differ between methods; what it takes does not.
+fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
+    let (parameter, _) = &same[0];
+    let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
+        let names: Vec<_> = methods.iter().map(|m| m.name).collect();
+        let names = if names.len() < 4 { format!("{}; ", names.join(", ")) } else { String::new() };
+        let author = if p.author == p.published { String::new() } else { format!("; author: {}", p.author) };
+        format!("[{names}published: {}{author}]", p.published)
+    };
+    let help = format!("{} {}", parameter.help, same.iter().map(values).collect::<Vec<_>>().join(" "));
     let argument = Arg::new(parameter.typed_name()).long(parameter.typed_name()).help(help);
     let row = parameter.clone();
-    let parsed =
-        StringValueParser::new().try_map(move |text| row.parse(&text).map(|_| text).map_err(|e| e.to_string()));
+    let parsed = StringValueParser::new().try_map(move |text| match row.parse(&text) {
+        Ok(_) => Ok(text),
+        Err(_) => Err(format!("it takes {}", row.domain)),
+    });
     match &parameter.domain {
         Domain::Switch if parameter.published == crate::parameter::Value::Switch(false) => argument
             .value_parser(possible(parameter))
@@ -107,7 +111,13 @@ impl Args for MethodOptions {
             .long(PRESET)
             .help("Whose constants a published method uses [default: published]")
             .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
-        methods::parameters().iter().fold(command.arg(preset), |c, (p, methods)| c.arg(flag(p, methods)))
+        let mut all = methods::parameters();
+        let mut command = command.arg(preset);
+        while let Some((first, _)) = all.first().cloned() {
+            let (same, rest) = all.into_iter().partition::<Vec<_>, _>(|(p, _)| p.name == first.name);
+            (command, all) = (command.arg(flag(&same)), rest);
+        }
+        command
     }
 
     fn augment_args_for_update(command: Command) -> Command {

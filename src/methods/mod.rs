@@ -291,13 +291,14 @@ pub fn find(name: &str) -> Result<&'static MethodInfo> {
     })
 }
 
-/// Every parameter of every method by its name, with the methods that read it, in the order of the tables.
+/// Every parameter with the methods that read it, in the order of the tables. A name comes again where methods have
+/// other values or words for it; what it takes is the same everywhere.
 pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();
     for method in METHODS {
         for parameter in method.reads() {
-            match all.iter_mut().find(|(p, _)| p.name == parameter.name) {
+            match all.iter_mut().find(|(p, _)| *p == parameter) {
                 Some((_, methods)) => methods.push(method),
                 None => all.push((parameter, vec![method])),
             }
@@ -337,11 +338,13 @@ pub(crate) mod tests {
                 assert!(!rows[..n].iter().any(|other| other.name == p.name), "{of} is declared twice");
             }
         }
-        for (parameter, methods) in parameters() {
-            let same = methods
-                .iter()
-                .all(|m| m.reads().iter().any(|p| p.name == parameter.name && p.domain == parameter.domain));
+        let all = parameters();
+        for (parameter, methods) in &all {
+            let same = all.iter().filter(|(p, _)| p.name == parameter.name).all(|(p, _)| p.domain == parameter.domain);
             assert!(same, "{} takes other values in another method", parameter.name);
+            for method in methods {
+                assert!(method.reads().contains(parameter), "{} of {}", parameter.name, method.name);
+            }
         }
     }
 

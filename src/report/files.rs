@@ -127,8 +127,9 @@ fn subject(
     let method = headers.iter().zip(record).find(|(name, _)| *name == "method").map_or("", |(_, method)| method);
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
     let has = |name: &str| {
-        let of = parameters.iter().find(|(p, _)| p.name == name);
-        around.contains(&name) || of.is_none_or(|(_, methods)| methods.iter().any(|m| m.name == method))
+        let mut of = parameters.iter().filter(|(p, _)| p.name == name).peekable();
+        let is_parameter = of.peek().is_some();
+        around.contains(&name) || !is_parameter || of.any(|(_, methods)| methods.iter().any(|m| m.name == method))
     };
     let known = methods::find(method).is_ok();
     let columns = headers.iter().zip(record).filter(|(name, _)| !MEASURED.contains(name) && (!known || has(name)));
