@@ -21,7 +21,9 @@ layout(binding = 3) uniform sampler2D albedo_buffer;
 layout(binding = 4) uniform sampler2D normal_buffer;
 layout(binding = 5) uniform samplerCube environment;
 
-layout(location = 0) out vec4 out_color;
+layout(constant_id = 0) const bool SKY_APART = false; // the sky is left out: black
+
+layout(location = 0) out vec4 out_color; // in a, 1 for what is lit and 0 where the sky is seen
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -32,7 +34,7 @@ void main() {
     if (depth <= 0.0 || albedo.a < 0.5) {
         vec4 along = camera.clip_to_view * vec4(ndc, 0.5, 1.0);
         vec3 direction = mat3(camera.view_to_world) * (along.xyz / along.w);
-        out_color = vec4(textureLod(environment, direction, 0.0).rgb, 1.0);
+        out_color = vec4(SKY_APART ? vec3(0.0) : textureLod(environment, direction, 0.0).rgb, 0.0);
         return;
     }
     vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);

@@ -49,18 +49,6 @@ vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
     return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
 }
 
-// The view-space direction in which continuous pixel coordinates are seen; z is 1.
-vec3 ViewRay(vec2 position) {
-    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
-    return vec3(centred * unified.pixel_to_view, 1.0);
-}
-
-// View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
-// reversed depth to a point.
-vec3 ViewPoint(vec2 position, float depth) {
-    return ViewRay(position) / (depth + unified.depth_offset);
-}
-
 // The unit direction into which a normal of any length turns the one in which a point is seen.
 vec3 MirrorDirection(vec3 point, vec3 normal) {
     vec3 seen = point * inversesqrt(dot(point, point));

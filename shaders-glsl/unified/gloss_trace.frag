@@ -11,12 +11,15 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 
 #include "unified/gloss.glsl"
 #include "unified/traverse.glsl"
+#include "captures/seen.glsl"
 
 // The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of those that neighbours
 // gather, with which it has a part of its lobe in common. The lobe is covered by so many footprints; the smaller that
 // part is, the fewer, down to one in the middle that stands for the whole lobe.
-Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footprints, float common_part, out Hit hit) {
-    hit = Hit(PATH_NONE, pixel, vec2(0.0), 0.0, 0);
+// `at` is the pixel or cell whose record the ray is for.
+Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footprints, float common_part,
+          out Hit hit) {
+    hit = Hit(PATH_NONE, pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
@@ -27,13 +30,22 @@ Seen Look(ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footpri
     // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
-    hit = Traverse(RayAlong(pixel, depth, direction));
+    Ray ray = RayAlong(pixel, depth, direction);
+    hit = Traverse(ray);
+    if (EndsInSky(ray, hit)) {
+        hit.position = ray.start;
+        hit.depth = 0.0;
+        seen.density = density;
+        seen.color = vec4(Sky(ToWorld(direction)), 1.0);
+        return seen;
+    }
+    // The width of the ray's footprint at a metre, as FootprintLevel takes it.
+    PushIfLost(uvec2(at), ray, hit, 0.0, sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density)));
     if (hit.code != PATH_HI_Z)
         return seen;
-    vec2 uv = hit.position * unified.pixel_to_clip;
     float level = FootprintLevel(point, ViewPoint(hit.position, hit.depth), density, share);
     seen.density = density;
-    seen.color = vec4(Sound(textureLod(color_buffer, uv, level).rgb), Fade(uv));
+    seen.color = vec4(ColorSeen(hit.position, level, direction), Fade(hit.position * unified.pixel_to_clip));
     return seen;
 }
 
@@ -54,7 +66,7 @@ void main() {
     Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
     Hit hit;
-    Seen seen = Look(pixel, depth, point, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, hit);
+    Seen seen = Look(pixel, pixel, depth, point, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, hit);
     float root = sqrt(lobe.power);
     out_record = Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }
@@ -66,6 +78,9 @@ layout(location = 1) out vec4 out_color;
 
 // The point that was hit (ViewPoint's scale), put far away if it is near, or the direction of a miss.
 vec3 Place(ivec2 pixel, vec3 point, Seen seen, Hit hit) {
+    // Where the sky was seen, a point far along the ray stands for it.
+    if (seen.density > 0.0 && hit.code == PATH_MISS)
+        return point + FAR_SKY * seen.direction;
     vec3 there = ViewPoint(hit.position, hit.depth);
     vec2 away = abs(hit.position - vec2(pixel) - 0.5);
     bool beside = max(away.x, away.y) < NEAR_HIT;
@@ -93,7 +108,7 @@ void main() {
         Lobe lobe = LobeOf(point, normal, roughness);
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
         Hit hit;
-        Seen seen = Look(pixel, depth, point, lobe, u, WIDE_FOOTPRINTS, common_part, hit);
+        Seen seen = Look(cell, pixel, depth, point, lobe, u, WIDE_FOOTPRINTS, common_part, hit);
         out_place = vec4(Place(pixel, point, seen, hit), seen.density);
         out_color = seen.color;
     }

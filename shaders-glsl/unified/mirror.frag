@@ -20,6 +20,7 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted: colour, and
 layout(location = 2) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
 
 #include "unified/traverse.glsl"
+#include "captures/seen.glsl"
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -38,9 +39,16 @@ void main() {
     bool faces;
     Ray ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
-    if (hit.code == PATH_HI_Z && faces) {
-        vec2 uv = hit.position * unified.pixel_to_clip;
-        out_reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), Fade(uv));
+    bool is_hit = hit.code == PATH_HI_Z && faces;
+    if (is_hit)
+        out_reflection = vec4(ColorSeen(hit.position, 0.0, ray.direction), Fade(hit.position * unified.pixel_to_clip));
+    bool in_sky = faces && EndsInSky(ray, hit);
+    if (in_sky)
+        out_reflection = vec4(Sky(ToWorld(ray.direction)), 1.0);
+    else if (faces)
+        PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit,
+                   2.0 * unified.pixel_to_view.y);
+    if (is_hit || in_sky) {
         vec3 seen = out_color.rgb + material.x * out_reflection.a * out_reflection.rgb;
         out_color.rgb = min(seen, GREATEST_HALF);
     }
@@ -48,7 +56,7 @@ void main() {
         precise vec2 uv = hit.position * unified.pixel_to_clip;
         precise float hit_depth = 1.0 - hit.depth;
         vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
-        int code = hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
+        int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
         out_hit = vec4(place, float(code));
     }
 }

@@ -17,6 +17,7 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     float fade_start;    // I_start and I_end of Eq. 4.7
     float fade_end;
     int fade;            // 0: no fade at all
+    int sky;             // 1: what shows the environment shows it along the ray, and `environment` holds it
 } unified;
 
 bool Reflects(vec2 material) {
@@ -40,6 +41,18 @@ uint PackTile(uvec2 tile) {
 
 ivec2 UnpackTile(uint word) {
     return ivec2(word & 0xffffu, word >> 16);
+}
+
+// The view-space direction in which continuous pixel coordinates are seen; z is 1.
+vec3 ViewRay(vec2 position) {
+    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
+    return vec3(centred * unified.pixel_to_view, 1.0);
+}
+
+// View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
+// reversed depth to a point.
+vec3 ViewPoint(vec2 position, float depth) {
+    return ViewRay(position) / (depth + unified.depth_offset);
 }
 
 // The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.

@@ -1,12 +1,22 @@
-// The one traversal of `unified`: a ray in the image, and its walk over the pyramid until it hits a pixel's block.
-// Needs the images `pyramid` and `normal_buffer`. CPU twin: reference::unified.
+// The one traversal of `unified`: a ray in an image of the scene, and its walk over the image's pyramid until it hits a
+// pixel's block. The image is the screen, or, with FACES, the face `face_layer` of the captures (captures/faces.glsl);
+// `unified` then is the block of a face. Needs the images `pyramid` and `normal_buffer`. CPU twin: reference::unified.
 
 #ifndef UNIFIED_TRAVERSE_GLSL
 #define UNIFIED_TRAVERSE_GLSL
 
 #include "unified/pyramid.glsl"
 
+#ifdef FACES
+#define BLOCK_AT(texel) imageLoad(pyramid, ivec3(texel, face_layer)).xy
+#define NORMAL_AT(pixel) imageLoad(normal_buffer, ivec3(pixel, face_layer)).xyz
+#else
+#define BLOCK_AT(texel) imageLoad(pyramid, texel).xy
+#define NORMAL_AT(pixel) imageLoad(normal_buffer, pixel).xyz
+
 layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle says what is hit
+layout(constant_id = 5) const bool FOLLOWED = false; // rays that the screen loses go on in captures
+#endif
 
 // A ray in the image: a straight line in (pixel x, pixel y, reversed depth), by a parameter s >= 0
 // that counts pixels along the axis in which the ray moves faster.
@@ -20,7 +30,8 @@ layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle say
 // w = 0: the homogeneous clip is a clip against the box, without its cancellation.
 
 struct Ray {
-    ivec2 pixel;    // begins at this pixel's centre
+    vec2 start;     // continuous pixel coordinates: the centre of a pixel of the screen, any place of a face
+    ivec2 pixel;    // begins in this pixel
     float depth;    // reversed depth there
     vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
     vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
@@ -29,10 +40,11 @@ struct Ray {
 };
 
 
-// From a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end` is 0 for
-// a ray that does not move on the screen.
-Ray MakeRay(ivec2 pixel, float depth, vec3 direction, vec3 change) {
+// From a place in a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end`
+// is 0 for a ray that does not move in the image.
+Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     Ray ray;
+    ray.start = start;
     ray.pixel = pixel;
     ray.depth = depth;
     ray.direction = direction;
@@ -53,7 +65,7 @@ Ray MakeRay(ivec2 pixel, float depth, vec3 direction, vec3 change) {
     // The screen's sides by the expression of every cell's side (Traverse): a cell that ends
     // with the screen ends the ray to the bit.
     ivec2 side = ivec2(inverse.x > 0.0 ? unified.size.x : 0, inverse.y > 0.0 ? unified.size.y : 0);
-    precise vec2 sides = (vec2(side - pixel) - 0.5) * inverse;
+    precise vec2 sides = (vec2(side) - start) * inverse;
     precise float plane = ((depth_inverse > 0.0 ? 1.0 : 0.0) - depth) * depth_inverse;
     ray.rate = vec3(rate, depth_rate);
     ray.inverse = inverse;
@@ -77,7 +89,7 @@ Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
     PixelPoint(pixel, view, ndc);
     precise vec2 change = unified.view_to_clip * direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
-    return MakeRay(pixel, depth, direction, vec3(change, change_z));
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
 }
 
 // Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
@@ -95,7 +107,7 @@ Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
     precise float change_z = -((depth + unified.depth_offset) * (1.0 + a * normal.z));
     precise vec3 direction = view + a * normal;
     faces = along < 0.0;
-    return MakeRay(pixel, depth, direction, vec3(change, change_z));
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
 }
 
 // The walk, one for every direction. The ray walks over cells of integer coordinates. Over a cell its depth is an interval, whichever
@@ -113,6 +125,8 @@ struct Hit {
     vec2 position;   // continuous pixel coordinates, within that pixel
     float depth;     // reversed, of the ray there
     int steps;       // cells looked at
+    float s;         // of the hit, or of where a miss ends
+    float behind;    // s from which the ray was behind something, if FOLLOWED; NEVER if it never was
 };
 
 // Forward: a pixel each at least, over both axes. Down: no more often than up.
@@ -128,7 +142,7 @@ float Dot(vec3 a, vec3 b) {
 
 // The pixel that a ray comes from as it enters another: across the boundary that it crossed last.
 ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
-    precise vec2 entries = (vec2(pixel + 1 - ahead) - (vec2(ray.pixel) + 0.5)) * ray.inverse;
+    precise vec2 entries = (vec2(pixel + 1 - ahead) - ray.start) * ray.inverse;
     ivec2 back = 1 - 2 * ahead;
     return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
 }
@@ -137,8 +151,8 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
 bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
-    vec2 before = imageLoad(pyramid, PixelTexel(PixelBefore(ray, pixel, ahead))).xy;
-    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
+    vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
+    vec3 normal = NORMAL_AT(pixel);
     precise float thickness = block.x - block.y;
     precise float joined = JOINED * (thickness + (before.x - before.y));
     precise float gap = block.x - before.x;
@@ -150,41 +164,36 @@ bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) 
     return entry_depth < before.x || (gap > joined && is_deep);
 }
 
-Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0);
-    // Where a cell is left: by its far side in a direction that grows, else by its near side.
-    ivec2 ahead = ivec2(greaterThan(ray.inverse, vec2(0.0)));
-    vec2 start = vec2(ray.pixel) + 0.5;
+// Where a walk is.
+struct Walk {
+    ivec2 pixel;       // that the ray is in
+    int level;         // of the cell that is looked at next; below 0 the pixel's block is met
+    float entry;       // s at which the ray enters the pixel
+    float entry_depth; // reversed depth there
+    float behind;      // s from which the ray was behind all that a cell shows; NEVER before that
+    int steps;         // cells looked at
+};
 
-    // The first step leaves the starting pixel unseen.
-    precise vec2 sides = (vec2(ahead) - 0.5) * ray.inverse;
-    float entry = min(sides.x, sides.y);
-    if (!(entry < ray.end))
-        return hit;
-    precise vec2 at_side = start + entry * ray.rate.xy;
-    ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(at_side.x),
-                        sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
-    precise float entry_depth = ray.depth + entry * ray.rate.z;
+// Walks on until a block is met or the ray ends. `passes` lets the ray through the pixel that it begins in.
+//
+// The loop holds nothing but the walk, and no branch but its end: threads that walk together wait for each other in
+// every branch that one of them takes. Parameters are read before it, the block that was met after it: what is read or
+// written in the loop is so as often as it runs.
+void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
+    Walk walk = w;
     bool recedes = ray.rate.z < 0.0;
-    int level = 0;
     int strips = PyramidStrips();
     int top_level = unified.top_level;
     int bound = MaxSteps();
+    vec2 start = ray.start;
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
-    // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
-    if (ORACLE == 2 && Dot(ray.direction, imageLoad(normal_buffer, pixel).xyz) > 0.0)
-        entry_depth = recedes ? -NEVER : NEVER;
-
-    // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait
-    // for each other in every branch that one of them takes. Parameters are read before it, the block that was hit
-    // after it: what is read or written in the loop is so as often as it runs.
-    while (level >= 0 && entry < ray.end && hit.steps < bound) {
-        ++hit.steps;
-        ivec2 cell = pixel >> level;
-        vec2 block = imageLoad(pyramid, StripTexel(cell, strips - (strips >> level))).xy;
-        int size = 1 << level;
-        ivec2 first = pixel & -size;
+    while (walk.level >= 0 && walk.entry < ray.end && walk.steps < bound) {
+        ++walk.steps;
+        ivec2 cell = walk.pixel >> walk.level;
+        vec2 block = BLOCK_AT(StripTexel(cell, strips - (strips >> walk.level)));
+        int size = 1 << walk.level;
+        ivec2 first = walk.pixel & -size;
         ivec2 edge = first + (far_side & size);
         precise vec2 crossings = (vec2(edge) - start) * ray.inverse;
         bool leaves_x = crossings.x <= crossings.y;
@@ -192,7 +201,17 @@ Hit Traverse(Ray ray) {
         float exit = min(crossings.x, crossings.y);
         float last = min(exit, ray.end);
         precise float exit_depth = ray.depth + last * ray.rate.z;
-        bool meets = (recedes ? exit_depth : entry_depth) <= block.x && (recedes ? entry_depth : exit_depth) >= block.y;
+        float deepest = recedes ? exit_depth : walk.entry_depth;
+        float nearest = recedes ? walk.entry_depth : exit_depth;
+#ifdef FACES
+        // A face is followed only as long as it sees the ray.
+        bool meets = deepest <= block.x && !passes;
+        passes = false;
+#else
+        bool meets = deepest <= block.x && nearest >= block.y;
+        if (FOLLOWED)
+            walk.behind = min(walk.behind, nearest < min(block.x, block.y) && nearest > -NEVER ? walk.entry : NEVER);
+#endif
 
         // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
         // is in there, which is in the same cell.
@@ -201,31 +220,70 @@ Hit Traverse(Ray ray) {
         int beside = clamp(int(inside), low, low + (size - 1));
         ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
         bool left_parent = ((leaves_x ? edge.x : edge.y) & size) == 0;
-        level = meets ? level - 1 : left_parent ? min(level + 1, top_level) : level;
-        pixel = meets ? pixel : onward;
-        entry = meets ? entry : exit;
-        entry_depth = meets ? entry_depth : exit_depth;
+        walk.level = meets ? walk.level - 1 : left_parent ? min(walk.level + 1, top_level) : walk.level;
+        walk.pixel = meets ? walk.pixel : onward;
+        walk.entry = meets ? walk.entry : exit;
+        walk.entry_depth = meets ? walk.entry_depth : exit_depth;
     }
-    hit.code = entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
-    if (level < 0) {
-        vec2 block = imageLoad(pyramid, PixelTexel(pixel)).xy;
-        float front = block.x;
-        // The crossing with the front if it lies inside the pixel, else the point of entry.
-        precise vec2 crossings = (vec2(pixel + ahead) - start) * ray.inverse;
-        float last = max(min(min(crossings.x, crossings.y), ray.end), entry);
-        precise float exit_depth = ray.depth + last * ray.rate.z;
-        float near = max(entry_depth, exit_depth), far = min(entry_depth, exit_depth);
-        precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
-        float s = far <= front && front <= near && far < near ? min(max(crossing, entry), last) : entry;
+    w = walk;
+}
+
+// The crossing of the ray with the front of the pixel that it is in, if that lies inside the pixel, else the point
+// of entry: s.
+float Crossing(Ray ray, Walk walk, ivec2 ahead, float front) {
+    precise vec2 crossings = (vec2(walk.pixel + ahead) - ray.start) * ray.inverse;
+    float last = max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
+    precise float exit_depth = ray.depth + last * ray.rate.z;
+    float near = max(walk.entry_depth, exit_depth), far = min(walk.entry_depth, exit_depth);
+    precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
+    return far <= front && front <= near && far < near ? min(max(crossing, walk.entry), last) : walk.entry;
+}
+
+// Where a cell is left: by its far side in a direction that grows, else by its near side.
+ivec2 Ahead(Ray ray) {
+    return ivec2(greaterThan(ray.inverse, vec2(0.0)));
+}
+
+#ifndef FACES
+
+Hit Traverse(Ray ray) {
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
+    ivec2 ahead = Ahead(ray);
+
+    // The first step leaves the starting pixel unseen.
+    precise vec2 sides = (vec2(ahead) - 0.5) * ray.inverse;
+    float entry = min(sides.x, sides.y);
+    if (!(entry < ray.end))
+        return hit;
+    precise vec2 at_side = ray.start + entry * ray.rate.xy;
+    ivec2 pixel = ivec2(sides.x == entry ? ray.pixel.x + 2 * ahead.x - 1 : int(at_side.x),
+                        sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
+    precise float entry_depth = ray.depth + entry * ray.rate.z;
+    // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
+    if (ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0)
+        entry_depth = ray.rate.z < 0.0 ? -NEVER : NEVER;
+    Walk walk = Walk(pixel, 0, entry, entry_depth, NEVER, 0);
+    Advance(ray, ahead, false, walk);
+    hit.steps = walk.steps;
+    hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
+    hit.s = ray.end;
+    hit.behind = walk.behind;
+    if (walk.level < 0) {
+        vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
+        float s = Crossing(ray, walk, ahead, block.x);
         precise vec2 offset = s * ray.rate.xy + 0.5;
         precise float depth = ray.depth + s * ray.rate.z;
-        vec2 low = vec2(pixel - ray.pixel);
+        vec2 low = vec2(walk.pixel - ray.pixel);
         hit.code = PATH_HI_Z;
-        hit.pixel = pixel;
+        hit.pixel = walk.pixel;
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
-        if (ORACLE == 2 && hit.steps > 1 && entry_depth < front && IsBehind(ray, entry_depth, pixel, block, ahead))
+        hit.s = s;
+        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
+            && IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)) {
             hit.code = PATH_MISS_BEHIND;
+            hit.s = walk.entry;
+        }
     }
     return hit;
 }
@@ -235,7 +293,7 @@ int WhyMissed(Ray ray) {
     precise vec2 inside = floor(ray.end * ray.rate.xy + 0.5);
     precise float depth = ray.depth + ray.end * ray.rate.z;
     ivec2 last = clamp(ray.pixel + ivec2(inside), ivec2(0), unified.size - 1);
-    vec2 block = imageLoad(pyramid, PixelTexel(last)).xy;
+    vec2 block = BLOCK_AT(PixelTexel(last));
     if (block.x >= block.y && depth < block.y)
         return PATH_MISS_BEHIND;
     ivec2 side = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
@@ -244,5 +302,7 @@ int WhyMissed(Ray ray) {
         return PATH_MISS_SCREEN;
     return ray.rate.z > 0.0 ? PATH_MISS_NEAR : PATH_MISS_SKY;
 }
+
+#endif
 
 #endif

@@ -229,6 +229,11 @@ impl Gpu {
             .fold(l.max_image_dimension2_d, u32::min)
     }
 
+    /// The most layers of an array of images.
+    pub fn max_image_layers(&self) -> u32 {
+        self.shared.limits.max_image_array_layers
+    }
+
     /// The most vertices that the indices of one draw can tell apart.
     pub fn max_vertices(&self) -> u64 {
         u64::from(self.shared.limits.max_draw_indexed_index_value) + 1

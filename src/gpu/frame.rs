@@ -352,14 +352,14 @@ impl Frame<'_> {
     }
 
     /// Brings a pass's resources to their use, with the next [`Self::flush`].
-    fn prepare(&mut self, given: &Given, sampled: Access, read: Access) {
+    fn prepare(&mut self, given: &Given, [sampled, read, stored]: [Access; 3]) {
         for (_, resource) in &given.resources {
             match *resource {
                 Resource::Sampled(Sampled(slice, _)) => self.use_image(slice, sampled),
                 Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
-                Resource::Storage(slice) => self.use_image(slice, Access::ComputeStorage),
+                Resource::Storage(slice) => self.use_image(slice, stored),
                 Resource::Loaded(slice) => self.use_image(slice, read),
-                Resource::Buffer(b) => self.use_buffer(b, Access::ComputeStorage),
+                Resource::Buffer(b) => self.use_buffer(b, stored),
                 Resource::ReadBuffer(b) => self.use_buffer(b, read),
                 Resource::Uniform(_) => {}
             }

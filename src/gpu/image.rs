@@ -21,7 +21,7 @@ pub struct ImageDesc<'a> {
     pub extent: [u32; 2],
     /// Number of mip levels; level n is max(1, extent >> n).
     pub levels: u32,
-    /// 6 for a cube map, else 1.
+    /// 6 for a cube map, more for an array ([`Image::array`], [`Image::cubes`]), else 1.
     pub layers: u32,
     /// What it is used for.
     pub usage: vk::ImageUsageFlags,
@@ -63,6 +63,19 @@ pub struct Image {
     borrowed: bool,
 }
 
+/// What the layers or slices of an image are.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// One, or the six faces of a cube map.
+    Flat,
+    /// Images of one size.
+    Array,
+    /// Cube maps, six faces each.
+    Cubes,
+    /// So many slices of a volume.
+    Volume(u32),
+}
+
 /// A range of an image's mip levels, or one slice of a volume, as a shader or an attachment sees it.
 #[derive(Clone, Copy)]
 pub struct ImageSlice<'a> {
@@ -87,7 +100,38 @@ impl Image {
                 gpu.info().name
             )));
         }
-        Self::make(gpu, desc, None)
+        Self::make(gpu, desc, Kind::Flat)
+    }
+
+    /// Makes an array of [`ImageDesc::layers`] images, which shaders see as a whole.
+    ///
+    /// # Errors
+    /// As for [`Self::new`], and [`Error::Usage`] for more layers than the device has.
+    pub fn array(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
+        Self::layered(gpu, desc, Kind::Array)
+    }
+
+    /// Makes an array of cube maps, six of [`ImageDesc::layers`] each, which shaders see as a whole.
+    ///
+    /// # Errors
+    /// As for [`Self::array`].
+    pub fn cubes(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
+        assert!(desc.layers > 0 && desc.layers.is_multiple_of(6), "{}: a cube has six faces", desc.name);
+        Self::layered(gpu, desc, Kind::Cubes)
+    }
+
+    fn layered(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
+        let ([width, height], limit, layers) = (desc.extent, gpu.max_image_size(), gpu.max_image_layers());
+        if width == 0 || height == 0 || width > limit || height > limit || desc.layers > layers {
+            return Err(Error::Usage(format!(
+                "{}: an array of {} images of {width}x{height} is impossible: each side must be 1 to {limit}, and \
+                 there can be {layers} of them, on {}",
+                desc.name,
+                desc.layers,
+                gpu.info().name
+            )));
+        }
+        Self::make(gpu, desc, kind)
     }
 
     /// Makes a volume of some slices: sampled as a whole, rendered into and copied slice by slice. It has
@@ -106,17 +150,19 @@ impl Image {
                 gpu.info().name
             )));
         }
-        Self::make(gpu, desc, Some(depth))
+        Self::make(gpu, desc, Kind::Volume(depth))
     }
 
-    fn make(gpu: &Gpu, desc: &ImageDesc, slices: Option<u32>) -> Result<Self> {
+    fn make(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
         use vk::{ImageCreateFlags as F, ImageViewType as V};
         let [width, height] = desc.extent;
-        let depth = slices.unwrap_or(1);
-        let (image_type, flags, view_type) = match (slices, desc.layers) {
-            (Some(_), _) => (vk::ImageType::TYPE_3D, F::TYPE_2D_ARRAY_COMPATIBLE, V::TYPE_3D),
-            (None, 6) => (vk::ImageType::TYPE_2D, F::CUBE_COMPATIBLE, V::CUBE),
-            (None, _) => (vk::ImageType::TYPE_2D, F::empty(), V::TYPE_2D),
+        let (depth, slices) = if let Kind::Volume(depth) = kind { (depth, depth) } else { (1, 0) };
+        let (image_type, flags, view_type) = match (kind, desc.layers) {
+            (Kind::Volume(_), _) => (vk::ImageType::TYPE_3D, F::TYPE_2D_ARRAY_COMPATIBLE, V::TYPE_3D),
+            (Kind::Cubes, _) => (vk::ImageType::TYPE_2D, F::CUBE_COMPATIBLE, V::CUBE_ARRAY),
+            (Kind::Array, _) => (vk::ImageType::TYPE_2D, F::empty(), V::TYPE_2D_ARRAY),
+            (Kind::Flat, 6) => (vk::ImageType::TYPE_2D, F::CUBE_COMPATIBLE, V::CUBE),
+            (Kind::Flat, _) => (vk::ImageType::TYPE_2D, F::empty(), V::TYPE_2D),
         };
         let info = vk::ImageCreateInfo::default()
             .flags(flags)
@@ -168,7 +214,7 @@ impl Image {
             for level in 0..desc.levels {
                 image.level_views.push(image.view(view_type, shown(&image, image.range(level, 1)))?);
             }
-            for slice in 0..slices.unwrap_or(0) {
+            for slice in 0..slices {
                 // A slice of a volume is a layer of its 2D views.
                 let range = vk::ImageSubresourceRange { base_array_layer: slice, ..image.range(0, 1) };
                 image.slice_views.push(image.view(V::TYPE_2D, range)?);

@@ -22,6 +22,8 @@ pub enum Access {
     ComputeStorageRead,
     /// Loaded only, as a storage buffer or image, in a vertex or fragment shader.
     GraphicsStorageRead,
+    /// Stored to (and possibly loaded from) in a fragment shader.
+    FragmentStorage,
     /// Source of a copy or blit.
     TransferRead,
     /// Destination of a copy, blit, clear or fill.
@@ -51,7 +53,7 @@ pub struct AccessInfo {
 
 impl Access {
     /// Every use, for tests and tools.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 15] = [
         Self::ColorAttachment,
         Self::DepthAttachment,
         Self::DepthStencilAttachment,
@@ -60,6 +62,7 @@ impl Access {
         Self::ComputeStorage,
         Self::ComputeStorageRead,
         Self::GraphicsStorageRead,
+        Self::FragmentStorage,
         Self::TransferRead,
         Self::TransferWrite,
         Self::VertexInput,
@@ -103,6 +106,12 @@ impl Access {
                 A::SHADER_STORAGE_READ,
                 L::GENERAL,
                 false,
+            ),
+            Self::FragmentStorage => (
+                S::FRAGMENT_SHADER,
+                A::from_raw(A::SHADER_STORAGE_READ.as_raw() | A::SHADER_STORAGE_WRITE.as_raw()),
+                L::GENERAL,
+                true,
             ),
             Self::TransferRead => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL, false),
             Self::TransferWrite => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL, true),

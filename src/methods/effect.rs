@@ -1,11 +1,13 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
-use super::{Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
+use super::capture::{CaptureImages, captured_of};
+use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
+use crate::scene::{Capture, Material};
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -22,6 +24,14 @@ pub struct Effect {
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     composite: CompositePass,
+    captures: Option<Captured>,
+}
+
+/// The captures of a scene, once they are made, and of what they were made.
+struct Captured {
+    most: usize,
+    images: Option<CaptureImages>,
+    of: Vec<Material>,
 }
 
 impl Effect {
@@ -60,9 +70,11 @@ impl Effect {
                     "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
                 )));
             }
-            let making = Making { setup: setup.clone(), hits: false, reflection: true, composite: false };
+            let making =
+                Making { setup: setup.clone(), hits: false, reflection: true, composite: false, captures: None };
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
+        let captured = taken(info, &effect, scene)?;
         let composite = fallback.is_none() && divisor == 1;
         let mut scaled = None;
         let mut inner = Making {
@@ -71,6 +83,7 @@ impl Effect {
             hits: wants.hits && divisor == 1,
             reflection: wants.reflection || !composite,
             composite,
+            captures: captured.and_then(|c| c.first()).map(|c| [c.resolution; 2]),
         };
         if divisor != 1 {
             inner.setup.extent = resolution::divided(extent, divisor);
@@ -81,6 +94,7 @@ impl Effect {
             scaled,
             fallback: fallback.transpose()?,
             composite: CompositePass::new(&gpu, extent)?,
+            captures: captured.map(|c| Captured { most: c.len(), images: None, of: Vec::new() }),
         };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
@@ -90,6 +104,14 @@ impl Effect {
 
     /// Makes what outlives frames anew, after the scene's materials changed.
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        if let Some(captured) = &mut self.captures {
+            let of = captured_of(scene.materials);
+            if captured.images.is_none() || captured.of != of {
+                let taken = &scene.data.captures()[..captured.most];
+                captured.images = Some(CaptureImages::new(context, scene, taken)?);
+                captured.of = of;
+            }
+        }
         if let Some((behind, _)) = &mut self.fallback {
             behind.prepare(context, scene)?;
         }
@@ -98,6 +120,8 @@ impl Effect {
 
     /// Records every pass after lighting.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
+        let captures = self.captures.as_ref().and_then(|c| c.images.as_ref()).map(CaptureImages::captures);
+        let input = &Input { captures, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
@@ -123,4 +147,23 @@ impl Effect {
         };
         Ok(Output { traced, composite })
     }
+}
+
+/// The captures of a scene that a method takes; `None` if it takes none.
+///
+/// # Errors
+/// [`Error::Usage`] if captures are wanted and there is no scene, or the scene has none.
+fn taken<'s>(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput<'s>>) -> Result<Option<&'s [Capture]>> {
+    let most = effect.captures.most();
+    if most == 0 || !info.follows_oracle {
+        return Ok(None);
+    }
+    let Some(scene) = scene else {
+        return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
+    };
+    let all = scene.data.captures();
+    if all.is_empty() {
+        return Err(Error::Usage("captures are wanted, and the scene has no place for one".into()));
+    }
+    Ok(Some(&all[..most.min(all.len())]))
 }

@@ -24,7 +24,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Content, GBuffer, Hits, Reflection};
+use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output};
 pub use setup::{EffectParams, Fallback, Setup, Wants};
@@ -38,6 +38,8 @@ pub struct Input<'a, 's> {
     pub camera: &'s Camera,
     /// The scene itself; `None` where only a G-buffer is known.
     pub scene: Option<SceneInput<'s>>,
+    /// Captures of the scene, where there are any.
+    pub captures: Option<Captures<'a>>,
 }
 
 impl<'s> Input<'_, 's> {
@@ -127,6 +129,8 @@ pub(crate) struct Making {
     pub reflection: bool,
     /// Whether the method may make the composite along the way.
     pub composite: bool,
+    /// Width and height of the faces of the captures that it gets; `None` if it gets none.
+    pub captures: Option<[u32; 2]>,
 }
 
 /// Makes a method.
@@ -184,7 +188,7 @@ impl MethodInfo {
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection } = wants;
-        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true })
+        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None })
     }
 
     /// Whether the method works on a G-buffer of any origin.
@@ -196,7 +200,7 @@ impl MethodInfo {
     pub fn reads(&self) -> Vec<Parameter> {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
-            "oracle" => self.follows_oracle,
+            "oracle" | "captures" => self.follows_oracle,
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()

@@ -2,7 +2,8 @@
 
 use super::{MethodInfo, environment, pccm};
 use crate::math::OracleVersion;
-use crate::parameter::{Field, Parameter, Parameters, Preset, Values, choices, parameters};
+use crate::math::constants::MAX_CAPTURES;
+use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
 use serde_json::{Map, Value as Json};
 
 choices! {
@@ -14,6 +15,40 @@ choices! {
         Environment = "environment",
         /// The method `pccm`.
         Pccm = "pccm",
+    }
+}
+
+choices! {
+    /// How many captures of the scene `unified` follows rays in that the screen loses.
+    pub enum CaptureCount {
+        /// None: the screen is all there is.
+        None = "none",
+        /// Those of the scene file, or as many as the scene needs.
+        Auto = "auto",
+        /// The first of them.
+        One = "1",
+        /// The first two.
+        Two = "2",
+        /// The first three.
+        Three = "3",
+        /// The first four.
+        Four = "4",
+        /// The first five.
+        Five = "5",
+        /// The first six.
+        Six = "6",
+        /// The first seven.
+        Seven = "7",
+        /// The first eight.
+        Eight = "8",
+    }
+}
+
+impl CaptureCount {
+    /// The most captures that are taken: 0 for none.
+    pub fn most(self) -> usize {
+        let named = Self::ALL.iter().position(|c| *c == self).unwrap_or(0);
+        if self == Self::Auto { MAX_CAPTURES as usize } else { named.saturating_sub(1) }
     }
 }
 
@@ -43,6 +78,9 @@ parameters! {
         oracle: OracleVersion = Parameter::new(OracleVersion::V1)
             .sweep(Preset::Published, &[OracleVersion::V2])
             .source("this project"),
+        /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
+        /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
+        captures: CaptureCount = Parameter::new(CaptureCount::None).source("this project"),
     }
 }
 

@@ -60,13 +60,15 @@ use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
+use crate::math::OracleVersion;
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
+use crate::passes::follow::{FollowInput, FollowPass, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::UnifiedSetup;
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
-use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
+use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors, stored_target};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -87,6 +89,8 @@ pub struct UnifiedMethod {
     classify: ClassifyPass,
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
+    lost: LostRays,
+    follow: Option<FollowPass>,
     composite: Image,
     reflection: Option<Image>,
     fade: bool,
@@ -98,26 +102,40 @@ impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
-        let image = |name| Image::target(gpu, name, LIT_COLOR, extent);
+        let target = if making.captures.is_some() { stored_target } else { Image::target };
+        let image = |name| target(gpu, name, LIT_COLOR, extent);
         let reflection = making.reflection;
         let parts = UnifiedSetup {
             extent,
             strip: pyramid::strip(extent),
-            oracle: effect.oracle,
+            // A hit from behind is a worse guess than what a capture sees.
+            oracle: if making.captures.is_some() { OracleVersion::V2 } else { effect.oracle },
             over: effect.fallback != Fallback::None,
             reflection,
+            followed: making.captures.is_some(),
         };
+        let follow = |face| FollowPass::new(gpu, pyramid::strip(face), reflection, hits);
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::in_few_passes(gpu)?,
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
+            lost: LostRays::new(gpu, extent, parts.followed)?,
+            follow: making.captures.map(follow).transpose()?,
             composite: image("composite")?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
-            fade: effect.fade,
+            // Where the screen ends, captures go on.
+            fade: effect.fade && making.captures.is_none(),
             composites: making.composite,
         })
+    }
+}
+
+impl UnifiedMethod {
+    /// Empties the list of lost rays before a pass that fills it.
+    fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
+        if self.follow.is_some() { self.lost.clear(frame) } else { Ok(()) }
     }
 }
 
@@ -163,7 +181,11 @@ impl Method for UnifiedMethod {
         }
         let plan = Plan::new(gbuffer.reflectors);
         plan.skip(frame);
-        let parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
+        let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
+        let followed = self.follow.as_ref().zip(input.captures);
+        parameters.sky = i32::from(followed.is_some() && input.scene.is_some());
+        let block = capture_block(input.camera, input.captures.as_ref());
+        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
 
         let pyramid = self.pyramid.record(frame, &gbuffer, &parameters)?;
@@ -178,16 +200,33 @@ impl Method for UnifiedMethod {
             tiles
         };
         let hits = if plan.mirrors {
-            self.trace.record(frame, &UnifiedTraceInput { gbuffer, pyramid, tiles, canvas }, &parameters)?
+            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond };
+            self.clear_lost(frame)?;
+            let hits = self.trace.record(frame, &input, &parameters)?;
+            if let Some((follow, captures)) = followed {
+                follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
+            }
+            hits
         } else {
             self.trace.no_hits(frame)?
         };
-        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas };
+        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond };
+        let between = self.gloss.between();
         if plan.narrow {
-            self.gloss.record_narrow(frame, &gloss, &parameters)?;
+            self.clear_lost(frame)?;
+            self.gloss.trace_narrow(frame, &gloss, &parameters)?;
+            if let Some((follow, captures)) = followed {
+                follow.record_narrow(frame, FollowInput { captures, beyond }, &between.records)?;
+            }
+            self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
         }
         if plan.wide {
-            self.gloss.record_wide(frame, &gloss, &parameters)?;
+            self.clear_lost(frame)?;
+            self.gloss.trace_wide(frame, &gloss, &parameters)?;
+            if let Some((follow, captures)) = followed {
+                follow.record_wide(frame, FollowInput { captures, beyond }, [&between.place, &between.seen])?;
+            }
+            self.gloss.resolve_wide(frame, &gloss, &parameters)?;
         }
 
         let composite = self.composites.then_some(canvas.composite);

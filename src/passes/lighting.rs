@@ -16,7 +16,17 @@ pub struct LightingPass {
 impl LightingPass {
     /// Compiles the pipeline.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        let pipeline = GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?;
+        Self::with(gpu, false)
+    }
+
+    /// The same, but black where the sky is seen. Either way a is 1 for what is lit and 0 for sky.
+    pub fn without_sky(gpu: &Gpu) -> Result<Self> {
+        Self::with(gpu, true)
+    }
+
+    fn with(gpu: &Gpu, sky_apart: bool) -> Result<Self> {
+        let constants = programs::LightingConstants { sky_apart };
+        let pipeline = GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?;
         Ok(Self { pipeline, label: "lighting" })
     }
 

@@ -13,6 +13,7 @@ pub mod cube_filter;
 pub mod environment;
 pub mod fallback;
 pub mod filtered_gbuffer;
+pub mod follow;
 pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
@@ -35,12 +36,13 @@ pub mod unified_trace;
 pub mod visibility;
 
 use crate::error::Result;
-use crate::gpu::shader::CameraBlock;
-use crate::gpu::{Frame, Gpu, Image, Target};
+use crate::gpu::shader::{CameraBlock, UnifiedBlock};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, Target};
 use crate::math::constants;
 use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
+use glam::Vec3;
 
 /// Format of the lit colour and its chain.
 pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -53,6 +55,13 @@ pub const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// Format of materials: reflectivity and roughness, as `unified` loads them.
 pub const MATERIAL: vk::Format = vk::Format::R16G16_SFLOAT;
+
+/// An image of one level that is drawn into, read, and stored to by compute shaders.
+pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [u32; 2]) -> Result<Image> {
+    use vk::ImageUsageFlags as U;
+    let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+    Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
+}
 
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]
@@ -161,6 +170,24 @@ pub struct Hits<'a>(pub &'a Image);
 /// in Vulkan's order. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct CubeMap<'a>(pub &'a Image);
+
+/// Captures of a scene: cubes of images, all of one size, each made at a place by the scene passes.
+#[derive(Clone, Copy)]
+pub struct Captures<'a> {
+    /// Fronts and backs of each face's blocks, as [`Pyramid`] has them: layer 6 k + f is face f of capture k. RG32F.
+    pub pyramid: &'a Image,
+    /// Normals in the view space of each face, in layers as [`Self::pyramid`]. RGBA8 snorm.
+    pub normal: &'a Image,
+    /// Lit colour with its chain, an array of cube maps: 0 where the sky is seen, and in a the share that is not sky.
+    /// RGBA16F.
+    pub color: &'a Image,
+    /// Where they were made, world, in metres.
+    pub places: &'a [Vec3],
+    /// The block of every face.
+    pub face: &'a UnifiedBlock,
+    /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k).
+    pub face_unit: f32,
+}
 
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
@@ -285,12 +312,18 @@ pub enum PathCode {
     MissSky = constants::PATH_MISS_SKY as isize,
     /// `unified`: left the frustum behind geometry.
     MissBehind = constants::PATH_MISS_BEHIND as isize,
+    /// With captures: ended in the sky.
+    Sky = constants::PATH_SKY as isize,
+    /// With captures: went where no image sees it.
+    Unknown = constants::PATH_UNKNOWN as isize,
+    /// With captures: hit in one of them, which [`PathCode::capture`] tells.
+    Capture = constants::PATH_CAPTURE as isize,
 }
 
 impl PathCode {
     /// The code of a channel value; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 12] = [
+        const CODES: [PathCode; 14] = [
             PathCode::None,
             PathCode::HiZ,
             PathCode::Linear,
@@ -303,11 +336,21 @@ impl PathCode {
             PathCode::MissNear,
             PathCode::MissSky,
             PathCode::MissBehind,
+            PathCode::Sky,
+            PathCode::Unknown,
         ];
+        if Self::capture(value).is_some() {
+            return Some(Self::Capture);
+        }
         CODES.into_iter().find(|c| *c as u8 as f32 == value)
     }
 
-    /// Whether the method takes the ray for a hit.
+    /// The capture in which a ray hit, by the channel's value.
+    pub fn capture(value: f32) -> Option<usize> {
+        (0..constants::MAX_CAPTURES).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
+    }
+
+    /// Whether the method takes the ray for a hit on the screen.
     pub fn is_hit(self) -> bool {
         matches!(self, Self::HiZ | Self::Linear | Self::Exhausted)
     }
@@ -322,6 +365,7 @@ impl PathCode {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
             Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
+            Self::Sky | Self::Unknown | Self::Capture => Some(true),
             Self::Linear | Self::LinearMiss => Some(false),
             Self::None | Self::Untraced => None,
         }

@@ -42,7 +42,7 @@ pub fn strip(extent: [u32; 2]) -> u32 {
 }
 
 /// Width and height of the image with strips of so many columns, as their log2.
-fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
+pub fn size(extent: [u32; 2], strip: u32) -> [u32; 2] {
     let [width, height] = padded(extent);
     let top = top_level(extent);
     let strips = (2 * width) >> strip;

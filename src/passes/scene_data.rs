@@ -5,7 +5,7 @@ use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
 use crate::math::constants;
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
-use crate::scene::{Aabb, AreaLight, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
+use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
 
@@ -25,6 +25,7 @@ pub struct SceneData {
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
     probes: Vec<Probe>,
+    captures: Vec<Capture>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
@@ -82,6 +83,7 @@ impl SceneData {
             sky: environment(context)?,
             lights: scene.lights.clone(),
             probes: probes(scene),
+            captures: scene.captures.clone(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
             planes: coplanar_groups(scene),
@@ -91,6 +93,11 @@ impl SceneData {
     /// The sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
     pub fn sky(&self) -> &Image {
         &self.sky
+    }
+
+    /// Where the scene is captured for rays to be followed in; may be empty.
+    pub fn captures(&self) -> &[Capture] {
+        &self.captures
     }
 
     /// Where cube maps are captured; never empty.

@@ -31,6 +31,8 @@ pub struct UnifiedSetup {
     pub over: bool,
     /// Whether the reflection is wanted as an image beside the composite.
     pub reflection: bool,
+    /// Whether rays that the screen loses go on in captures.
+    pub followed: bool,
 }
 
 /// Tiles by the kinds of reflector in them, as lists with the arguments of an indirect draw over each.

@@ -2,6 +2,7 @@
 //! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
+use super::follow::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
@@ -52,6 +53,8 @@ pub struct UnifiedGlossInput<'a> {
     pub tiles: Tiles<'a>,
     /// Where to draw.
     pub canvas: Canvas<'a>,
+    /// The sky, and where rays go that the screen lost.
+    pub beyond: Beyond<'a>,
 }
 
 impl UnifiedGlossPass {
@@ -64,6 +67,7 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle, over) = (setup.strip as i32, u32::from(setup.oracle) as i32, setup.over);
+        let followed = setup.followed;
         let drawn = || [LIT_COLOR, if setup.reflection { LIT_COLOR } else { vk::Format::UNDEFINED }];
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
@@ -71,7 +75,7 @@ impl UnifiedGlossPass {
                 gpu,
                 NARROW_LIST,
                 || [RECORD],
-                |_| TraceNarrowConstants { strip, oracle },
+                |_| TraceNarrowConstants { strip, oracle, followed },
             )?,
             resolve_narrow: TiledPipeline::new(gpu, NARROW_LIST, drawn, |whole| ResolveNarrowConstants {
                 over,
@@ -81,7 +85,7 @@ impl UnifiedGlossPass {
                 gpu,
                 WIDE_LIST,
                 || [PLACE, LIT_COLOR],
-                |_| TraceWideConstants { strip, oracle },
+                |_| TraceWideConstants { strip, oracle, followed },
             )?,
             cells: TiledPipeline::new(
                 gpu,
@@ -109,42 +113,66 @@ impl UnifiedGlossPass {
         &self.between
     }
 
-    /// Passes "trace/narrow" and "resolve/narrow": a ray for each pixel with a narrow lobe, and its reflection from
-    /// those of the 3 × 3 pixels around it.
-    pub fn record_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas } = input;
-        let over = (parameters, *tiles, false);
+    /// Pass "trace/narrow": a ray for each pixel with a narrow lobe.
+    pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
         let trace = TraceNarrow {
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.all()),
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            lost: beyond.rays,
         };
-        self.trace_narrow.draw(frame, "trace/narrow", [tiles.target(&self.between.records)], &trace, over)?;
+        let targets = [tiles.target(&self.between.records)];
+        self.trace_narrow.draw(frame, "trace/narrow", targets, &trace, (parameters, *tiles, false))
+    }
+
+    /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
+    pub fn resolve_narrow(
+        &self,
+        frame: &mut Frame,
+        input: &UnifiedGlossInput,
+        parameters: &UnifiedBlock,
+    ) -> Result<()> {
+        let UnifiedGlossInput { gbuffer, tiles, canvas, .. } = input;
         let resolve = ResolveNarrow {
             unified: parameters,
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
         };
+        let over = (parameters, *tiles, false);
         self.resolve_narrow.draw(frame, "resolve/narrow", drawn(*tiles, *canvas), &resolve, over)
     }
 
-    /// Passes "trace/wide", "cells" and "resolve/wide": a ray for each cell with a wide lobe, the cell's reflection from
-    /// those of the 5 × 5 cells around it, and each pixel's reflection between the cells around it.
-    pub fn record_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas } = input;
-        let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
-        let halved = (parameters, *tiles, true);
+    /// Pass "trace/wide": a ray for each cell with a wide lobe.
+    pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
+        let BetweenPasses { place, seen, .. } = &self.between;
         let trace = TraceWide {
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.all()),
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            lost: beyond.rays,
         };
-        self.trace_wide.draw(frame, "trace/wide", [place, seen].map(|image| tiles.target(image)), &trace, halved)?;
+        let targets = [place, seen].map(|image| tiles.target(image));
+        self.trace_wide.draw(frame, "trace/wide", targets, &trace, (parameters, *tiles, true))
+    }
+
+    /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
+    /// pixel's reflection between the cells around it.
+    pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, .. } = input;
+        let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
         let cells = Cells {
             unified: parameters,
             pyramid: pyramid.0.all(),
@@ -155,7 +183,7 @@ impl UnifiedGlossPass {
             listed_image: tiles.listed.all(),
         };
         let targets = [cell_reflection, cell_surface].map(|image| tiles.target(image));
-        self.cells.draw(frame, "cells", targets, &cells, halved)?;
+        self.cells.draw(frame, "cells", targets, &cells, (parameters, *tiles, true))?;
         let resolve = ResolveWide {
             unified: parameters,
             pyramid: pyramid.0.all(),

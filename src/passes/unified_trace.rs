@@ -1,6 +1,7 @@
 //! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the composite in the
 //! same pass, over the tiles of a list or over the whole image.
 
+use super::follow::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, Pyramid};
 use crate::error::Result;
@@ -30,6 +31,8 @@ pub struct UnifiedTraceInput<'a> {
     pub tiles: Tiles<'a>,
     /// Where to draw.
     pub canvas: Canvas<'a>,
+    /// The sky, and where rays go that the screen lost.
+    pub beyond: Beyond<'a>,
 }
 
 impl UnifiedTracePass {
@@ -40,11 +43,12 @@ impl UnifiedTracePass {
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup, hits: bool) -> Result<Self> {
         let wanted = |format, is_wanted| if is_wanted { format } else { vk::Format::UNDEFINED };
         let formats = || [LIT_COLOR, wanted(LIT_COLOR, setup.reflection), wanted(HITS, hits)];
-        let constants =
-            |whole| MirrorConstants { strip: setup.strip as i32, oracle: u32::from(setup.oracle) as i32, hits, whole };
+        let (strip, oracle, followed) = (setup.strip as i32, u32::from(setup.oracle) as i32, setup.followed);
+        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed };
+        let target = if followed { super::stored_target } else { Image::target };
         Ok(Self {
             mirrors: TiledPipeline::new(gpu, MIRROR_LIST, formats, constants)?,
-            hits: hits.then(|| Image::target(gpu, "hits", HITS, setup.extent)).transpose()?,
+            hits: hits.then(|| target(gpu, "hits", HITS, setup.extent)).transpose()?,
         })
     }
 
@@ -52,7 +56,7 @@ impl UnifiedTracePass {
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
-        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas }: &UnifiedTraceInput,
+        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let hits = self.hits.as_ref();
@@ -67,6 +71,10 @@ impl UnifiedTracePass {
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            lost: beyond.rays,
         };
         self.mirrors.draw(frame, "trace/mirrors", targets, &mirror, (parameters, *tiles, false))?;
         Ok(hits.map(Hits))

@@ -201,7 +201,8 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
 }
 
 /// The figure 4.5 colouring of which path each ray took: Hi-Z green, linear march red; misses and
-/// rays out of iterations darker; what does not reflect black.
+/// rays out of iterations darker; what does not reflect black. With captures: hits in them blue, the sky light blue,
+/// and what no image sees violet.
 pub fn paths(hits: &Pixels) -> Rgb {
     Rgb::from_pixels(hits, |c| match PathCode::from_channel(c[3]) {
         Some(PathCode::HiZ) => [0, 200, 0],
@@ -210,6 +211,9 @@ pub fn paths(hits: &Pixels) -> Rgb {
         Some(PathCode::Exhausted | PathCode::Unfinished) => [160, 160, 0],
         Some(PathCode::Linear) => [220, 0, 0],
         Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
+        Some(PathCode::Sky) => [120, 180, 255],
+        Some(PathCode::Capture) => [0, 110, 200],
+        Some(PathCode::Unknown) => [120, 0, 120],
         Some(PathCode::None) | None => [0; 3],
     })
 }

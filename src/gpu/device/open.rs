@@ -127,7 +127,10 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12).push_next(&mut v13);
     // SAFETY: as above.
     unsafe { instance.get_physical_device_features2(physical, &mut features) };
+    let v10 = features.features;
     let wanted = [
+        (v10.image_cube_array, "imageCubeArray"),
+        (v10.fragment_stores_and_atomics, "fragmentStoresAndAtomics"),
         (v13.dynamic_rendering, "dynamicRendering"),
         (v13.synchronization2, "synchronization2"),
         (v13.maintenance4, "maintenance4"),
@@ -231,6 +234,8 @@ pub(super) fn open_device(
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
     let features = vk::PhysicalDeviceFeatures::default()
+        .image_cube_array(true)
+        .fragment_stores_and_atomics(true)
         .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)

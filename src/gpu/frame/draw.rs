@@ -70,7 +70,7 @@ impl Frame<'_> {
             );
         }
         self.pass(name, |frame| {
-            frame.prepare(given, Access::FragmentSampled, Access::GraphicsStorageRead);
+            frame.prepare(given, [Access::FragmentSampled, Access::GraphicsStorageRead, Access::FragmentStorage]);
             if let Vertices::Said(arguments, _) = vertices {
                 frame.use_buffer(arguments, Access::Indirect);
             }
@@ -127,7 +127,21 @@ impl Frame<'_> {
         program: &P,
         threads: [u32; 3],
     ) -> Result<()> {
-        self.dispatch(name, &pipeline.compute, &Given::to(program), threads)
+        let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.compute.local_size[i]));
+        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Counted([x, y, z]))
+    }
+
+    /// A compute program over as many workgroups as the first three words of a buffer say.
+    pub fn compute_indirect<P: Compute>(
+        &mut self,
+        name: &str,
+        pipeline: &ComputePipeline<P>,
+        program: &P,
+        arguments: &Buffer,
+    ) -> Result<()> {
+        let least = size_of::<vk::DispatchIndirectCommand>() as u64;
+        assert!(arguments.size() >= least, "{name}: {} bytes of arguments", arguments.size());
+        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Said(arguments))
     }
 
     pub(super) fn dispatch(
@@ -135,16 +149,24 @@ impl Frame<'_> {
         name: &str,
         pipeline: &pipeline::SharedCompute,
         given: &Given,
-        threads: [u32; 3],
+        workgroups: Workgroups,
     ) -> Result<()> {
         self.pass(name, |frame| {
-            frame.prepare(given, Access::ComputeSampled, Access::ComputeStorageRead);
+            frame.prepare(given, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
+            if let Workgroups::Said(arguments) = workgroups {
+                frame.use_buffer(arguments, Access::Indirect);
+            }
             frame.flush();
             frame.bind(pipeline.handle, vk::PipelineBindPoint::COMPUTE);
             frame.push(&pipeline.layout, vk::PipelineBindPoint::COMPUTE, pipeline.name, given)?;
-            let [x, y, z] = [0, 1, 2].map(|i| threads[i].div_ceil(pipeline.local_size[i]));
-            // SAFETY: a pipeline and everything it reads are bound.
-            unsafe { frame.device().cmd_dispatch(frame.context.commands, x, y, z) };
+            let (device, commands) = (frame.device(), frame.context.commands);
+            // SAFETY: a pipeline and everything it reads are bound; the words lie in the buffer.
+            unsafe {
+                match workgroups {
+                    Workgroups::Counted([x, y, z]) => device.cmd_dispatch(commands, x, y, z),
+                    Workgroups::Said(arguments) => device.cmd_dispatch_indirect(commands, arguments.handle(), 0),
+                }
+            }
             Ok(())
         })
     }
@@ -171,6 +193,15 @@ pub(super) enum Vertices<'a> {
     Triangle,
     /// Reads the draw's arguments from a buffer at a byte offset.
     Said(&'a Buffer, u64),
+}
+
+/// How many workgroups [`Frame::dispatch`] runs.
+#[derive(Clone, Copy)]
+pub(super) enum Workgroups<'a> {
+    /// So many along each axis.
+    Counted([u32; 3]),
+    /// Reads the numbers from the beginning of a buffer.
+    Said(&'a Buffer),
 }
 
 const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;

@@ -10,6 +10,22 @@ use ash::vk;
 impl Frame<'_> {
     /// Scales one level into another with a linear filter: one step of a hardware mip chain.
     pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
+        self.blit_between(name, from, to, layers(&to))
+    }
+
+    /// Scales one level into one layer of another, or converts its format.
+    pub fn blit_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
+        assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
+        self.blit_between(name, from, to, layers(&to).base_array_layer(layer).layer_count(1))
+    }
+
+    fn blit_between(
+        &mut self,
+        name: &str,
+        from: ImageSlice,
+        to: ImageSlice,
+        target: vk::ImageSubresourceLayers,
+    ) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_image(from, Access::TransferRead);
             frame.use_image(to, Access::TransferWrite);
@@ -21,7 +37,7 @@ impl Frame<'_> {
             let region = vk::ImageBlit2::default()
                 .src_subresource(layers(&from))
                 .src_offsets(side(&from))
-                .dst_subresource(layers(&to))
+                .dst_subresource(target)
                 .dst_offsets(side(&to));
             let regions = [region];
             let info = vk::BlitImageInfo2::default()

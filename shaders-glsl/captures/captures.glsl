@@ -1,0 +1,33 @@
+// The captures of a scene, and the sky, as every pass knows them that has to do with either. Directions are in world
+// axes; places are relative to the camera's eye, in metres, so that large scenes lose no precision.
+
+#ifndef CAPTURES_CAPTURES_GLSL
+#define CAPTURES_CAPTURES_GLSL
+
+#include "unified/parameters.glsl"
+
+// Filled in by src/passes/captures.rs.
+layout(std140, binding = 16) uniform CaptureBlock {
+    mat4 view_to_world;          // the camera's; a rotation
+    vec4 places[MAX_CAPTURES];   // from the eye to where each capture was made; w unused
+    int count;
+    float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint (unified/gloss.glsl)
+    float face_unit;             // the same of the faces' cameras
+} captures;
+
+layout(binding = 17) uniform samplerCube environment; // in world axes
+
+vec3 ToWorld(vec3 view) {
+    return mat3(captures.view_to_world) * view;
+}
+
+vec3 ToView(vec3 world) {
+    return world * mat3(captures.view_to_world);
+}
+
+// What is seen of the sky along a direction in world axes.
+vec3 Sky(vec3 direction) {
+    return Sound(textureLod(environment, direction, 0.0).rgb);
+}
+
+#endif

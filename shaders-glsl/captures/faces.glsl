@@ -1,0 +1,154 @@
+// A ray in a capture: over the faces of its cube, one after the other, by the traversal of the screen.
+//
+// A face is an image as the screen is one: of a quarter turn, with reversed depth and an exact pyramid (`unified` here is
+// the block of a face). In it the ray is a straight line. It is followed as long as the face sees it, which is until it
+// goes behind the front of a block: there it hits what it comes to from in front, or is lost.
+
+#ifndef CAPTURES_FACES_GLSL
+#define CAPTURES_FACES_GLSL
+
+#include "captures/captures.glsl"
+
+int face_layer; // the face that is walked over: 6 capture + face
+
+#include "unified/traverse.glsl"
+
+// A vector of world axes in the view space of a face, in Vulkan's order +x -x +y -y +z -z, and back.
+vec3 ToFace(vec3 v, int face) {
+    return face == 0 ? vec3(-v.z, v.y, v.x)
+         : face == 1 ? vec3(v.z, v.y, -v.x)
+         : face == 2 ? vec3(v.x, -v.z, v.y)
+         : face == 3 ? vec3(v.x, v.z, -v.y)
+         : face == 4 ? v
+         : vec3(-v.x, v.y, -v.z);
+}
+
+vec3 FromFace(vec3 v, int face) {
+    return face == 0 ? vec3(v.z, v.y, -v.x)
+         : face == 1 ? vec3(-v.z, v.y, v.x)
+         : face == 2 ? vec3(v.x, v.z, -v.y)
+         : face == 3 ? vec3(v.x, -v.z, v.y)
+         : face == 4 ? v
+         : vec3(-v.x, v.y, -v.z);
+}
+
+// The face in which a direction lies.
+int FaceOf(vec3 v) {
+    vec3 a = abs(v);
+    return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1) : a.y >= a.z ? (v.y >= 0.0 ? 2 : 3) : v.z >= 0.0 ? 4 : 5;
+}
+
+// A point of a face, relative to the capture's place: continuous pixel coordinates, and the pixel.
+vec2 FacePosition(vec3 q, out ivec2 pixel) {
+    float side = float(unified.size.x);
+    precise vec2 ndc = q.xy / q.z;
+    precise vec2 position = (ndc * vec2(0.5, -0.5) + 0.5) * side;
+    position = clamp(position, vec2(0.0), vec2(side));
+    pixel = min(ivec2(position), unified.size - 1);
+    return position;
+}
+
+float FaceDepth(float z) {
+    precise float depth = captures.face_unit / z - unified.depth_offset;
+    return depth;
+}
+
+// Whether a capture sees a point relative to its place: it lies before the back of the block there.
+bool Sees(int capture, vec3 o) {
+    int face = FaceOf(o);
+    vec3 q = ToFace(o, face);
+    face_layer = 6 * capture + face;
+    q.z = max(q.z, 1e-6);
+    float depth = FaceDepth(q.z);
+    ivec2 pixel;
+    FacePosition(q, pixel);
+    vec2 block = BLOCK_AT(PixelTexel(pixel));
+    return depth < 1.0 && (block.x < block.y || depth >= block.y);
+}
+
+#define FOLLOW_HIT 0  // hit something from in front
+#define FOLLOW_SKY 1  // left the scene
+#define FOLLOW_LOST 2 // went behind something, or too near to the capture's place
+#define FOLLOW_ON 3   // left a face by its side
+
+struct Followed {
+    int how;    // FOLLOW_*
+    vec3 place; // relative to the capture's place, world axes: where the hit is, or where the ray was lost
+};
+
+// The point of a ray at a place of a face's walk, in the face's view space.
+vec3 FacePoint(Ray ray, float s) {
+    precise float depth = ray.depth + s * ray.rate.z;
+    precise vec2 position = ray.start + s * ray.rate.xy;
+    precise float z = captures.face_unit / max(depth + unified.depth_offset, 1e-12);
+    return ViewRay(position) * z;
+}
+
+// Over one face, from a point in it. `side` is the axis in the face's view space of the side by which it is left.
+Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
+    ivec2 pixel;
+    vec2 start = FacePosition(q, pixel);
+    float depth = FaceDepth(q.z);
+    vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
+    precise vec2 change = direction.xy - ndc * direction.z;
+    precise float change_z = -((depth + unified.depth_offset) * direction.z);
+    Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
+    side = vec3(0.0);
+    if (!(depth < 1.0))
+        return Followed(FOLLOW_LOST, q);
+    ivec2 ahead = Ahead(ray);
+    Walk walk = Walk(pixel, 0, 0.0, depth, NEVER, 0);
+    bool passes = false;
+    Followed result = Followed(FOLLOW_ON, q);
+    while (result.how == FOLLOW_ON) {
+        Advance(ray, ahead, passes, walk);
+        if (walk.level >= 0)
+            break;
+        // Behind the front of a block. A surface that the ray runs away from is the one it leaves, if the ray is
+        // inside the block still; any other is met from in front, or through the joint to the block before.
+        vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
+        float along = Dot(direction, NORMAL_AT(walk.pixel));
+        bool in_front = walk.entry_depth >= block.x;
+        passes = along > 0.0 && walk.entry_depth >= block.y;
+        if (!passes) {
+            bool is_behind = along > 0.0;
+            if (!in_front && along <= 0.0)
+                is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)
+                                             : walk.entry_depth < block.y;
+            float s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
+            result = Followed(is_behind ? FOLLOW_LOST : FOLLOW_HIT, FacePoint(ray, s));
+        }
+        walk.level = 0;
+    }
+    steps += walk.steps;
+    if (result.how == FOLLOW_ON) {
+        ivec2 far = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+        precise vec2 sides = (vec2(far) - ray.start) * ray.inverse;
+        bool by_side = ray.end == min(sides.x, sides.y);
+        result.place = FacePoint(ray, ray.end);
+        result.how = by_side ? FOLLOW_ON : ray.rate.z < 0.0 ? FOLLOW_SKY : FOLLOW_LOST;
+        // Image y runs down.
+        side = sides.x <= sides.y ? vec3(ray.inverse.x > 0.0 ? 1.0 : -1.0, 0.0, 0.0)
+                                  : vec3(0.0, ray.inverse.y > 0.0 ? -1.0 : 1.0, 0.0);
+    }
+    return result;
+}
+
+// Through a capture, from a point relative to its place that it sees, along a unit direction.
+Followed Follow(int capture, vec3 o, vec3 direction, inout int steps) {
+    int face = FaceOf(o);
+    Followed result = Followed(FOLLOW_LOST, o);
+    // A line crosses each of the six planes between faces once at most.
+    for (int i = 0; i < 7; ++i) {
+        face_layer = 6 * capture + face;
+        vec3 side;
+        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), steps, side);
+        result.place = FromFace(result.place, face);
+        if (result.how != FOLLOW_ON)
+            return result;
+        face = FaceOf(FromFace(side, face));
+    }
+    return Followed(FOLLOW_LOST, result.place);
+}
+
+#endif

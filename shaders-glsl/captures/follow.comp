@@ -1,0 +1,135 @@
+#version 460
+#pragma program(FollowMirrors, MIRRORS)
+#pragma program(FollowNarrow, NARROW)
+#pragma program(FollowWide)
+// Follows the rays that the screen lost through the captures, a thread a ray, and puts what they see where the ray is of:
+// a mirror's pixel is finished, a glossy ray's record gets what it saw, for the pixels around it to gather.
+//
+// A ray goes on in the nearest capture that sees the point where the last image lost it.
+
+layout(local_size_x = 64) in; // LOST_GROUP
+
+#define LOST_ACCESS readonly
+#define FACES
+#include "captures/lost.glsl"
+
+layout(binding = 1, rg32f) uniform readonly image2DArray pyramid;             // front and back depths, a layer a face
+layout(binding = 2, rgba8_snorm) uniform readonly image2DArray normal_buffer; // view space of the face
+layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour; 0 where the sky is seen, and in a how much is not sky
+
+#ifdef MIRRORS
+layout(constant_id = 6) const bool REFLECTION = false; // the reflection is wanted as an image of its own
+layout(constant_id = 7) const bool HITS = false;       // so are the hits
+
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness; of the screen
+layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
+layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;
+layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
+layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image without HITS
+#elif defined(NARROW)
+layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
+#else
+layout(binding = 6, rgba32f) uniform image2D place_image; // TraceWide
+layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
+#endif
+
+#include "captures/faces.glsl"
+
+// How far beyond the scene the sky is put where a point stands for it, in metres.
+#define SKY_DISTANCE 1e5
+
+struct Answer {
+    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit is nearer
+    vec3 place; // relative to the eye, world axes
+    vec3 color;
+};
+
+// The nearest capture that sees a point relative to the eye, of those that are not left out; -1 if there is none.
+int NearestThatSees(vec3 point, int left_out) {
+    int nearest = -1;
+    float least = NEVER;
+    for (int k = 0; k < captures.count; ++k) {
+        vec3 o = point - captures.places[k].xyz;
+        float squared = dot(o, o);
+        if ((left_out >> k & 1) == 0 && squared < least && Sees(k, o)) {
+            nearest = k;
+            least = squared;
+        }
+    }
+    return nearest;
+}
+
+Answer FollowRay(LostRay ray) {
+    Answer answer = Answer(PATH_UNKNOWN, ray.start, vec3(0.0));
+    vec3 point = ray.start;
+    int left_out = 0, steps = 0;
+    // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
+    for (int i = 0; i < 2 * MAX_CAPTURES; ++i) {
+        int k = NearestThatSees(point, left_out);
+        if (k < 0)
+            break;
+        vec3 place = captures.places[k].xyz;
+        Followed followed = Follow(k, point - place, ray.direction, steps);
+        vec3 there = followed.place + place;
+        float distance = dot(there - ray.start, ray.direction);
+        if (followed.how == FOLLOW_SKY || distance >= ray.limit) {
+            answer.code = ray.limit < NEVER ? PATH_NONE : PATH_SKY;
+            answer.place = ray.start + SKY_DISTANCE * ray.direction;
+            answer.color = Sky(ray.direction);
+            break;
+        }
+        if (followed.how == FOLLOW_HIT) {
+            vec3 o = followed.place;
+            vec3 a = abs(o);
+            float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
+            float level = max(log2(ray.spread * (ray.before + distance) / texel), 0.0);
+            vec4 seen = textureLod(color_cubes, vec4(o, float(k)), level);
+            answer.code = PATH_CAPTURE + k;
+            answer.place = there;
+            answer.color = Sound(seen.rgb);
+            if (seen.a < 1.0)
+                answer.color += (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
+            break;
+        }
+        bool has_moved = distance > dot(point - ray.start, ray.direction) + 1e-4;
+        left_out = has_moved ? 1 << k : left_out | 1 << k;
+        if (has_moved)
+            point = there;
+    }
+    return answer;
+}
+
+void main() {
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= lost_counts.count)
+        return;
+    LostRay ray = lost.rays[index];
+    ivec2 pixel = ivec2(ray.pixel & 0xffffu, ray.pixel >> 16);
+    Answer answer = FollowRay(ray);
+    bool has_seen = answer.code != PATH_UNKNOWN && answer.code != PATH_NONE;
+#ifdef MIRRORS
+    if (has_seen) {
+        float reflectivity = imageLoad(material_buffer, pixel).x;
+        vec3 color = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * answer.color;
+        imageStore(composite_image, pixel, vec4(min(color, GREATEST_HALF), 1.0));
+        if (REFLECTION)
+            imageStore(reflection_image, pixel, vec4(answer.color, 1.0));
+    }
+    if (HITS && answer.code != PATH_NONE)
+        imageStore(hits_image, pixel, vec4(has_seen ? answer.place : vec3(-1.0), float(answer.code)));
+#elif defined(NARROW)
+    if (has_seen) {
+        uvec4 words = imageLoad(seen_image, pixel);
+        words.y &= 0x7fffffffu; // the sign says that it missed
+        words.z = packHalf2x16(answer.color.rg);
+        words.w = packHalf2x16(vec2(answer.color.b, 1.0));
+        imageStore(seen_image, pixel, words);
+    }
+#else
+    if (has_seen) {
+        float density = abs(imageLoad(place_image, pixel).w);
+        imageStore(place_image, pixel, vec4(ToView(answer.place) / captures.view_unit, density));
+        imageStore(seen_image, pixel, vec4(answer.color, 1.0));
+    }
+#endif
+}

@@ -1,0 +1,54 @@
+// What a ray sees that was traced on the screen: the lit colour at its hit, with the sky along the ray where the screen
+// shows sky, and where the screen has lost it, which is handed on to captures/follow.comp. Needs the image
+// `color_buffer`, and unified/traverse.glsl.
+
+#ifndef CAPTURES_SEEN_GLSL
+#define CAPTURES_SEEN_GLSL
+
+#define LOST_ACCESS
+#include "captures/lost.glsl"
+
+// The lit colour of the screen at a hit. The share of it that is sky (1 - a) was seen in another direction.
+vec3 ColorSeen(vec2 position, float level, vec3 direction) {
+    vec4 seen = textureLod(color_buffer, position * unified.pixel_to_clip, level);
+    vec3 color = Sound(seen.rgb);
+    if (unified.sky != 0 && seen.a < 1.0) {
+        vec3 along = Sky(ToWorld(direction));
+        vec3 there = Sky(ToWorld(ViewRay(position)));
+        color = seen.a > 0.0 ? Sound(color + (1.0 - seen.a) * (along - there)) : along;
+    }
+    return color;
+}
+
+// Whether a ray that hit nothing ended in the sky, without having been behind anything.
+bool EndsInSky(Ray ray, Hit hit) {
+    return FOLLOWED && hit.code == PATH_MISS && hit.behind == NEVER && WhyMissed(ray) == PATH_MISS_SKY;
+}
+
+// Hands on a ray of a pixel or cell if the screen lost it: it missed, or it was behind something before it hit. `before`
+// says how far the footprint has widened where the ray begins, `spread` by how much it widens with each metre.
+void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
+    bool is_hit = hit.code == PATH_HI_Z;
+    if (!FOLLOWED || (is_hit && !(hit.behind < hit.s)))
+        return;
+    float s = min(hit.s, hit.behind);
+    precise float depth = ray.depth + s * ray.rate.z;
+    vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
+    vec3 start = ViewPoint(ray.start + s * ray.rate.xy, max(depth, 0.0)) * captures.view_unit;
+    vec3 there = ViewPoint(hit.position, hit.depth) * captures.view_unit;
+    float limit = is_hit ? distance(start, there) : NEVER;
+    uint index = atomicAdd(lost_counts.count, 1u);
+    if (index % uint(LOST_GROUP) == 0u)
+        atomicAdd(lost_counts.groups[0], 1u);
+    if (index == 0u) {
+        lost_counts.groups[1] = 1u;
+        lost_counts.groups[2] = 1u;
+    }
+    if (index >= uint(lost.rays.length()))
+        return;
+    vec3 along = ToWorld(ray.direction);
+    lost.rays[index] = LostRay(ToWorld(start), limit, along * inversesqrt(dot(along, along)),
+                               before + distance(begin, start), spread, pixel.x | pixel.y << 16, 0u, 0u);
+}
+
+#endif
