@@ -5,6 +5,7 @@
 //! ([`library`]); all three give the same [`Scene`].
 
 mod bounded;
+pub mod bvh;
 pub mod camera;
 pub mod capture;
 pub mod gbuffer;
@@ -18,6 +19,7 @@ pub mod proxies;
 pub mod scene_file;
 pub mod sky;
 pub mod texture;
+pub mod triangles;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -28,6 +30,7 @@ pub use gbuffer::GBufferData;
 pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
+pub use triangles::Triangles;
 
 /// The greatest distance from the origin, along each axis, at which a file may place something, in metres.
 /// Within it, products of two differences stay finite in f32.
