@@ -116,6 +116,10 @@ fn sound_scene(scene: &Scene) {
     for view in &scene.views {
         sound_camera(&Camera::new(view.eye, view.look_at, view.lens.unwrap_or(scene.lens), 1.5));
     }
+    for capture in &scene.captures {
+        assert!(capture.position.is_finite() && capture.near_m > 0.0 && capture.near_m.is_finite(), "{capture:?}");
+        assert_eq!(capture.resolution, scene.captures[0].resolution);
+    }
     scene.paths.iter().for_each(sound_path);
 }
 

@@ -20,7 +20,7 @@ const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposi
     [[area_light]]\nkind = \"capsule\"\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 1.0\n\
     [[area_light]]\nkind = \"rectangle\"\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
     half_v = [0, 1, 0]\n[[path.p.key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n[[path.p.key]]\neye = [1, 0, 0]\n\
-    look_at = [1, 0, 1]\n";
+    look_at = [1, 0, 1]\n[[capture]]\nplace = [0, 1.5, 0]\nresolution = 64\nnear = 0.1\n";
 
 const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
     look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";

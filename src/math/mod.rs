@@ -1,5 +1,5 @@
-//! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe
-//! and the version of the oracle.
+//! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe,
+//! random numbers and the version of the oracle.
 
 pub mod cone;
 pub mod constants;
@@ -7,6 +7,7 @@ pub mod frustum;
 pub mod oracle_version;
 pub mod phong;
 pub mod projection;
+pub mod random;
 
 pub use oracle_version::OracleVersion;
 

@@ -3,7 +3,7 @@
 //! interval. The resampling is seeded, so the same samples give the same interval everywhere.
 
 use super::percentile;
-use crate::reference::random::Stream;
+use crate::math::random::Stream;
 use serde::Serialize;
 
 /// The number of resamples of an interval. Fifty of them lie beyond each end, so an end is known to about a

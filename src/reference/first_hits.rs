@@ -2,8 +2,8 @@
 //! through the pixels' centres, which needs no G-buffer and so is independent evidence, or taken from a
 //! G-buffer, which leaves the reflection as the only difference between a method and the reference.
 
-use super::bvh::{TriangleHit, WorldRay};
 use super::surface::{World, sky_color};
+use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;

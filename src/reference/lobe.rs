@@ -20,7 +20,7 @@ pub fn lobe_direction(axis: DVec3, exponent: f64, u: [f64; 2]) -> DVec3 {
 mod tests {
     use super::*;
     use crate::math::phong;
-    use crate::reference::random::Stream;
+    use crate::math::random::Stream;
 
     #[test]
     fn the_cone_of_a_roughness_holds_its_share_of_the_lobe() {

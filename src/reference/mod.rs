@@ -5,14 +5,12 @@
 //! it over glossy lobes. [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
 //! error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
-pub mod bvh;
 pub mod first_hits;
 pub mod hi_z;
 pub mod hi_z_ray_trace;
 pub mod hierarchy;
 pub mod lobe;
 pub mod oracle;
-pub mod random;
 pub mod ray;
 pub mod screen;
 pub mod surface;

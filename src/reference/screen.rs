@@ -7,7 +7,7 @@
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
-use super::random::Stream;
+use crate::math::random::Stream;
 use crate::math::{OracleVersion, phong};
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};

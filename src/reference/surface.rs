@@ -5,9 +5,9 @@
 //! G-buffer filters them over the pixel, and stores albedo in 8 bits and normals in 16. There is no other
 //! difference.
 
-use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
-use crate::math::srgb_to_linear;
-use crate::scene::{Encoding, Light, Material, Mesh, Scene, Surface, Texture, Vertex, sky};
+use crate::scene::bvh::{TriangleHit, WorldRay};
+use crate::scene::triangles::{TriangleRef, interpolate_uv};
+use crate::scene::{Light, Material, Scene, Surface, Triangles, Vertex, sky};
 use glam::{DVec2, DVec3, DVec4, Vec3};
 
 /// A scene with the materials of a view, prepared for ray tracing.
@@ -16,18 +16,7 @@ pub struct World<'a> {
     pub scene: &'a Scene,
     /// The materials that replace the scene's own, with the same indices.
     pub materials: &'a [Material],
-    triangles: Vec<TriangleRef>,
-    intersector: Box<dyn Intersector>,
-    decoded: [f64; 256],
-}
-
-/// The origin of a triangle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct TriangleRef {
-    /// Index into [`Scene::meshes`].
-    pub mesh: u32,
-    /// Index of the triangle in its mesh; its three vertex indices start at 3 · `triangle`.
-    pub triangle: u32,
+    triangles: Triangles<'a>,
 }
 
 /// A point of a surface as seen by a ray.
@@ -52,32 +41,22 @@ pub struct SurfacePoint {
 impl<'a> World<'a> {
     /// Builds the hierarchy over all triangles of a scene.
     pub fn new(scene: &'a Scene, materials: &'a [Material]) -> Self {
-        let mut triangles = Vec::with_capacity(scene.triangle_count());
-        let mut corners = Vec::with_capacity(scene.triangle_count());
-        for (m, mesh) in scene.meshes.iter().enumerate() {
-            for (t, indices) in mesh.indices.as_chunks::<3>().0.iter().enumerate() {
-                triangles.push(TriangleRef { mesh: m as u32, triangle: t as u32 });
-                corners.push(indices.map(|i| Vec3::from(mesh.vertices[i as usize].position)));
-            }
-        }
-        let decoded = std::array::from_fn(|byte| f64::from(srgb_to_linear(byte as f32 / 255.0)));
-        Self { scene, materials, triangles, intersector: Box::new(TriangleBvh::new(corners)), decoded }
+        Self { scene, materials, triangles: Triangles::new(scene, materials) }
     }
 
     /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
     pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
-        self.intersector.closest(ray, &|hit| self.covers(hit))
+        self.triangles.closest(ray)
     }
 
     /// The origin of the triangle that was hit.
     pub fn triangle(&self, hit: &TriangleHit) -> TriangleRef {
-        self.triangles[hit.triangle as usize]
+        self.triangles.origin(hit)
     }
 
     /// The surface point that a ray hits.
     pub fn point(&self, ray: &WorldRay, hit: &TriangleHit) -> SurfacePoint {
-        let (mesh, vertices) = self.vertices(hit);
-        let material = &self.materials[mesh.material];
+        let (material, vertices) = self.triangles.surface(hit);
         let [a, b, c] = vertices.map(|v| Vec3::from(v.position).as_dvec3());
         let towards_front = (b - a).cross(c - a).normalize_or(-ray.direction);
         // A surface that is seen from behind shows its other side.
@@ -124,46 +103,8 @@ impl<'a> World<'a> {
         geometric.lerp(bumped, deviation).normalize_or(geometric)
     }
 
-    /// Whether the surface has no hole there: an alpha mask below ½ is a hole.
-    fn covers(&self, hit: &TriangleHit) -> bool {
-        let mesh = &self.scene.meshes[self.triangle(hit).mesh as usize];
-        let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
-        let (_, vertices) = self.vertices(hit);
-        self.sample(mask, interpolate_uv(&vertices, hit)).x >= 0.5
-    }
-
-    fn vertices(&self, hit: &TriangleHit) -> (&Mesh, [&Vertex; 3]) {
-        let from = self.triangle(hit);
-        let mesh = &self.scene.meshes[from.mesh as usize];
-        let first = 3 * from.triangle as usize;
-        (mesh, [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
-    }
-
-    /// Samples the finest level of an image, bilinear, repeating and decoded, as Vulkan's "Texel Filtering"
-    /// defines VK_FILTER_LINEAR. (0, 0) is the top left corner.
     fn sample(&self, texture: usize, uv: DVec2) -> DVec4 {
-        let image = &self.scene.textures[texture];
-        let size = DVec2::new(f64::from(image.width), f64::from(image.height));
-        let at = (uv - uv.floor()) * size - 0.5;
-        let (corner, weight) = (at.floor(), at - at.floor());
-        let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
-        let texel =
-            |dx: f64, dy: f64| self.texel(image, wrap(corner.x + dx, image.width), wrap(corner.y + dy, image.height));
-        let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
-        above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
-    }
-
-    fn texel(&self, image: &Texture, x: usize, y: usize) -> DVec4 {
-        let at = 4 * (y * image.width as usize + x);
-        let rgba: [u8; 4] = std::array::from_fn(|k| image.rgba[at + k]);
-        let unit = rgba.map(|byte| f64::from(byte) / 255.0);
-        match image.encoding {
-            Encoding::Linear => DVec4::from(unit),
-            Encoding::Srgb => {
-                let [r, g, b] = [0, 1, 2].map(|k| self.decoded[usize::from(rgba[k])]);
-                DVec4::new(r, g, b, unit[3])
-            }
-        }
+        self.scene.textures[texture].bilinear(uv)
     }
 }
 
@@ -195,18 +136,11 @@ fn interpolate(vertices: &[&Vertex; 3], hit: &TriangleHit, of: impl Fn(&Vertex) 
     vertices.iter().zip(hit.barycentrics).map(|(v, weight)| weight * Vec3::from(of(v)).as_dvec3()).sum()
 }
 
-fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
-    vertices
-        .iter()
-        .zip(hit.barycentrics)
-        .map(|(v, weight)| weight * DVec2::new(f64::from(v.uv[0]), f64::from(v.uv[1])))
-        .sum()
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::scene::Aabb;
+    use crate::math::srgb_to_linear;
+    use crate::scene::{Aabb, Encoding, Mesh, Texture};
 
     /// A rectangle spanned by two edges from a corner. Its front is the side of u × v; uv (0, 0) is at the
     /// corner and (1, 1) opposite.

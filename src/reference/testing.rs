@@ -1,7 +1,7 @@
 //! G-buffers for the tests of the references.
 
-use super::random::Stream;
 use super::ray::RaySetup;
+use crate::math::random::Stream;
 use crate::scene::{Camera, GBufferData, Lens};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;

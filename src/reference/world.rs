@@ -6,14 +6,14 @@
 //! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
 //! the order of their numbers. A result therefore does not depend on threads or on interruptions.
 
-use super::bvh::WorldRay;
 use super::first_hits::{FirstHits, Receiver};
 use super::lobe::lobe_direction;
-use super::random::Stream;
 use super::surface::{World, sky_color};
 use super::world_state::WorldState;
 use crate::error::Result;
 use crate::math::phong;
+use crate::math::random::Stream;
+use crate::scene::bvh::WorldRay;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 

@@ -1,12 +1,12 @@
 //! Where the mirror rays of a G-buffer end in the world, and whether the screen shows that place. docs/definitions.md,
 //! "World agreement", judges a method's hits by this.
 
-use super::bvh::WorldRay;
 use super::first_hits::FirstHits;
 use super::surface::World;
 use super::world::RAY_START_M;
 pub use crate::math::constants::VISIBLE_WITHIN;
 use crate::scene::GBufferData;
+use crate::scene::bvh::WorldRay;
 use glam::{DMat4, DVec2, DVec3};
 use rayon::prelude::*;
 

@@ -9,10 +9,10 @@
 use super::files::write;
 use super::images::write_rgba_png;
 use crate::error::Result;
-use crate::reference::bvh::{TriangleHit, WorldRay};
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, RAY_START_M, WorldReference};
+use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::{Camera, Encoding, Light, Material, Mesh, Scene, Surface};
 use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;

@@ -5,7 +5,9 @@
 //! ([`library`]); all three give the same [`Scene`].
 
 mod bounded;
+pub mod bvh;
 pub mod camera;
+pub mod capture;
 pub mod gbuffer;
 pub mod gbuffer_file;
 pub mod library;
@@ -17,15 +19,18 @@ pub mod proxies;
 pub mod scene_file;
 pub mod sky;
 pub mod texture;
+pub mod triangles;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 pub use camera::{Camera, Lens, View};
+pub use capture::Capture;
 pub use gbuffer::GBufferData;
 pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
+pub use triangles::Triangles;
 
 /// The greatest distance from the origin, along each axis, at which a file may place something, in metres.
 /// Within it, products of two differences stay finite in f32.
@@ -50,6 +55,9 @@ pub struct Scene {
     pub impostors: Vec<Impostor>,
     /// Lights with an extent, which only the method `area-light` sees.
     pub area_lights: Vec<AreaLight>,
+    /// Where cubes of images are captured, in the order in which they help most; empty unless a scene file names
+    /// places or [`placement`] finds some. At most [`capture::MAX_CAPTURES`].
+    pub captures: Vec<Capture>,
     /// The lens of every view that has none of its own.
     pub lens: Lens,
     /// Named views; never empty in a loaded scene. The first one is the default.
@@ -251,6 +259,7 @@ struct Extended<'a> {
     probes: &'a mut [Probe],
     impostors: &'a mut [Impostor],
     area_lights: &'a mut [AreaLight],
+    captures: &'a mut [Capture],
 }
 
 impl Scene {
@@ -259,23 +268,26 @@ impl Scene {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin: those of views, paths, lights, probes and impostors too. Lenses and
+    /// Scales all coordinates about the origin: those of views, paths, lights, probes, impostors and
+    /// captures too. Lenses and
     /// energies stay.
     pub fn scale(&mut self, factor: f32) {
-        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p * factor);
+        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
         paths.iter_mut().for_each(|p| p.scale(factor));
         probes.iter_mut().for_each(|p| p.scale(factor));
         impostors.iter_mut().for_each(|i| i.scale(factor));
         area_lights.iter_mut().for_each(|l| l.shape.scale(factor));
+        captures.iter_mut().for_each(|c| c.scale(factor));
     }
 
     /// Moves everything that has a place.
     pub fn translate(&mut self, offset: Vec3) {
-        let Extended { paths, probes, impostors, area_lights } = self.move_points(|p| p + offset);
+        let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p + offset);
         paths.iter_mut().for_each(|p| p.translate(offset));
         probes.iter_mut().for_each(|p| p.translate(offset));
         impostors.iter_mut().for_each(|i| i.centre += offset);
         area_lights.iter_mut().for_each(|l| l.shape.translate(offset));
+        captures.iter_mut().for_each(|c| c.position += offset);
     }
 
     /// Moves what has a place and no extent; gives what has an extent to the caller. Every field is named, so that a
@@ -290,6 +302,7 @@ impl Scene {
             probes,
             impostors,
             area_lights,
+            captures,
             lens: _,
             views,
             paths,
@@ -311,7 +324,7 @@ impl Scene {
                 Light::Directional { direction: _, energy: _ } => {}
             }
         }
-        Extended { paths, probes, impostors, area_lights }
+        Extended { paths, probes, impostors, area_lights, captures }
     }
 
     /// The number of triangles.

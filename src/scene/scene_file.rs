@@ -1,6 +1,7 @@
 //! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
 //! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
+mod captures;
 mod proxies;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
@@ -22,7 +23,7 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Loads a scene file and the OBJ files that it names; their paths are relative to it.
 ///
 /// `extra_scale` (finite and > 0; 1 for none) enlarges the whole scene: it multiplies the file's `scale` and
-/// everything that the file places in metres (views, point lights, probes, impostors, area lights). Lenses and
+/// everything that the file places in metres (views, point lights, probes, impostors, area lights, captures). Lenses and
 /// energies are unchanged.
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of a bare OBJ
@@ -54,6 +55,7 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     let files = source.meshes(sections.mesh)?;
     let mut probes = sections.probe.iter().map(|p| source.probe(p)).collect::<Result<Vec<_>>>()?;
     let mut area_lights = sections.area_light.iter().map(|l| source.area_light(l)).collect::<Result<Vec<_>>>()?;
+    let captures = source.captures(&sections.capture, extra_scale)?;
     let images = sections.impostor.iter().map(|i| source.impostor(i)).collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
@@ -72,6 +74,7 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     area_lights.iter_mut().for_each(|l| l.shape.scale(extra_scale));
     scene.probes.append(&mut probes);
     scene.area_lights = area_lights;
+    scene.captures = captures;
     for (mut impostor, texture) in images {
         impostor.scale(extra_scale);
         impostor.texture = scene.textures.len();
@@ -107,6 +110,8 @@ struct Sections {
     impostor: Vec<proxies::ImpostorSection>,
     #[serde(default)]
     area_light: Vec<Spanned<proxies::AreaLightSection>>,
+    #[serde(default)]
+    capture: Vec<Spanned<captures::CaptureSection>>,
 }
 
 #[derive(Deserialize)]

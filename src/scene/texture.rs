@@ -3,10 +3,12 @@
 
 use super::bounded;
 use crate::error::{Error, Result};
-use glam::{Vec2, Vec3};
+use crate::math;
+use glam::{DVec2, DVec4, Vec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::LazyLock;
 
 /// The greatest width and height of an image, in texels; every desktop Vulkan device supports it.
 pub const MAX_EXTENT: u32 = 16384;
@@ -23,6 +25,10 @@ pub const RELIEF_TEXELS: f32 = 2.0;
 /// If the correlation is below this, the normal map's green points down. Maps with green up are above 0, and
 /// those of Crytek's Sponza (green down) mostly below −0.2; values in between are too weak to act on.
 const GREEN_DOWN: f64 = -0.15;
+
+/// The linear value of each byte of an sRGB image.
+static DECODED: LazyLock<[f64; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| f64::from(math::srgb_to_linear(byte as f32 / 255.0))));
 
 /// How the bytes of a texture encode numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,6 +103,32 @@ impl Texture {
         let rgba = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgba8().into_raw();
         let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(Self { name, width, height, rgba, encoding })
+    }
+
+    /// Samples the image, bilinear, repeating and decoded, as Vulkan's "Texel Filtering" defines VK_FILTER_LINEAR.
+    /// (0, 0) is the top left corner, (1, 1) the lower right one.
+    pub fn bilinear(&self, uv: DVec2) -> DVec4 {
+        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
+        let at = (uv - uv.floor()) * size - 0.5;
+        let (corner, weight) = (at.floor(), at - at.floor());
+        let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
+        let texel = |dx: f64, dy: f64| self.texel(wrap(corner.x + dx, self.width), wrap(corner.y + dy, self.height));
+        let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
+        above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
+    }
+
+    /// A texel, decoded.
+    fn texel(&self, x: usize, y: usize) -> DVec4 {
+        let at = 4 * (y * self.width as usize + x);
+        let rgba: [u8; 4] = std::array::from_fn(|k| self.rgba[at + k]);
+        let unit = rgba.map(|byte| f64::from(byte) / 255.0);
+        match self.encoding {
+            Encoding::Linear => DVec4::from(unit),
+            Encoding::Srgb => {
+                let [r, g, b] = [0, 1, 2].map(|k| DECODED[usize::from(rgba[k])]);
+                DVec4::new(r, g, b, unit[3])
+            }
+        }
     }
 
     /// Converts the image to an alpha mask. All channels get its alpha channel or, if that is constant, its

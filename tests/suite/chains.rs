@@ -5,13 +5,13 @@ use crate::common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::math::random::Stream;
 use ssct::methods::Setup;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::Level;
 use ssct::reference::hi_z::{self, MinMax};
-use ssct::reference::random::Stream;
 use ssct::reference::visibility::{self, Range};
 use ssct::scene::{GBufferData, scene_file};
 use ssct::study::Globals;

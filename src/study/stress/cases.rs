@@ -1,7 +1,7 @@
 //! Adversarial G-buffers, each made from its name's seed alone: sizes, depth ranges, depths, ray
 //! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
-use crate::reference::random::Stream;
+use crate::math::random::Stream;
 use crate::scene::{Camera, GBufferData, Lens};
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use half::f16;

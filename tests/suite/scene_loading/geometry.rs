@@ -283,7 +283,8 @@ fn places(scene: &Scene) -> Vec<Vec3> {
         AreaShape::Sphere { centre, .. } | AreaShape::Rectangle { centre, .. } => centre,
         AreaShape::Capsule { a, .. } => a,
     });
-    let kinds: [Vec<Vec3>; 8] = [
+    let captures = scene.captures.iter().map(|c| c.position);
+    let kinds: [Vec<Vec3>; 9] = [
         vertices.collect(),
         bounds.collect(),
         views.collect(),
@@ -292,6 +293,7 @@ fn places(scene: &Scene) -> Vec<Vec3> {
         probes.collect(),
         impostors.collect(),
         area_lights.collect(),
+        captures.collect(),
     ];
     assert!(kinds.iter().all(|places| !places.is_empty()));
     kinds.concat()

@@ -16,7 +16,8 @@ const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurf
     [view.a]\neye = [0.0, 0.0, 1.0]\nlook_at = [0.0, 0.0, 0.0]\nmaterials = { n = { reflectivity = 1.0 } }\n\
     [[probe]]\nname = \"p\"\nposition = [0, 0, 0]\nmin = [-1, -1, -1]\nmax = [1.0, 1.0, 1.0]\n[[impostor]]\nfile = \"x.png\"\n\
     centre = [0, 0, 0]\nhalf_u = [1, 0, 0]\nhalf_v = [0, -1, 0]\n[[area_light]]\nkind = \"sphere\"\n\
-    radiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n";
+    radiance = [1, 1, 1]\ncentre = [0, 0, 0]\nradius = 1.0\n[[capture]]\nplace = [0, 1.5, 0]\nresolution = 64\n\
+    near = 0.1\n[[capture]]\nplace = [0, 1, 0]\nresolution = 64\n";
 
 /// A place as a share of the text, what to do there, and a byte for it.
 type Mutation = (prop::sample::Index, u8, u8);

@@ -2,7 +2,7 @@
 
 use super::*;
 use ssct::error::Result;
-use ssct::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
+use ssct::scene::{Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
 
 fn folder(text: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");
@@ -105,6 +105,15 @@ radiance = [2, 2, 2]
 centre = [0, 3, 0]
 half_u = [1, 0, 0]
 half_v = [0, 0, 2]
+
+[[capture]]
+place = [1, 1.5, 2]
+resolution = 256
+near = 0.25
+
+[[capture]]
+place = [3, 1.5, 2]
+resolution = 256
 "#;
 
 #[test]
@@ -177,6 +186,20 @@ fn probes_impostors_and_area_lights_arrive() {
 }
 
 #[test]
+fn captures_arrive_and_can_be_written_again() {
+    let scene = load(&folder(FULL), 1.0).unwrap();
+    let first = Capture { position: Vec3::new(1.0, 1.5, 2.0), near_m: 0.25, resolution: 256 };
+    let second = Capture { position: Vec3::new(3.0, 1.5, 2.0), near_m: Capture::NEAR_M, resolution: 256 };
+    assert_eq!(scene.captures, [first, second]);
+    let written: String = scene.captures.iter().map(Capture::to_toml).collect();
+    let again = load(&folder(&format!("[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
+    assert_eq!(again.captures, scene.captures);
+    let bare = load(&folder("[[mesh]]\nfile = 'a.obj'\n[[capture]]\nplace = [0, 1, 0]\n"), 2.0).unwrap();
+    let scaled = Capture { near_m: 2.0 * Capture::NEAR_M, ..Capture::at(2.0 * Vec3::Y) };
+    assert_eq!(bare.captures, [scaled]);
+}
+
+#[test]
 fn views_change_materials_only_for_themselves() {
     let scene = load(&folder(FULL), 1.0).unwrap();
     let of = |name: &str| {
@@ -201,6 +224,7 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
     let AreaShape::Sphere { centre, radius } = scene.area_lights[0].shape else { panic!("a sphere") };
     assert_eq!((centre, radius), (Vec3::new(3.0, 6.0, 9.0), 1.5));
     assert_eq!((scene.impostors[1].centre, scene.impostors[1].half_u), (Vec3::new(0.0, 6.0, 6.0), 3.0 * Vec3::Z));
+    assert_eq!((scene.captures[0].position, scene.captures[0].near_m), (Vec3::new(3.0, 4.5, 6.0), 0.75));
     assert_eq!(scene.lens.near_m, 0.5);
 }
 
@@ -211,6 +235,7 @@ fn little_suffices() {
     assert_eq!((scene.lights.len(), scene.lens.fov_y_radians), (1, Lens::default().fov_y_radians));
     let middle = Probe { name: "middle".into(), position: Vec3::new(0.5, 0.5, 0.0), bounds: scene.bounds() };
     assert_eq!((scene.probes, scene.impostors.len(), scene.area_lights.len()), (vec![middle], 0, 0));
+    assert!(scene.captures.is_empty());
     let bare = folder("").load("a.obj", &LEFT).unwrap();
     assert_eq!((bare.probes[0].position, bare.probes.len()), (Vec3::new(0.5, 0.5, 0.0), 1));
     assert!(normal(&scene.meshes[0].vertices[0]).z < 0.0, "right-handed unless it says otherwise");
@@ -278,6 +303,14 @@ fn errors_name_the_line() {
             "[[probe]]\nname = 'a'\nposition = [0, 2, 0]\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n".into(),
             "5: position must lie between min and max",
         ),
+        ("[[capture]]\nplace = [0, nan, 0]\n".into(), "4: place must have three finite numbers, not [0, NaN, 0]"),
+        ("[[capture]]\nplace = [0, 0, 0]\nresolution = 0\n".into(), "5: resolution must lie in 1 to 4096, but is 0"),
+        ("[[capture]]\nplace = [0, 0, 0]\nnear = 0\n".into(), "5: near must be a number > 0, not 0"),
+        (
+            "[[capture]]\nplace = [0, 0, 0]\n[[capture]]\nplace = [1, 0, 0]\nresolution = 64\n".into(),
+            "7: all captures of a scene have one resolution: this one has 64, the first has 512",
+        ),
+        ("[[capture]]\nplace = [0, 0, 0]\n".repeat(9), "19: a scene has at most 8 captures"),
         (impostor("gone.png", "[0, 1, 0]"), "4: there is no file \"gone.png\""),
         (impostor("sign.png", "[0, 0, 0]"), "7: half_v must not be zero"),
         (impostor("sign.png", "[1, 1, 0]"), "7: half_u and half_v must stand at right angles"),
@@ -311,6 +344,8 @@ fn syntax_errors_and_unknown_keys_name_the_line() {
         ("\n[camera\n", "2: "),
         ("[camera]\nnear = 'close'\n", "2: invalid type"),
         ("[[probe]]\nnam = 'a'\n", "2: unknown field `nam`"),
+        ("[[capture]]\nposition = [0, 0, 0]\n", "2: unknown field `position`"),
+        ("[[capture]]\nresolution = 64\n", "1: missing field `place`"),
         ("[[impostor]]\nfile = 'a.png'\nalpha = 1\n", "3: unknown field `alpha`"),
         ("[[area_light]]\nkind = 'disc'\n", "2: unknown variant `disc`"),
         ("[[light]]\nkind = 'point'\n", "1: missing field `energy`"),

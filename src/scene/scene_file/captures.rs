@@ -1,0 +1,56 @@
+//! The section of a scene file that says where captures stand ([`crate::scene::capture`]).
+
+use super::SourceText;
+use crate::error::Result;
+use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
+use serde::Deserialize;
+use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CaptureSection {
+    place: Spanned<[f32; 3]>,
+    resolution: Option<Spanned<u32>>,
+    near: Option<Spanned<f32>>,
+}
+
+impl SourceText<'_> {
+    /// The captures, in the order of the file.
+    pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
+        let mut captures: Vec<Capture> = Vec::new();
+        for section in sections {
+            let at = || section.get_ref().resolution.as_ref().map_or(section.span(), Spanned::span);
+            let capture = self.capture(section.get_ref(), extra_scale)?;
+            if captures.len() == MAX_CAPTURES {
+                return Err(self.error(section.span(), format!("a scene has at most {MAX_CAPTURES} captures")));
+            }
+            if let Some(first) = captures.first().map(|c| c.resolution).filter(|r| *r != capture.resolution) {
+                let message = format!(
+                    "all captures of a scene have one resolution: this one has {}, the first has {first}",
+                    capture.resolution
+                );
+                return Err(self.error(at(), message));
+            }
+            captures.push(capture);
+        }
+        Ok(captures)
+    }
+
+    fn capture(&self, section: &CaptureSection, extra_scale: f32) -> Result<Capture> {
+        let resolution = match &section.resolution {
+            Some(given) if !(1..=MAX_RESOLUTION).contains(given.get_ref()) => {
+                let message = format!("resolution must lie in 1 to {MAX_RESOLUTION}, but is {}", given.get_ref());
+                return Err(self.error(given.span(), message));
+            }
+            given => given.as_ref().map_or(Capture::RESOLUTION, |r| *r.get_ref()),
+        };
+        let mut near_m = Capture::NEAR_M * extra_scale;
+        if let Some(near) = &section.near {
+            near_m = self.positive("near", near)? * extra_scale;
+            if !near_m.is_finite() {
+                return Err(self.error(near.span(), format!("near is too large: {}", near.get_ref())));
+            }
+        }
+        Ok(Capture { position: self.place("place", &section.place, extra_scale)?, near_m, resolution })
+    }
+}
