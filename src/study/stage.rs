@@ -162,6 +162,6 @@ impl Shot {
     ) -> Result<Output<'s>> {
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
         let scene = SceneInput { data, materials: &self.materials };
-        self.effect.record(frame, &Input { gbuffer, camera: &of.camera, scene: Some(scene) })
+        self.effect.record(frame, &Input { gbuffer, camera: &of.camera, scene: Some(scene), captures: None })
     }
 }
