@@ -89,7 +89,7 @@ fn covered(data: &GBufferData) -> f64 {
 fn run(context: &mut FrameContext, effect: &Effect, gbuffer: GBuffer, camera: &Camera) -> FrameReport {
     let mut frame = context.begin(Mode::Timed).expect("a frame");
     frame.begin_effect();
-    effect.record(&mut frame, &Input { gbuffer, camera, scene: None }).expect("the effect");
+    effect.record(&mut frame, &Input::of_screen(gbuffer, camera)).expect("the effect");
     frame.finish().expect("the frame's end")
 }
 

@@ -18,12 +18,13 @@ layout(binding = 2, rgba8_snorm) uniform readonly image2DArray normal_buffer; //
 layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour; 0 where the sky is seen, and in a how much is not sky
 
 #ifdef MIRRORS
+layout(constant_id = 8) const bool COMPOSITE = false;  // the finished image is wanted
 layout(constant_id = 6) const bool REFLECTION = false; // the reflection is wanted as an image of its own
 layout(constant_id = 7) const bool HITS = false;       // so are the hits
 
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness; of the screen
 layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
-layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;
+layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
 layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
 layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image without HITS
 #elif defined(NARROW)
@@ -109,9 +110,11 @@ void main() {
     bool has_seen = answer.code != PATH_UNKNOWN && answer.code != PATH_NONE;
 #ifdef MIRRORS
     if (has_seen) {
-        float reflectivity = imageLoad(material_buffer, pixel).x;
-        vec3 color = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * answer.color;
-        imageStore(composite_image, pixel, vec4(min(color, GREATEST_HALF), 1.0));
+        if (COMPOSITE) {
+            float reflectivity = imageLoad(material_buffer, pixel).x;
+            vec3 color = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * answer.color;
+            imageStore(composite_image, pixel, vec4(min(color, GREATEST_HALF), 1.0));
+        }
         if (REFLECTION)
             imageStore(reflection_image, pixel, vec4(answer.color, 1.0));
     }

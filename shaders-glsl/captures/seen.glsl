@@ -5,8 +5,7 @@
 #ifndef CAPTURES_SEEN_GLSL
 #define CAPTURES_SEEN_GLSL
 
-#define LOST_ACCESS
-#include "captures/lost.glsl"
+#include "captures/push.glsl"
 
 // The lit colour of the screen at a hit. The share of it that is sky (1 - a) was seen in another direction.
 vec3 ColorSeen(vec2 position, float level, vec3 direction) {
@@ -37,18 +36,7 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     vec3 start = ViewPoint(ray.start + s * ray.rate.xy, max(depth, 0.0)) * captures.view_unit;
     vec3 there = ViewPoint(hit.position, hit.depth) * captures.view_unit;
     float limit = is_hit ? distance(start, there) : NEVER;
-    uint index = atomicAdd(lost_counts.count, 1u);
-    if (index % uint(LOST_GROUP) == 0u)
-        atomicAdd(lost_counts.groups[0], 1u);
-    if (index == 0u) {
-        lost_counts.groups[1] = 1u;
-        lost_counts.groups[2] = 1u;
-    }
-    if (index >= uint(lost.rays.length()))
-        return;
-    vec3 along = ToWorld(ray.direction);
-    lost.rays[index] = LostRay(ToWorld(start), limit, along * inversesqrt(dot(along, along)),
-                               before + distance(begin, start), spread, pixel.x | pixel.y << 16, 0u, 0u);
+    Push(pixel, start, ray.direction, limit, before + distance(begin, start), spread);
 }
 
 #endif

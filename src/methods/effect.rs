@@ -1,6 +1,7 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
 use super::capture::{CaptureImages, captured_of};
+use super::setup::CaptureCount;
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -58,6 +59,8 @@ impl Effect {
             return Err(Error::Usage(message));
         }
         let gpu: Gpu = context.gpu().clone();
+        let captured = taken(info, &effect, scene)?;
+        let face = captured.and_then(|c| c.first()).map(|c| [c.resolution; 2]);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -70,11 +73,16 @@ impl Effect {
                     "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
                 )));
             }
-            let making =
-                Making { setup: setup.clone(), hits: false, reflection: true, composite: false, captures: None };
+            let making = Making {
+                setup: setup.clone(),
+                hits: false,
+                reflection: true,
+                composite: false,
+                captures: face,
+                behind: true,
+            };
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
-        let captured = taken(info, &effect, scene)?;
         let composite = fallback.is_none() && divisor == 1;
         let mut scaled = None;
         let mut inner = Making {
@@ -83,7 +91,8 @@ impl Effect {
             hits: wants.hits && divisor == 1,
             reflection: wants.reflection || !composite,
             composite,
-            captures: captured.and_then(|c| c.first()).map(|c| [c.resolution; 2]),
+            captures: face,
+            behind: false,
         };
         if divisor != 1 {
             inner.setup.extent = resolution::divided(extent, divisor);
@@ -133,7 +142,7 @@ impl Effect {
             }
         };
         if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
-            let behind = behind.record(frame, input)?;
+            let behind = behind.record(frame, &Input { in_front: Some(reflection), ..*input })?;
             if let Some(far) = behind.reflection {
                 traced.reflection = Some(pass.record(frame, reflection, far)?);
                 traced.composite = None;
@@ -154,10 +163,13 @@ impl Effect {
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene, or the scene has none.
 fn taken<'s>(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput<'s>>) -> Result<Option<&'s [Capture]>> {
-    let most = effect.captures.most();
-    if most == 0 || !info.follows_oracle {
+    let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
+    let wanted = effect.captures.most();
+    if !(behind || info.takes_captures && (wanted > 0 || !info.is_screen_space())) {
         return Ok(None);
     }
+    // Where captures are all that is looked into, without a number all of them are.
+    let most = if wanted == 0 { CaptureCount::Auto.most() } else { wanted };
     let Some(scene) = scene else {
         return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
     };

@@ -5,6 +5,7 @@
 pub mod area_light;
 pub mod billboard;
 pub mod capture;
+pub mod captures;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
@@ -40,9 +41,16 @@ pub struct Input<'a, 's> {
     pub scene: Option<SceneInput<'s>>,
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
+    /// The reflection that stands in front of what the method makes, for one that is a fallback.
+    pub in_front: Option<Reflection<'a>>,
 }
 
-impl<'s> Input<'_, 's> {
+impl<'a, 's> Input<'a, 's> {
+    /// A G-buffer without its scene.
+    pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
+        Self { gbuffer, camera, scene: None, captures: None, in_front: None }
+    }
+
     /// The scene, for a method that can't do without.
     ///
     /// # Errors
@@ -131,6 +139,8 @@ pub(crate) struct Making {
     pub composite: bool,
     /// Width and height of the faces of the captures that it gets; `None` if it gets none.
     pub captures: Option<[u32; 2]>,
+    /// Whether another reflection stands in front of what the method makes ([`Input::in_front`]).
+    pub behind: bool,
 }
 
 /// Makes a method.
@@ -150,6 +160,8 @@ pub struct MethodInfo {
     pub fades: bool,
     /// Whether it hits what the version of the oracle says that is asked for.
     pub follows_oracle: bool,
+    /// Whether it follows rays in captures of the scene, if there are any.
+    pub takes_captures: bool,
     /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
     /// Its own parameters.
@@ -170,6 +182,7 @@ impl MethodInfo {
             sees: Sees::Screen,
             fades: true,
             follows_oracle: false,
+            takes_captures: false,
             traces_hi_z: false,
             parameters: Vec::new,
             combinations: |_| Vec::new(),
@@ -188,7 +201,7 @@ impl MethodInfo {
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection } = wants;
-        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None })
+        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None, behind: false })
     }
 
     /// Whether the method works on a G-buffer of any origin.
@@ -200,7 +213,8 @@ impl MethodInfo {
     pub fn reads(&self) -> Vec<Parameter> {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
-            "oracle" | "captures" => self.follows_oracle,
+            "oracle" => self.follows_oracle,
+            "captures" => self.takes_captures || self.is_screen_space(),
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()
@@ -245,6 +259,7 @@ pub const METHODS: &[MethodInfo] = &[
     planar::INFO,
     area_light::INFO,
     environment::INFO,
+    captures::INFO,
     unified::INFO,
 ];
 

@@ -1,6 +1,6 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
-use super::{MethodInfo, environment, pccm};
+use super::{MethodInfo, captures, environment, pccm};
 use crate::math::OracleVersion;
 use crate::math::constants::MAX_CAPTURES;
 use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
@@ -15,6 +15,8 @@ choices! {
         Environment = "environment",
         /// The method `pccm`.
         Pccm = "pccm",
+        /// The method `captures`: exact rays through captures of the scene.
+        Captures = "captures",
     }
 }
 
@@ -59,6 +61,7 @@ impl Fallback {
             Self::None => None,
             Self::Environment => Some(&environment::INFO),
             Self::Pccm => Some(&pccm::INFO),
+            Self::Captures => Some(&captures::INFO),
         }
     }
 }

@@ -63,7 +63,7 @@ use crate::gpu::{Frame, Gpu, Image};
 use crate::math::OracleVersion;
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
-use crate::passes::follow::{FollowInput, FollowPass, LostRays, capture_block};
+use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::UnifiedSetup;
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
@@ -74,6 +74,7 @@ use crate::scene::Camera;
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
+    takes_captures: true,
     ..MethodInfo::screen(
         "unified",
         "one exact Hi-Z traversal for every direction; only what the scene needs",
@@ -114,7 +115,8 @@ impl UnifiedMethod {
             reflection,
             followed: making.captures.is_some(),
         };
-        let follow = |face| FollowPass::new(gpu, pyramid::strip(face), reflection, hits);
+        let wanted = FollowWants { composite: true, reflection, hits, behind: false };
+        let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::in_few_passes(gpu)?,

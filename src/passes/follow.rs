@@ -3,10 +3,10 @@
 //! are.
 
 use super::tiles::{self, TILE};
-use super::{Canvas, Captures, GBuffer, Hits};
+use super::{Canvas, Captures, GBuffer, Hits, Reflection};
 use crate::error::Result;
 use crate::gpu::memory::Place;
-use crate::gpu::shader::CaptureBlock;
+use crate::gpu::shader::{CaptureBlock, UnifiedBlock};
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, programs};
 use crate::scene::Camera;
 use ash::vk;
@@ -97,9 +97,23 @@ pub fn unit(camera: &Camera) -> f32 {
 
 /// The pipelines.
 pub struct FollowPass {
+    begin: ComputePipeline<programs::BeginInCaptures<'static>>,
     mirrors: ComputePipeline<programs::FollowMirrors<'static>>,
     narrow: ComputePipeline<programs::FollowNarrow<'static>>,
     wide: ComputePipeline<programs::FollowWide<'static>>,
+}
+
+/// What is written of the pixels of mirrors, and where rays begin.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FollowWants {
+    /// The finished image.
+    pub composite: bool,
+    /// The reflection as an image of its own.
+    pub reflection: bool,
+    /// Where each ray ended.
+    pub hits: bool,
+    /// Rays begin only where another reflection does not cover all.
+    pub behind: bool,
 }
 
 /// What every pass here reads.
@@ -113,13 +127,43 @@ pub struct FollowInput<'a> {
 
 impl FollowPass {
     /// Compiles the pipelines, for faces whose pyramids have strips of 2^`strip` columns.
-    pub fn new(gpu: &Gpu, strip: u32, reflection: bool, hits: bool) -> Result<Self> {
+    ///
+    /// Of mirrors the composite, the reflection and the hits are written as they are wanted; `behind` says that what is
+    /// followed from its beginning stands behind another reflection.
+    pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
+        let FollowWants { composite, reflection, hits, behind } = wanted;
+        let mirrors = programs::FollowMirrorsConstants { strip, composite, reflection, hits };
         Ok(Self {
-            mirrors: ComputePipeline::with(gpu, &programs::FollowMirrorsConstants { strip, reflection, hits })?,
+            begin: ComputePipeline::with(gpu, &programs::BeginInCapturesConstants { behind })?,
+            mirrors: ComputePipeline::with(gpu, &mirrors)?,
             narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip })?,
             wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip })?,
         })
+    }
+
+    /// Pass "begin": puts the ray of every pixel that reflects on the list, from where it begins.
+    pub fn record_begin(
+        &self,
+        frame: &mut Frame,
+        beyond: Beyond,
+        gbuffer: &GBuffer,
+        in_front: Option<Reflection>,
+        parameters: &UnifiedBlock,
+    ) -> Result<()> {
+        let [width, height] = gbuffer.depth.extent();
+        let program = programs::BeginInCaptures {
+            unified: parameters,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+            material_buffer: Sampled::nearest(gbuffer.material.all()),
+            reflection_buffer: Sampled::nearest(in_front.map_or(gbuffer.color.level(0), |r| r.0.all())),
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            lost: beyond.rays,
+        };
+        frame.compute("begin", &self.begin, &program, [width, height, 1])
     }
 
     /// Pass "follow/mirrors": finishes the pixels whose mirror rays the screen lost.

@@ -47,7 +47,7 @@ pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup
     let effect = Effect::new(&mut context, method, &setup, Wants::REFLECTION, None)?;
     let mut frame = context.begin(Mode::Plain)?;
     frame.begin_effect();
-    let output = effect.record(&mut frame, &Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None, captures: None })?;
+    let output = effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &data.camera))?;
     frame.finish()?;
     Ok(Reflected {
         composite: context.read(output.composite.level(0))?,

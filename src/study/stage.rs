@@ -162,6 +162,6 @@ impl Shot {
     ) -> Result<Output<'s>> {
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
         let scene = SceneInput { data, materials: &self.materials };
-        self.effect.record(frame, &Input { gbuffer, camera: &of.camera, scene: Some(scene), captures: None })
+        self.effect.record(frame, &Input { scene: Some(scene), ..Input::of_screen(gbuffer, &of.camera) })
     }
 }

@@ -219,7 +219,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
             let images = if method.name == unified::INFO.name { &own } else { &wide };
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
-            let input = Input { gbuffer: images.gbuffer(), camera: &stored.camera, scene: None, captures: None };
+            let input = Input::of_screen(images.gbuffer(), &stored.camera);
             let output = effect.record(&mut frame, &input)?;
             frame.finish()?;
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();

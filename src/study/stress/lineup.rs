@@ -63,7 +63,7 @@ impl ScreenLineup {
         let (method, effect) = &self.effects[n];
         let mut frame = self.context.begin(Mode::Timed)?;
         frame.begin_effect();
-        let output = effect.record(&mut frame, &Input { gbuffer: *gbuffer, camera, scene: None, captures: None })?;
+        let output = effect.record(&mut frame, &Input::of_screen(*gbuffer, camera))?;
         let report = frame.finish()?;
         Ok((method, Made::read(&mut self.context, report, &output)?))
     }

@@ -1,0 +1,39 @@
+#version 460
+#pragma program(BeginInCaptures)
+// The method `captures`: the mirror ray of each pixel that reflects is followed in the captures from where it begins, or,
+// behind another reflection, of each pixel in which that does not cover all.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+#include "captures/push.glsl"
+
+layout(constant_id = 0) const bool BEHIND = false; // there is another reflection in front
+
+layout(binding = 1) uniform sampler2D depth_buffer;      // reversed; 0 is sky
+layout(binding = 2) uniform sampler2D normal_buffer;     // view space
+layout(binding = 3) uniform sampler2D material_buffer;   // reflectivity, roughness
+layout(binding = 4) uniform sampler2D reflection_buffer; // the reflection in front; any image without BEHIND
+
+void main() {
+    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, unified.size)))
+        return;
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    vec2 material = texelFetch(material_buffer, pixel, 0).xy;
+    if (!Reflects(material) || !(depth > 0.0) || !(dot(normal, normal) > NO_NORMAL))
+        return;
+    if (BEHIND && texelFetch(reflection_buffer, pixel, 0).a >= 1.0)
+        return;
+    vec3 point = ViewPoint(vec2(pixel) + 0.5, depth) * captures.view_unit;
+    float along = dot(point, normal);
+    // From below its surface a pixel reflects nothing.
+    if (along >= 0.0)
+        return;
+    vec3 direction = point - (2.0 * along / dot(normal, normal)) * normal;
+    // A mirror's footprint is the pixel's, which has widened since the eye; a lobe's is the thesis's cone (4.2.4).
+    float pixel_side = 2.0 * unified.pixel_to_view.y;
+    bool is_mirror = material.y <= 0.0;
+    Push(uvec2(pixel), point, direction, NEVER, is_mirror ? length(point) : 0.0,
+         is_mirror ? pixel_side : 2.0 * tan(0.5 * material.y));
+}

@@ -1,0 +1,25 @@
+// Puts a ray on the list of those that the screen lost.
+
+#ifndef CAPTURES_PUSH_GLSL
+#define CAPTURES_PUSH_GLSL
+
+#define LOST_ACCESS
+#include "captures/lost.glsl"
+
+// `start` in view space and metres, `direction` in view space and of any length; the rest as LostRay has it.
+void Push(uvec2 pixel, vec3 start, vec3 direction, float limit, float before, float spread) {
+    uint index = atomicAdd(lost_counts.count, 1u);
+    if (index % uint(LOST_GROUP) == 0u)
+        atomicAdd(lost_counts.groups[0], 1u);
+    if (index == 0u) {
+        lost_counts.groups[1] = 1u;
+        lost_counts.groups[2] = 1u;
+    }
+    if (index >= uint(lost.rays.length()))
+        return;
+    vec3 along = ToWorld(direction);
+    lost.rays[index] = LostRay(ToWorld(start), limit, along * inversesqrt(dot(along, along)), before, spread,
+                               pixel.x | pixel.y << 16, 0u, 0u);
+}
+
+#endif

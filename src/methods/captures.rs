@@ -1,0 +1,67 @@
+//! `captures`: mirror rays followed through captures of the scene alone, from where they begin; a lobe is seen as one
+//! cone around the mirror ray. It is what stands behind a screen-space method (`--fallback captures`), which then is
+//! compared fairly with `unified`, whose every ray goes on in the captures.
+
+use super::{Input, Making, Method, MethodInfo, Traced};
+use crate::error::{Error, Result};
+use crate::gpu::{Frame, Gpu, Image};
+use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
+use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, Reflection, pyramid, stored_target};
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    takes_captures: true,
+    ..MethodInfo::scene(
+        "captures",
+        "rays followed exactly through captures of the scene alone",
+        "this project",
+        |gpu, making| Ok(Box::new(CapturesMethod::new(gpu, making)?)),
+    )
+};
+
+/// The passes and what they draw into.
+pub struct CapturesMethod {
+    lost: LostRays,
+    follow: FollowPass,
+    reflection: Image,
+    hits: Option<Image>,
+}
+
+/// Where a pixel is that no ray begins in.
+const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
+
+impl CapturesMethod {
+    /// # Errors
+    /// [`Error::Usage`] without captures.
+    pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let extent = making.setup.extent;
+        let face = making.captures.ok_or_else(|| Error::Usage("the method captures needs captures".into()))?;
+        let wants = FollowWants { composite: false, reflection: true, hits: making.hits, behind: making.behind };
+        Ok(Self {
+            lost: LostRays::new(gpu, extent, true)?,
+            follow: FollowPass::new(gpu, pyramid::strip(face), wants)?,
+            reflection: stored_target(gpu, "captured reflection", LIT_COLOR, extent)?,
+            hits: making.hits.then(|| stored_target(gpu, "hits", HITS, extent)).transpose()?,
+        })
+    }
+}
+
+impl Method for CapturesMethod {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let gbuffer = input.gbuffer;
+        let captures = input.captures.ok_or_else(|| Error::Usage("captures was not given the scene".into()))?;
+        let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
+        let block = capture_block(input.camera, Some(&captures));
+        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
+        let hits = self.hits.as_ref().map(Hits);
+        frame.clear("reflection", self.reflection.all(), [0.0; 4])?;
+        if let Some(hits) = &self.hits {
+            frame.clear("hits", hits.all(), NO_HIT)?;
+        }
+        self.lost.clear(frame)?;
+        self.follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
+        let canvas = Canvas { composite: &self.reflection, reflection: Some(&self.reflection) };
+        self.follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
+        Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) })
+    }
+}
