@@ -197,6 +197,7 @@ impl MethodInfo {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
+            "definitions" => true,
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()

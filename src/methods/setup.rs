@@ -1,7 +1,7 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
 use super::{MethodInfo, environment, pccm};
-use crate::math::OracleVersion;
+use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Field, Parameter, Parameters, Preset, Values, choices, parameters};
 use serde_json::{Map, Value as Json};
 
@@ -43,6 +43,9 @@ parameters! {
         oracle: OracleVersion = Parameter::new(OracleVersion::V1)
             .sweep(Preset::Published, &[OracleVersion::V2])
             .source("this project"),
+        /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the
+        /// older one.
+        definitions: DefinitionsVersion = Parameter::new(DefinitionsVersion::V2).source("this project"),
     }
 }
 

@@ -7,6 +7,7 @@
 
 pub mod bvh;
 pub mod first_hits;
+pub mod floor;
 pub mod hi_z;
 pub mod hi_z_ray_trace;
 pub mod hierarchy;

@@ -2,7 +2,7 @@
 
 use super::random::Stream;
 use super::ray::RaySetup;
-use crate::scene::{Camera, GBufferData, Lens};
+use crate::scene::{Camera, GBufferData, Lens, Surface};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 
@@ -36,6 +36,7 @@ pub fn gbuffer(
         reflectivity: vec![1.0; pixels.len()],
         roughness: vec![0.0; pixels.len()],
         color: vec![Vec3::ZERO; pixels.len()],
+        surface: vec![Surface::Lit; pixels.len()],
     }
 }
 

@@ -57,7 +57,7 @@ fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
 }
 
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
-    WorldReference { world, first_hits, escape: Escape::Black, seed: 1 }
+    WorldReference { world, first_hits, escape: Escape::Black, footprint: None, seed: 1 }
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn an_escaped_ray_is_black_or_the_sky() {
     let world = World::new(&scene, &scene.materials);
     let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0)), None]);
     let bring = |escape| {
-        let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+        let reference = WorldReference { escape, ..reference(&world, &first_hits) };
         let mut state = reference.start();
         reference.add(&mut state, 1);
         reference.image(&state).reflection
@@ -229,7 +229,7 @@ fn threads_interruptions_and_files_change_no_bit() {
         reference.add(&mut state, 24);
         state
     };
-    assert!(straight.glossy_pixels() > 200 && straight.overall_standard_error() > 1e-3);
+    assert!(straight.sampled_pixels() > 200 && straight.overall_standard_error() > 1e-3);
 
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut alone = reference.start();
@@ -329,6 +329,7 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
         reflectivity: indices().map(|i| of(i).map_or(0.0, |r| r.reflectivity as f32)).collect(),
         roughness: vec![0.0; traced.lit.len()],
         color: traced.lit.clone(),
+        surface: vec![Surface::Lit; traced.lit.len()],
     };
     let read = FirstHits::from_gbuffer(&gbuffer);
     let run = |first_hits: &FirstHits| {

@@ -5,24 +5,28 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
 use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
+use crate::metrics::place::RayEnd;
+use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
-use crate::passes::{GBuffer, PathCode};
-use crate::scene::{Camera, GBufferData};
+use crate::scene::{GBufferData, Surface};
 use glam::Vec3;
 
 /// Reads the G-buffer of a shot that has run.
 pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
-    read_images(context, &shot.gbuffer.gbuffer(), shot.camera)
-}
-
-fn read_images(context: &mut FrameContext, gbuffer: &GBuffer, camera: Camera) -> Result<GBufferData> {
+    let gbuffer = shot.gbuffer.gbuffer();
     let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let depth = context.read(gbuffer.depth.all())?;
     let material = context.read(gbuffer.material.all())?;
+    let albedo = context.read(shot.gbuffer.albedo().all())?;
+    let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
+        // As the lighting pass has it; where nothing stands the albedo is cleared.
+        if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
+    });
     Ok(GBufferData {
+        surface: shown.collect(),
         width: depth.width,
         height: depth.height,
-        camera,
+        camera: shot.camera,
         depth: depth.values,
         normal: vectors(context.read(gbuffer.normal.all())?),
         reflectivity: material.texels().map(|t| t[0]).collect(),
@@ -61,6 +65,20 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
         Some(reflection) => context.read(reflection.0.all()),
         None => Ok(Pixels::zeros(output.composite.extent(), 4)),
     }
+}
+
+/// Where a method takes its rays to end in the world: the places of its hits, and unknown where it misses. `hits` is the
+/// image of [`crate::passes::Hits`], of the G-buffer's size.
+pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
+    let clip_to_view = gbuffer.view_to_clip().inverse();
+    let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
+    let place = |([x, y], depth): ([f64; 2], f64)| {
+        RayEnd::Place(view_to_world.transform_point3(gbuffer.unproject(x, y, depth, &clip_to_view)))
+    };
+    // The image has standard depth.
+    let depths = hits.texels().map(|t| 1.0 - f64::from(t[2]));
+    let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| place((p, depth))));
+    ends.map(|end| end.unwrap_or(RayEnd::Unknown)).collect()
 }
 
 /// Where a method takes its rays to have hit, in continuous pixel coordinates; `None` for

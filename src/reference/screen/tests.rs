@@ -5,7 +5,8 @@ use crate::reference::Oracle;
 use crate::reference::ray::RaySetup;
 use crate::reference::testing::{flat, floor_and_wall};
 
-const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1 };
+const SAMPLING: Sampling =
+    Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 };
 
 /// The floor and the wall. The wall is striped; the floor has the given roughness and is all that reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
