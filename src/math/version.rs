@@ -63,10 +63,10 @@ versions! {
 versions! {
     /// A version of docs/definitions.md, by which the references judge.
     DefinitionsVersion {
-        /// One ray through the centre of each mirror pixel; the screen reference shows the colour of the screen on sky
-        /// surfaces.
+        /// docs/definitions.md, "Version 1 of the definitions".
         V1,
-        /// docs/definitions.md, "Version 2": the environment along the ray on sky surfaces, and the pixel's footprint.
+        /// The environment along the ray on sky surfaces, the pixel's footprint, and the environment where rays escape
+        /// (docs/definitions.md, "Image error").
         #[default]
         V2,
     }

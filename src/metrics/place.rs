@@ -1,4 +1,4 @@
-//! Place agreement (docs/definitions.md, "Version 2", item 5): how often a method's rays end where they end among the
+//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where they end among the
 //! scene's triangles, for methods that see more than the screen as well.
 
 use crate::math::constants::VISIBLE_WITHIN;

@@ -110,7 +110,8 @@ impl<'a> ShownPlaces<'a> {
 mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
-    use crate::scene::{Camera, Lens, Material, Scene, Surface};
+    use crate::reference::testing;
+    use crate::scene::{Camera, Lens, Material, Scene};
     use glam::Vec3;
 
     /// A camera at the origin, 1 m above a mirror floor, in front of a wall at z = 4 that stands on the floor.
@@ -126,25 +127,12 @@ mod tests {
         let (width, height) = (40, 40);
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
         let world = World::new(&scene, &scene.materials);
-        let first = FirstHits::trace(&world, &camera, [width, height]);
-        let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
-        let is_floor = |i: usize| first.receivers[i].is_some();
-        let indices = 0..first.lit.len();
-        let depth = indices.clone().map(|i| {
-            let z = first.view_z_m[i] * if is_floor(i) { 1.0 } else { f64::from(wall_depth_factor) };
-            view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32
-        });
-        let data = GBufferData {
-            width,
-            height,
-            camera,
-            depth: depth.collect(),
-            normal: indices.clone().map(|i| if is_floor(i) { Vec3::Y } else { Vec3::NEG_Z }).collect(),
-            reflectivity: indices.map(|i| if is_floor(i) { 1.0 } else { 0.0 }).collect(),
-            roughness: vec![0.0; first.lit.len()],
-            color: first.lit.clone(),
-            surface: vec![Surface::Lit; first.lit.len()],
-        };
+        let mut data = testing::traced(&world, &camera, [width, height]);
+        let (to_clip, from_clip) = (data.view_to_clip(), data.view_to_clip().inverse());
+        for i in (0..data.depth.len()).filter(|i| !data.reflects(*i) && wall_depth_factor != 1.0).collect::<Vec<_>>() {
+            let z = from_clip.project_point3(DVec3::Z * f64::from(data.depth[i])).z * f64::from(wall_depth_factor);
+            data.depth[i] = to_clip.project_point3(DVec3::Z * z).z as f32;
+        }
         drop(world);
         (scene, data)
     }

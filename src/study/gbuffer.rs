@@ -88,3 +88,39 @@ pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];
     hits.texels().map(|t| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit).then(|| position(t))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, Lens};
+    use glam::DVec3;
+
+    #[test]
+    fn a_hit_ends_at_the_place_that_it_shows_and_a_miss_nowhere() {
+        let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), Lens::default(), 1.5);
+        let none = GBufferData {
+            width: 3,
+            height: 2,
+            camera,
+            depth: vec![],
+            normal: vec![],
+            reflectivity: vec![],
+            roughness: vec![],
+            color: vec![],
+            surface: vec![],
+        };
+        let place = DVec3::new(3.0, 1.5, 8.0);
+        let view = camera.world_to_view.as_dmat4().transform_point3(place);
+        let p = none.project(view, &none.view_to_clip()).unwrap();
+        let hit = [p.x / 3.0, p.y / 2.0, 1.0 - p.z].map(|v| v as f32);
+        let texel = |code: PathCode| [hit[0], hit[1], hit[2], code as u8 as f32];
+        let values = [PathCode::HiZ, PathCode::Miss, PathCode::Linear, PathCode::MissSky].map(texel).concat();
+        let ends = ray_ends(&Pixels { width: 3, height: 2, channels: 4, values }, &none);
+        for (n, end) in ends.into_iter().enumerate() {
+            match end {
+                RayEnd::Place(found) => assert!(n % 2 == 0 && found.distance(place) < 1e-3, "{n}: {found}"),
+                other => assert!(n % 2 == 1 && other == RayEnd::Unknown, "{n}: {other:?}"),
+            }
+        }
+    }
+}
