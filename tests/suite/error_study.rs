@@ -41,9 +41,10 @@ fn every_reference_has_finite_figures_and_cells_are_kept() {
             assert!(of("world", 0.1)[key].is_null(), "hits of glossy pixels don't compare");
         }
         let (world, glossy) = (of("world", 0.0), of("world", 0.1));
-        assert!(
-            (0.3..1.0).contains(&world["place_agreement"].as_f64().unwrap()) && glossy["place_agreement"].is_null()
-        );
+        // A miss is right by world agreement where the screen does not show the ray's end, and never a right place.
+        let places = world["place_agreement"].as_f64().unwrap();
+        assert!(places > 0.05 && places < world["hit_agreement"].as_f64().unwrap(), "{world}");
+        assert!(glossy["place_agreement"].is_null(), "a lobe ends in many places");
         assert!(world["floor"].as_f64().unwrap() < world["rmse"].as_f64().unwrap(), "{world}");
         assert!(of("oracle", 0.0)["hit_error_px_p99"].as_f64().unwrap() >= 0.0);
         for (against, roughness) in [("screen", 0.0), ("world", 0.0), ("screen", 0.1), ("world", 0.1)] {
