@@ -3,7 +3,7 @@
 use crate::entry;
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat, RgbaImage};
-use ssct::scene::{Camera, GBufferData, Lens, gbuffer_file};
+use ssct::scene::{Camera, GBufferData, Lens, Surface, gbuffer_file};
 
 use std::io::Cursor;
 use std::path::Path;
@@ -112,6 +112,7 @@ fn gbuffers() -> Vec<Vec<u8>> {
         reflectivity: vec![0.25; n],
         roughness: vec![0.1; n],
         color: (0..n).map(|i| glam::Vec3::splat(i as f32 / 7.0)).collect(),
+        surface: vec![Surface::Lit; n],
     };
     let first = gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes");
     let all = || read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();

@@ -4,13 +4,12 @@ use super::cli::RenderOptions;
 use super::{progress, resolve};
 use crate::error::Error;
 use crate::gpu::Pixels;
-use crate::methods::Fallback;
+use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::report::images;
 use crate::scene::Scene;
-use crate::study::record::DEFINITIONS;
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -35,8 +34,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
 
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
-    let escape = escape(options);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+    let effect = options.common.method_options.setup(options.size).effect();
+    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1);
     let kept = options.cache.clone().or_else(default_cache).map(|folder| kept_in(&folder, &reference));
     let (mut state, unusable) = match &kept {
         Some(path) => reference.resume(path),
@@ -58,7 +57,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     images::write_image(output, &pixels(shown, options.size))?;
     if options.json {
         let summary = serde_json::json!({
-            "kind": "render", "definitions": DEFINITIONS, "scene": scene.name, "view": view.name, "method": "reference",
+            "kind": "render", "definitions": u32::from(effect.definitions), "scene": scene.name, "view": view.name, "method": "reference",
             "width": options.size[0], "height": options.size[1],
             "rays": made.samples.iter().max(), "standard_error": state.overall_standard_error(),
         });
@@ -74,9 +73,10 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<P
     let view = resolve::view(scene, &options.common.place, None)?;
     let materials = globals.materials(scene, &view);
     let world = World::new(scene, &materials);
-    let first_hits = FirstHits::trace(&world, &view.camera(scene, options.size), options.size);
-    let escape = escape(options);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+    let camera = view.camera(scene, options.size);
+    let first_hits = FirstHits::trace(&world, &camera, options.size);
+    let effect = options.common.method_options.setup(options.size).effect();
+    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1);
     let mut state = reference.start();
     reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
     let made = reference.image(&state);
@@ -84,9 +84,9 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<P
     Ok(pixels(shown, options.size))
 }
 
-/// As for the methods: with a fallback, what escapes brings the environment.
-fn escape(options: &RenderOptions) -> Escape {
-    match options.common.method_options.setup(options.size).effect().fallback {
+/// What a screen-space method shows where a ray escapes: with a fallback, the environment.
+pub fn escape(effect: &EffectParams) -> Escape {
+    match effect.fallback {
         Fallback::None => Escape::Black,
         _ => Escape::Environment,
     }

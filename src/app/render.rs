@@ -47,7 +47,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     }
     if options.json {
         let summary = serde_json::json!({
-            "kind": "render", "definitions": crate::study::record::DEFINITIONS, "scene": scene.name, "view": view.name,
+            "kind": "render", "definitions": u32::from(setup.effect().definitions), "scene": scene.name, "view": view.name,
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
             "setup": recorded(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,

@@ -11,7 +11,7 @@ use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
-use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_AND_ENVIRONMENT, WORLD_REFERENCE};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
 use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
@@ -369,11 +369,10 @@ fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
                     screen.iter().map(|m| m.name).chain([EXACT_HITS]).collect(),
                 ),
                 beside(
-                    "Methods that see more than the screen, against the world with its sky",
-                    reflection(WORLD_AND_ENVIRONMENT, "world reference with the sky"),
+                    "Methods that see more than the screen, against the world",
+                    reflection(WORLD_REFERENCE, "world reference"),
                     more.iter().map(|m| m.name).collect(),
                 ),
-                Strip::Plain(vec![reflection(WORLD_REFERENCE, "world reference, black where a ray escapes")]),
             ],
             compared: [METHODS[0].name.into(), SCREEN_REFERENCE.into()],
         });

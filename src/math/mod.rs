@@ -1,15 +1,15 @@
 //! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe,
-//! random numbers and the version of the oracle.
+//! random numbers, and the versions of the oracle and of the definitions.
 
 pub mod cone;
 pub mod constants;
 pub mod frustum;
-pub mod oracle_version;
 pub mod phong;
 pub mod projection;
 pub mod random;
+pub mod version;
 
-pub use oracle_version::OracleVersion;
+pub use version::{DefinitionsVersion, OracleVersion};
 
 /// sRGB's transfer function, encoded to linear, for 0…1 (IEC 61966-2-1).
 pub fn srgb_to_linear(v: f32) -> f32 {

@@ -162,7 +162,11 @@ impl Effect {
 ///
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene, or the scene has none.
-fn taken<'s>(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput<'s>>) -> Result<Option<&'s [Capture]>> {
+fn taken<'s>(
+    info: &MethodInfo,
+    effect: &EffectParams,
+    scene: Option<&SceneInput<'s>>,
+) -> Result<Option<&'s [Capture]>> {
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let wanted = effect.captures.most();
     if !(behind || info.takes_captures && (wanted > 0 || !info.is_screen_space())) {

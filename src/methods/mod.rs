@@ -201,7 +201,10 @@ impl MethodInfo {
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection } = wants;
-        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None, behind: false })
+        (self.create)(
+            gpu,
+            &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None, behind: false },
+        )
     }
 
     /// Whether the method works on a G-buffer of any origin.
@@ -215,6 +218,7 @@ impl MethodInfo {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
             "captures" => self.takes_captures || self.is_screen_space(),
+            "definitions" => true,
             _ => self.is_screen_space(),
         };
         EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()

@@ -1,8 +1,8 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
 use super::{MethodInfo, captures, environment, pccm};
-use crate::math::OracleVersion;
 use crate::math::constants::MAX_CAPTURES;
+use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
 use serde_json::{Map, Value as Json};
 
@@ -84,6 +84,9 @@ parameters! {
         /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
         /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
         captures: CaptureCount = Parameter::new(CaptureCount::None).source("this project"),
+        /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the
+        /// older one.
+        definitions: DefinitionsVersion = Parameter::new(DefinitionsVersion::V2).source("this project"),
     }
 }
 

@@ -94,7 +94,14 @@ impl ThesisMethod {
     /// Those of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let parameters: SsctParams = setup.of();
-        let making = Making { setup: setup.clone(), hits: true, reflection: true, composite: false, captures: None, behind: false };
+        let making = Making {
+            setup: setup.clone(),
+            hits: true,
+            reflection: true,
+            composite: false,
+            captures: None,
+            behind: false,
+        };
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };
         Self::new(gpu, &making, drawn, true, parameters.filling())
     }

@@ -6,6 +6,7 @@ pub mod flip;
 pub mod hits;
 pub mod image;
 pub mod pareto;
+pub mod place;
 pub mod world;
 
 pub use hits::HitAgreement;

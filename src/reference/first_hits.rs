@@ -2,7 +2,7 @@
 //! through the pixels' centres, which needs no G-buffer and so is independent evidence, or taken from a
 //! G-buffer, which leaves the reflection as the only difference between a method and the reference.
 
-use super::surface::{World, sky_color};
+use super::surface::{SurfacePoint, World, sky_color};
 use crate::scene::bvh::{TriangleHit, WorldRay};
 use crate::scene::{Camera, GBufferData};
 use glam::{DMat4, DVec3, Vec3};
@@ -42,6 +42,18 @@ pub struct Receiver {
 }
 
 impl Receiver {
+    /// The point that a camera ray hits; `None` if it does not reflect.
+    pub fn of(ray: &WorldRay, point: &SurfacePoint) -> Option<Self> {
+        (point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE)).then_some(Self {
+            position: point.position,
+            incoming: ray.direction,
+            normal: point.normal,
+            geometric_normal: point.geometric_normal,
+            roughness: point.roughness,
+            reflectivity: point.reflectivity,
+        })
+    }
+
     /// The unit mirror direction.
     pub fn mirror(&self) -> DVec3 {
         self.incoming.reflect(self.normal).normalize()
@@ -55,7 +67,8 @@ impl Receiver {
     }
 }
 
-/// The rays through the pixels' centres, from the near plane to the far plane.
+/// The camera's rays through an image, from the near plane to the far plane.
+#[derive(Debug, Clone, Copy)]
 pub struct PrimaryRays {
     clip_to_view: DMat4,
     view_to_world: DMat4,
@@ -76,15 +89,27 @@ impl PrimaryRays {
         }
     }
 
-    /// The ray of pixel `index`, and the view-space z that it advances per metre.
+    /// The ray through the centre of pixel `index`, and the view-space z that it advances per metre.
     pub fn ray(&self, index: usize) -> (WorldRay, f64) {
+        self.ray_within(index, [0.5, 0.5])
+    }
+
+    /// The same through a place within the pixel: 0 to 1 from its left and from its upper side.
+    pub fn ray_within(&self, index: usize, [u, v]: [f64; 2]) -> (WorldRay, f64) {
         let [width, height] = self.extent.map(f64::from);
         let (x, y) = (index as u32 % self.extent[0], index as u32 / self.extent[0]);
-        let ndc = DVec3::new((2.0 * f64::from(x) + 1.0) / width - 1.0, 1.0 - (2.0 * f64::from(y) + 1.0) / height, 0.5);
+        let (x, y) = (f64::from(x) + u, f64::from(y) + v);
+        let ndc = DVec3::new(2.0 * x / width - 1.0, 1.0 - 2.0 * y / height, 0.5);
         let along = self.clip_to_view.project_point3(ndc).normalize();
         let direction = self.view_to_world.transform_vector3(along).normalize();
         let origin = self.view_to_world.w_axis.truncate();
         (WorldRay { origin, direction, t_min: self.near_m / along.z, t_max: self.far_m / along.z }, along.z)
+    }
+
+    /// Everything but the extent that the rays depend on.
+    pub(super) fn numbers(&self) -> Vec<f64> {
+        [&self.clip_to_view.to_cols_array()[..], &self.view_to_world.to_cols_array(), &[self.near_m, self.far_m]]
+            .concat()
     }
 }
 
@@ -114,16 +139,7 @@ impl FirstHits {
 
     fn seen(world: &World, ray: &WorldRay, hit: &TriangleHit, z_per_metre: f64) -> (Vec3, f64, Option<Receiver>) {
         let point = world.point(ray, hit);
-        let reflects = point.reflectivity > f64::from(GBufferData::REFLECTS_ABOVE);
-        let receiver = Receiver {
-            position: point.position,
-            incoming: ray.direction,
-            normal: point.normal,
-            geometric_normal: point.geometric_normal,
-            roughness: point.roughness,
-            reflectivity: point.reflectivity,
-        };
-        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, reflects.then_some(receiver))
+        (world.color(ray, &point).as_vec3(), hit.t * z_per_metre, Receiver::of(ray, &point))
     }
 
     /// Takes the pixels of a G-buffer: positions from its depth, with its normals and materials.

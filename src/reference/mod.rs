@@ -6,6 +6,7 @@
 //! error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
 pub mod first_hits;
+pub mod floor;
 pub mod hi_z;
 pub mod hi_z_ray_trace;
 pub mod hierarchy;

@@ -131,6 +131,12 @@ impl<'a> RaySetup<'a> {
         self.gbuffer.normal[self.gbuffer.index(x, y)].as_dvec3().try_normalize()
     }
 
+    /// The unit direction in view space of the camera ray through a place on the screen, in continuous pixel
+    /// coordinates.
+    pub fn camera_ray(&self, x: f64, y: f64) -> DVec3 {
+        self.gbuffer.unproject(x, y, 0.5, &self.clip_to_view).normalize()
+    }
+
     /// The unit mirror direction in view space: reflect(normalize(position), normalize(normal)). `None` for sky
     /// and for a pixel without a normal.
     pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {

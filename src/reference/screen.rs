@@ -2,27 +2,38 @@
 //! each pixel's Phong lobe (docs/definitions.md, "Surfaces"; docs/numerics.md, "Gloss"), with its standard error. Rays
 //! are traced as the oracle traces them.
 //!
+//! By version 2 of the definitions, each sample reflects the camera ray through a random place within the pixel. A
+//! G-buffer knows one position and one normal for the whole pixel, so the reflected ray leaves from that position,
+//! which belongs to the pixel's centre, and turns about that normal.
+//!
 //! Samples are independent. Stratified samples would lower the error, but its estimate, which makes the
 //! reference trustworthy, would become too large by an unknown factor.
 
 use super::hierarchy::Hierarchy;
 use super::lobe::lobe_direction;
+use super::ray::Outcome;
+use super::surface::sky_color;
 use crate::math::random::Stream;
-use crate::math::{OracleVersion, phong};
-use crate::scene::GBufferData;
-use glam::{DVec3, Vec3};
+use crate::math::{DefinitionsVersion, OracleVersion, phong};
+use crate::scene::{GBufferData, Surface};
+use glam::{DMat4, DVec3, Vec3};
 use rayon::prelude::*;
+
+/// The least rays of a mirror's pixel by version 2 of the definitions.
+pub const MIRROR_SAMPLES_MIN: u32 = 16;
 
 /// Parameters of the sampling.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
-    /// Rays per pixel with ϱ > 0; if there are fewer than two, the error is unknown. A mirror always takes one
-    /// ray.
+    /// Rays per pixel with ϱ > 0; if there are fewer than two, the error is unknown. A mirror takes one ray by
+    /// version 1 of the definitions, and at least [`MIRROR_SAMPLES_MIN`] by version 2.
     pub samples: u32,
     /// Another seed gives an independent image.
     pub seed: u64,
     /// The version of the oracle that decides what rays hit.
     pub oracle: OracleVersion,
+    /// The version of the definitions: the rays of a pixel, and what they see on sky surfaces.
+    pub definitions: DefinitionsVersion,
 }
 
 /// The reflection colour, before fade, reflectivity and composite, and its error.
@@ -34,8 +45,8 @@ pub struct ScreenReference {
     pub height: u32,
     /// Mean colour, linear, rows from the top; black outside the mask and where nothing was hit.
     pub color: Vec<Vec3>,
-    /// Standard error of the mean, per channel; 0 for mirrors and outside the mask, infinite if a lobe has a
-    /// single sample.
+    /// Standard error of the mean, per channel; 0 outside the mask and for mirrors of one ray, infinite if a lobe
+    /// has a single sample.
     pub standard_error: Vec<Vec3>,
     /// Root mean square of [`Self::standard_error`] over the three channels of the mask's pixels: the RMSE that
     /// the reference itself is expected to have. 0 if the mask is empty.
@@ -52,10 +63,12 @@ impl ScreenReference {
     pub fn render(gbuffer: &GBufferData, mask: &[bool], sampling: Sampling, progress: &(dyn Fn() + Sync)) -> Self {
         assert_eq!(mask.len(), gbuffer.depth.len(), "the mask must have the G-buffer's size");
         let hierarchy = Hierarchy::new(gbuffer).of_version(sampling.oracle);
+        let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
+        let pixels = Pixels { hierarchy: &hierarchy, view_to_world, sampling };
         let rows: Vec<Vec<Estimate>> = (0..gbuffer.height)
             .into_par_iter()
             .map(|y| {
-                let pixel = |x| mask[gbuffer.index(x, y)].then(|| estimate(&hierarchy, x, y, sampling));
+                let pixel = |x| mask[gbuffer.index(x, y)].then(|| pixels.estimate(x, y));
                 let row = (0..gbuffer.width).map(|x| pixel(x).unwrap_or_default()).collect();
                 progress();
                 row
@@ -81,25 +94,66 @@ struct Estimate {
     standard_error: DVec3,
 }
 
-fn estimate(hierarchy: &Hierarchy, x: u32, y: u32, sampling: Sampling) -> Estimate {
-    let rays = hierarchy.rays();
-    let gbuffer = rays.gbuffer;
-    let index = gbuffer.index(x, y);
-    let (Some(mirror), Some(normal)) = (rays.mirror(x, y), rays.normal(x, y)) else { return Estimate::default() };
-    let seen = |direction: DVec3| {
-        // A direction below the surface carries no light, but counts as a sample.
-        let hit = (direction.dot(normal) > 0.0).then(|| hierarchy.trace_direction(x, y, direction).position());
-        hit.flatten().map_or(DVec3::ZERO, |p| bilinear(gbuffer, p.x, p.y))
-    };
-    let roughness = f64::from(gbuffer.roughness[index]);
-    if roughness <= 0.0 {
-        return Estimate { mean: seen(mirror), standard_error: DVec3::ZERO };
+/// What the pixels of an image have in common.
+struct Pixels<'a> {
+    hierarchy: &'a Hierarchy<'a>,
+    view_to_world: DMat4,
+    sampling: Sampling,
+}
+
+impl Pixels<'_> {
+    fn estimate(&self, x: u32, y: u32) -> Estimate {
+        let (rays, Sampling { samples, seed, definitions, .. }) = (self.hierarchy.rays(), self.sampling);
+        let index = rays.gbuffer.index(x, y);
+        let (Some(mirror), Some(normal)) = (rays.mirror(x, y), rays.normal(x, y)) else { return Estimate::default() };
+        let roughness = f64::from(rays.gbuffer.roughness[index]);
+        let (is_mirror, exponent) = (roughness <= 0.0, phong::exponent(roughness));
+        let stream = Stream::new(seed, index as u64);
+        let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
+        let seen = |direction| self.seen(x, y, normal, direction);
+        match definitions {
+            DefinitionsVersion::V1 if is_mirror => Estimate { mean: seen(mirror), standard_error: DVec3::ZERO },
+            DefinitionsVersion::V1 => {
+                let sample = |i| seen(lobe_direction(mirror, exponent, numbers(2 * i)));
+                mean_and_error((0..u64::from(samples)).map(sample))
+            }
+            DefinitionsVersion::V2 => {
+                let sample = |i| {
+                    let [u, v] = numbers(4 * i + 2);
+                    let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
+                    seen(lobe_direction(mirror, exponent, numbers(4 * i)))
+                };
+                let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
+                mean_and_error((0..u64::from(samples)).map(sample))
+            }
+        }
     }
-    let exponent = phong::exponent(roughness);
-    let stream = Stream::new(sampling.seed, index as u64);
-    let colors = (0..u64::from(sampling.samples))
-        .map(|i| seen(lobe_direction(mirror, exponent, [stream.uniform(2 * i), stream.uniform(2 * i + 1)])));
-    mean_and_error(colors)
+
+    /// The colour that a ray from a pixel brings; black where it hits nothing. A direction below the surface carries
+    /// no light, but counts as a sample.
+    fn seen(&self, x: u32, y: u32, normal: DVec3, direction: DVec3) -> DVec3 {
+        let gbuffer = self.hierarchy.rays().gbuffer;
+        let hit = (direction.dot(normal) > 0.0).then(|| self.hierarchy.trace_direction(x, y, direction).outcome);
+        match hit {
+            Some(Outcome::Hit { position, .. }) if self.sampling.definitions.is_first() => {
+                bilinear(gbuffer, position.x, position.y)
+            }
+            Some(Outcome::Hit { pixel: [i, j], position }) => {
+                let towards = self.view_to_world.transform_vector3(direction);
+                shown(gbuffer, gbuffer.index(i, j), [position.x, position.y], towards)
+            }
+            _ => DVec3::ZERO,
+        }
+    }
+}
+
+/// What the screen shows to a ray that ends at a place of a pixel, in continuous pixel coordinates: on a surface that
+/// shows the environment, the environment along the ray's direction in the world; elsewhere the lit colour, bilinear.
+pub fn shown(gbuffer: &GBufferData, pixel: usize, [x, y]: [f64; 2], towards: DVec3) -> DVec3 {
+    match gbuffer.surface[pixel] {
+        Surface::Lit => bilinear(gbuffer, x, y),
+        Surface::Sky => sky_color(towards),
+    }
 }
 
 /// Welford's running mean and variance (Welford 1962), which avoid cancellation.

@@ -1,8 +1,10 @@
 //! G-buffers for the tests of the references.
 
+use super::first_hits::{FirstHits, PrimaryRays};
 use super::ray::RaySetup;
+use super::surface::World;
 use crate::math::random::Stream;
-use crate::scene::{Camera, GBufferData, Lens};
+use crate::scene::{Camera, GBufferData, Lens, Surface};
 use glam::{DVec3, Vec3};
 use std::cell::Cell;
 
@@ -36,6 +38,37 @@ pub fn gbuffer(
         reflectivity: vec![1.0; pixels.len()],
         roughness: vec![0.0; pixels.len()],
         color: vec![Vec3::ZERO; pixels.len()],
+        surface: vec![Surface::Lit; pixels.len()],
+    }
+}
+
+/// The G-buffer of a scene, traced through the pixels' centres; with normals only where it reflects.
+pub fn traced(world: &World, camera: &Camera, extent: [u32; 2]) -> GBufferData {
+    let first = FirstHits::trace(world, camera, extent);
+    let (to_clip, to_view) = (camera.view_to_clip_reversed().as_dmat4(), camera.world_to_view.as_dmat4());
+    let depth = |z: &f64| to_clip.project_point3(DVec3::Z * *z).z.max(0.0) as f32;
+    let rays = PrimaryRays::new(camera, extent);
+    let surface = |i| {
+        let (ray, _) = rays.ray(i);
+        world.closest(&ray).map_or(Surface::Lit, |hit| world.point(&ray, &hit).surface)
+    };
+    let of = |value: fn(&super::first_hits::Receiver) -> f64| {
+        first.receivers.iter().map(|r| r.as_ref().map_or(0.0, value) as f32).collect()
+    };
+    GBufferData {
+        width: extent[0],
+        height: extent[1],
+        camera: *camera,
+        depth: first.view_z_m.iter().map(depth).collect(),
+        normal: first
+            .receivers
+            .iter()
+            .map(|r| r.map_or(Vec3::ZERO, |r| to_view.transform_vector3(r.normal).as_vec3()))
+            .collect(),
+        reflectivity: of(|r| r.reflectivity),
+        roughness: of(|r| r.roughness),
+        color: first.lit.clone(),
+        surface: (0..first.lit.len()).map(surface).collect(),
     }
 }
 

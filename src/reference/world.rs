@@ -2,17 +2,23 @@
 //! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
 //! what is off screen or hidden, which no screen-space method can see.
 //!
+//! By version 2 of the definitions, each sample starts at what the camera sees at a random place within the pixel, with
+//! the normal and the roughness there. Where that surface does not reflect (at an edge), the sample starts at the
+//! pixel's own point, since the reflection of that point is what a method shows in the whole pixel.
+//!
 //! Only the first bounce is traced: what a ray hits is lit directly, as in the G-buffer, and does not reflect
 //! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
 //! the order of their numbers. A result therefore does not depend on threads or on interruptions.
 
-use super::first_hits::{FirstHits, Receiver};
+use super::first_hits::{FirstHits, PrimaryRays, Receiver};
 use super::lobe::lobe_direction;
+use super::screen::MIRROR_SAMPLES_MIN;
 use super::surface::{World, sky_color};
-use super::world_state::WorldState;
+use super::world_state::{Kind, WorldState};
 use crate::error::Result;
-use crate::math::phong;
 use crate::math::random::Stream;
+use crate::math::{DefinitionsVersion, phong};
+use crate::scene::Camera;
 use crate::scene::bvh::WorldRay;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -38,6 +44,8 @@ pub struct WorldReference<'a> {
     pub first_hits: &'a FirstHits,
     /// The radiance of rays that hit nothing.
     pub escape: Escape,
+    /// The camera's rays, if samples are spread over each pixel; `None` if all of them start at the first hits.
+    pub footprint: Option<PrimaryRays>,
     /// A different seed gives a different, independent result.
     pub seed: u64,
 }
@@ -71,10 +79,10 @@ pub struct WorldImage {
     pub height: u32,
     /// Reflection colour, linear, before reflectivity; black where nothing reflects.
     pub reflection: Vec<Vec3>,
-    /// Standard error of the reflection colour, per channel; 0 for mirrors, infinite with fewer than two
-    /// samples.
+    /// Standard error of the reflection colour, per channel; 0 for mirrors of one sample, else infinite with fewer
+    /// than two.
     pub standard_error: Vec<Vec3>,
-    /// Number of samples: 1 for mirrors, 0 where nothing reflects.
+    /// Number of samples; 0 where nothing reflects.
     pub samples: Vec<u32>,
     /// Lit colour of the first hits.
     pub lit: Vec<Vec3>,
@@ -82,29 +90,80 @@ pub struct WorldImage {
     pub composite: Vec<Vec3>,
 }
 
-impl WorldReference<'_> {
-    /// A state without samples.
-    pub fn start(&self) -> WorldState {
-        let mirrors = self.first_hits.receivers.iter().map(|r| r.map(|r| r.roughness <= 0.0));
-        WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], mirrors)
+/// One ray of a world reference, and what it brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorldSample {
+    /// Its radiance, linear.
+    pub radiance: DVec3,
+    /// Its unit direction in the world.
+    pub direction: DVec3,
+    /// Where it ends, in metres; `None` if it escapes, or if it leads below the surface and brings nothing.
+    pub end: Option<DVec3>,
+}
+
+impl<'a> WorldReference<'a> {
+    /// The reference by a version of the definitions. `shown` is what the method that is judged shows where a ray
+    /// escapes, which counts by version 1 alone: by version 2, it is the environment for all.
+    pub fn by(
+        definitions: DefinitionsVersion,
+        world: &'a World<'a>,
+        first_hits: &'a FirstHits,
+        camera: &Camera,
+        shown: Escape,
+        seed: u64,
+    ) -> Self {
+        let (escape, footprint) = match definitions {
+            DefinitionsVersion::V1 => (shown, None),
+            DefinitionsVersion::V2 => {
+                (Escape::Environment, Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height])))
+            }
+        };
+        Self { world, first_hits, escape, footprint, seed }
     }
 
-    /// Adds samples to every glossy pixel, and traces the single ray of every mirror if it is still missing.
+    /// A state without samples.
+    pub fn start(&self) -> WorldState {
+        let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
+            (None, _) => Kind::None,
+            (Some(r), None) if r.roughness <= 0.0 => Kind::Single,
+            (Some(r), Some(_)) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
+            (Some(_), _) => Kind::Sampled { least: 0 },
+        };
+        let kinds = self.first_hits.receivers.iter().map(kind).collect();
+        WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], kinds)
+    }
+
+    /// Adds samples to every pixel that takes more than one, and traces what is still missing of the others: a
+    /// mirror's single ray, or the least rays of a mirror.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
-        let first = state.samples;
-        state.pixels.par_iter_mut().zip(&self.first_hits.receivers).enumerate().with_min_len(64).for_each(
-            |(index, (sums, receiver))| {
+        let mut nothing = vec![(); state.pixels.len()];
+        self.add_beside(state, samples, &mut nothing, |(), _| ());
+    }
+
+    /// The same; `look` sees each sample, in the order of their numbers, with what is kept for its pixel `beside` the
+    /// state.
+    pub(super) fn add_beside<T: Send>(
+        &self,
+        state: &mut WorldState,
+        samples: u32,
+        beside: &mut [T],
+        look: impl Fn(&mut T, &WorldSample) + Sync,
+    ) {
+        let (first, last) = (state.samples, state.samples.saturating_add(samples));
+        let WorldState { pixels, kinds, .. } = state;
+        let of_receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
+        pixels.par_iter_mut().zip(beside).zip(of_receivers).enumerate().with_min_len(64).for_each(
+            |(index, ((sums, kept), (receiver, kind)))| {
                 let Some(receiver) = receiver else { return };
-                let exponent = phong::exponent(receiver.roughness);
-                let wanted = if exponent.is_infinite() { 0..1 } else { 0..first.saturating_add(samples) };
                 let stream = Stream::new(self.seed, index as u64);
-                for sample in first.min(wanted.end)..wanted.end {
-                    let numbers = [0, 1].map(|k| stream.uniform(2 * u64::from(sample) + k));
-                    sums.add(self.sample(receiver, exponent, numbers));
+                for number in kind.samples(first)..kind.samples(last) {
+                    let sample = self.sample(index, receiver, u64::from(number), &stream);
+                    sums.add(sample.radiance);
+                    look(kept, &sample);
                 }
             },
         );
-        state.samples = first.saturating_add(samples);
+        state.samples = last;
     }
 
     /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an
@@ -121,7 +180,7 @@ impl WorldReference<'_> {
             let pass = target.samples_per_pass.max(1).min(target.samples_max - state.samples);
             self.add(state, pass);
             progress(state)?;
-            if state.glossy_pixels() == 0 {
+            if state.sampled_pixels() == 0 {
                 break;
             }
         }
@@ -144,18 +203,32 @@ impl WorldReference<'_> {
         }
     }
 
-    /// The radiance along one ray of the lobe.
-    fn sample(&self, receiver: &Receiver, exponent: f64, u: [f64; 2]) -> DVec3 {
-        let direction = lobe_direction(receiver.mirror(), exponent, u);
+    /// One ray of the lobe.
+    fn sample(&self, index: usize, receiver: &Receiver, number: u64, stream: &Stream) -> WorldSample {
+        let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
+        let (receiver, lobe) = match &self.footprint {
+            None => (*receiver, numbers(2 * number)),
+            Some(rays) => (self.within(rays, index, receiver, numbers(4 * number + 2)), numbers(4 * number)),
+        };
+        let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
         if !receiver.is_above(direction) {
-            return DVec3::ZERO;
+            return WorldSample { radiance: DVec3::ZERO, direction, end: None };
         }
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
-        match self.world.closest(&ray) {
-            Some(hit) => self.world.color(&ray, &self.world.point(&ray, &hit)),
+        let hit = self.world.closest(&ray);
+        let radiance = match &hit {
+            Some(hit) => self.world.color(&ray, &self.world.point(&ray, hit)),
             None if self.escape == Escape::Environment => sky_color(direction),
             None => DVec3::ZERO,
-        }
+        };
+        WorldSample { radiance, direction, end: hit.map(|hit| ray.at(hit.t)) }
+    }
+
+    /// The point that the camera sees at a place within a pixel if it reflects, else the pixel's own.
+    fn within(&self, rays: &PrimaryRays, index: usize, own: &Receiver, place: [f64; 2]) -> Receiver {
+        let (ray, _) = rays.ray_within(index, place);
+        let seen = self.world.closest(&ray).and_then(|hit| Receiver::of(&ray, &self.world.point(&ray, &hit)));
+        seen.unwrap_or(*own)
     }
 }
 

@@ -2,6 +2,7 @@
 //! "World agreement", judges a method's hits by this.
 
 use super::first_hits::FirstHits;
+use super::screen::shown;
 use super::surface::World;
 use super::world::RAY_START_M;
 pub use crate::math::constants::VISIBLE_WITHIN;
@@ -25,6 +26,8 @@ pub enum WorldHit {
         pixel: Option<DVec2>,
         /// View-space z in metres.
         view_z_m: f64,
+        /// Length of the ray in metres.
+        length_m: f64,
         /// Whether the pixel there shows the hit point.
         visible: bool,
     },
@@ -43,8 +46,7 @@ impl WorldHit {
 /// Traces the mirror ray of each reflecting pixel, from the pixel's own depth and normal; rows from the top.
 pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
     let first_hits = FirstHits::from_gbuffer(gbuffer);
-    let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
-    let view_to_clip = gbuffer.view_to_clip();
+    let screen = ShownPlaces::new(gbuffer, &first_hits);
     first_hits
         .receivers
         .par_iter()
@@ -53,30 +55,62 @@ pub fn world_hits(world: &World, gbuffer: &GBufferData) -> Vec<WorldHit> {
             let direction = receiver.mirror();
             let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
             match world.closest(&ray) {
-                Some(hit) => judge(gbuffer, &first_hits.view_z_m, ray.at(hit.t), &world_to_view, &view_to_clip),
+                Some(hit) => {
+                    let position = ray.at(hit.t);
+                    let (pixel, view_z_m, visible) = screen.judge(position);
+                    WorldHit::Hit { position, pixel, view_z_m, length_m: hit.t, visible }
+                }
                 None => WorldHit::Escaped,
             }
         })
         .collect()
 }
 
-/// Projects a hit and compares it with the depth of its pixel.
-fn judge(gbuffer: &GBufferData, view_z_m: &[f64], position: DVec3, to_view: &DMat4, to_clip: &DMat4) -> WorldHit {
-    let view = to_view.transform_point3(position);
-    let pixel = gbuffer.project(view, to_clip).map(|p| p.truncate());
-    let on_screen = pixel
-        .filter(|p| (0.0..f64::from(gbuffer.width)).contains(&p.x) && (0.0..f64::from(gbuffer.height)).contains(&p.y));
-    let visible = on_screen.is_some_and(|p| {
-        let shown = view_z_m[gbuffer.index(p.x as u32, p.y as u32)];
-        (view.z - shown).abs() <= VISIBLE_WITHIN * view.z + VISIBLE_WITHIN
-    });
-    WorldHit::Hit { position, pixel, view_z_m: view.z, visible }
+/// Which places of the world a screen shows.
+#[derive(Debug, Clone)]
+pub(super) struct ShownPlaces<'a> {
+    gbuffer: &'a GBufferData,
+    view_z_m: &'a [f64],
+    world_to_view: DMat4,
+    view_to_clip: DMat4,
+}
+
+impl<'a> ShownPlaces<'a> {
+    /// Of a G-buffer and its own first hits.
+    pub(super) fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
+        let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
+        Self { gbuffer, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }
+    }
+
+    /// Where a place projects to (`None` behind the eye), its view-space z in metres, and whether the pixel there shows
+    /// it.
+    pub(super) fn judge(&self, position: DVec3) -> (Option<DVec2>, f64, bool) {
+        let view = self.world_to_view.transform_point3(position);
+        let pixel = self.gbuffer.project(view, &self.view_to_clip).map(|p| p.truncate());
+        let shows = |i: usize| (view.z - self.view_z_m[i]).abs() <= VISIBLE_WITHIN * view.z + VISIBLE_WITHIN;
+        (pixel, view.z, pixel.and_then(|p| self.index(p)).is_some_and(shows))
+    }
+
+    /// The colour that the screen shows where a ray ends, if it shows that place.
+    pub(super) fn color(&self, end: DVec3, towards: DVec3) -> Option<DVec3> {
+        let (pixel, _, visible) = self.judge(end);
+        let p = pixel.filter(|_| visible)?;
+        Some(shown(self.gbuffer, self.index(p)?, p.to_array(), towards))
+    }
+
+    /// The index of the pixel at continuous coordinates; `None` off screen.
+    fn index(&self, p: DVec2) -> Option<usize> {
+        let size = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height));
+        let inside = p.cmpge(DVec2::ZERO).all() && p.cmplt(size).all();
+        inside.then(|| self.gbuffer.index(p.x as u32, p.y as u32))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::reference::surface::tests::rectangle;
+    use crate::reference::testing;
     use crate::scene::{Camera, Lens, Material, Scene};
     use glam::Vec3;
 
@@ -93,24 +127,12 @@ mod tests {
         let (width, height) = (40, 40);
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0);
         let world = World::new(&scene, &scene.materials);
-        let first = FirstHits::trace(&world, &camera, [width, height]);
-        let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
-        let is_floor = |i: usize| first.receivers[i].is_some();
-        let indices = 0..first.lit.len();
-        let depth = indices.clone().map(|i| {
-            let z = first.view_z_m[i] * if is_floor(i) { 1.0 } else { f64::from(wall_depth_factor) };
-            view_to_clip.project_point3(DVec3::new(0.0, 0.0, z)).z as f32
-        });
-        let data = GBufferData {
-            width,
-            height,
-            camera,
-            depth: depth.collect(),
-            normal: indices.clone().map(|i| if is_floor(i) { Vec3::Y } else { Vec3::NEG_Z }).collect(),
-            reflectivity: indices.map(|i| if is_floor(i) { 1.0 } else { 0.0 }).collect(),
-            roughness: vec![0.0; first.lit.len()],
-            color: first.lit.clone(),
-        };
+        let mut data = testing::traced(&world, &camera, [width, height]);
+        let (to_clip, from_clip) = (data.view_to_clip(), data.view_to_clip().inverse());
+        for i in (0..data.depth.len()).filter(|i| !data.reflects(*i) && wall_depth_factor != 1.0).collect::<Vec<_>>() {
+            let z = from_clip.project_point3(DVec3::Z * f64::from(data.depth[i])).z * f64::from(wall_depth_factor);
+            data.depth[i] = to_clip.project_point3(DVec3::Z * z).z as f32;
+        }
         drop(world);
         (scene, data)
     }
@@ -132,9 +154,15 @@ mod tests {
             }
             // It hits the floor at z = 1 / down. The mirrored ray rises equally steeply and hits the wall at
             // height −1 + (4 − z) · down = 4 down − 2, which is in row 20 − 20 (4 down − 2) / 4.
-            let WorldHit::Hit { position, pixel, view_z_m, visible } = *hit else { panic!("{x} {y}: {hit:?}") };
+            let WorldHit::Hit { position, pixel, view_z_m, length_m, visible } = *hit else {
+                panic!("{x} {y}: {hit:?}")
+            };
             let pixel = pixel.expect("in front");
             assert!((position.z - 4.0).abs() < 1e-4 && (view_z_m - 4.0).abs() < 1e-4);
+            // From (z, 1 below) with z = 1 / down, over 4 − z, as steep in y, and aside as far as the pixel is.
+            let aside = (x as f64 + 0.5 - 20.0) / 20.0;
+            let expected = (4.0 - 1.0 / down) * (1.0 + down * down + aside * aside).sqrt();
+            assert!((length_m - expected).abs() < 1e-3, "{x} {y}: {length_m} {expected}");
             assert!((pixel.y - (20.0 - 5.0 * (4.0 * down - 2.0))).abs() < 1e-3, "{x} {y}: {pixel}");
             assert!((pixel.x - (x as f64 + 0.5)).abs() < 1e-3, "{x} {y}: {pixel}");
             // The floor hides nothing below the wall's foot (row 25): the whole wall is on screen.

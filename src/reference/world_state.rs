@@ -32,7 +32,7 @@ pub struct WorldState {
     /// Samples of every glossy pixel so far.
     pub samples: u32,
     pub(super) pixels: Vec<Sums>,
-    kinds: Vec<Kind>,
+    pub(super) kinds: Vec<Kind>,
 }
 
 /// The sums of one pixel.
@@ -42,11 +42,27 @@ pub(super) struct Sums {
     squares: DVec3,
 }
 
+/// Which samples a pixel takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+pub(super) enum Kind {
+    /// None: it does not reflect.
     None,
-    Mirror,
-    Glossy,
+    /// A single one: a mirror without a footprint.
+    Single,
+    /// All, and as soon as there are any, at least so many.
+    Sampled { least: u32 },
+}
+
+impl Kind {
+    /// The samples of a pixel in a state with so many.
+    pub(super) fn samples(self, of_state: u32) -> u32 {
+        match self {
+            Self::None => 0,
+            Self::Single => of_state.min(1),
+            Self::Sampled { least } if of_state > 0 => of_state.max(least),
+            Self::Sampled { .. } => 0,
+        }
+    }
 }
 
 impl Sums {
@@ -57,31 +73,19 @@ impl Sums {
 }
 
 impl WorldState {
-    /// A state without samples. For each pixel, `mirrors` gives whether it is a mirror; `None` if it does not
-    /// reflect.
-    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], mirrors: impl Iterator<Item = Option<bool>>) -> Self {
-        let kinds: Vec<Kind> = mirrors
-            .map(|mirror| match mirror {
-                None => Kind::None,
-                Some(true) => Kind::Mirror,
-                Some(false) => Kind::Glossy,
-            })
-            .collect();
+    /// A state without samples.
+    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], kinds: Vec<Kind>) -> Self {
         Self { fingerprint, extent, samples: 0, pixels: vec![Sums::default(); kinds.len()], kinds }
     }
 
     /// The number of pixels that need more than one sample.
-    pub fn glossy_pixels(&self) -> usize {
-        self.kinds.iter().filter(|k| **k == Kind::Glossy).count()
+    pub fn sampled_pixels(&self) -> usize {
+        self.kinds.iter().filter(|k| matches!(k, Kind::Sampled { .. })).count()
     }
 
     /// The number of samples of each pixel.
     pub fn sample_counts(&self) -> impl Iterator<Item = u32> {
-        self.kinds.iter().map(|kind| match kind {
-            Kind::None => 0,
-            Kind::Mirror => self.samples.min(1),
-            Kind::Glossy => self.samples,
-        })
+        self.kinds.iter().map(|kind| kind.samples(self.samples))
     }
 
     /// The mean of each pixel; black without samples.
@@ -89,17 +93,19 @@ impl WorldState {
         self.pixels.iter().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
     }
 
-    /// The standard error of each pixel's mean, per channel: √(sample variance / n). 0 for mirrors and where
-    /// nothing reflects; infinite for a glossy pixel with fewer than two samples.
+    /// The standard error of each pixel's mean, per channel: √(sample variance / n). 0 for a mirror's single ray and
+    /// where nothing reflects; infinite for any other pixel with fewer than two samples.
     pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
-        let n = f64::from(self.samples);
-        self.pixels.iter().zip(&self.kinds).map(move |(sums, kind)| match kind {
-            Kind::Glossy if self.samples < 2 => DVec3::INFINITY,
-            Kind::Glossy => {
-                let variance = ((sums.squares - sums.color * sums.color / n) / (n - 1.0)).max(DVec3::ZERO);
-                (variance / n).map(f64::sqrt)
+        self.pixels.iter().zip(&self.kinds).map(move |(sums, kind)| {
+            let n = f64::from(kind.samples(self.samples));
+            match kind {
+                Kind::Sampled { .. } if n < 2.0 => DVec3::INFINITY,
+                Kind::Sampled { .. } => {
+                    let variance = ((sums.squares - sums.color * sums.color / n) / (n - 1.0)).max(DVec3::ZERO);
+                    (variance / n).map(f64::sqrt)
+                }
+                _ => DVec3::ZERO,
             }
-            _ => DVec3::ZERO,
         })
     }
 
@@ -179,7 +185,7 @@ impl WorldReference<'_> {
     }
 
     /// A hash of everything that a sample depends on: geometry, images, materials, lights, first hits (and with
-    /// them camera and size), escape, seed and version.
+    /// them camera and size), escape, footprint, seed and version.
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
         hash.numbers(&[u64::from(VERSION), self.seed, u64::from(self.escape == Escape::Environment)]);
@@ -208,6 +214,11 @@ impl WorldReference<'_> {
             };
             hash.numbers(&[kind]);
             hash.floats(&place.extend(energy).to_array());
+        }
+        // Without a footprint nothing is added, so that states from before there were any are still found.
+        if let Some(rays) = &self.footprint {
+            hash.block(b"footprint");
+            hash.numbers(&rays.numbers().into_iter().map(f64::to_bits).collect::<Vec<_>>());
         }
         hash.numbers(&[u64::from(self.first_hits.width), u64::from(self.first_hits.height)]);
         for receiver in &self.first_hits.receivers {

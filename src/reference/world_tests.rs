@@ -3,7 +3,8 @@
 use super::*;
 use crate::error::Error;
 use crate::reference::surface::tests::rectangle;
-use crate::scene::{Camera, GBufferData, Lens, Material, Mesh, Scene, Surface, Vertex, library};
+use crate::reference::testing;
+use crate::scene::{Camera, Lens, Material, Mesh, Scene, Surface, Vertex, library};
 
 /// A sphere of radius 8 around the origin, seen from inside. Its triangles are fine enough that their closest
 /// point is 7.9 m away.
@@ -57,7 +58,7 @@ fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
 }
 
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
-    WorldReference { world, first_hits, escape: Escape::Black, seed: 1 }
+    WorldReference { world, first_hits, escape: Escape::Black, footprint: None, seed: 1 }
 }
 
 #[test]
@@ -184,7 +185,7 @@ fn an_escaped_ray_is_black_or_the_sky() {
     let world = World::new(&scene, &scene.materials);
     let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0)), None]);
     let bring = |escape| {
-        let reference = WorldReference { world: &world, first_hits: &first_hits, escape, seed: 1 };
+        let reference = WorldReference { escape, ..reference(&world, &first_hits) };
         let mut state = reference.start();
         reference.add(&mut state, 1);
         reference.image(&state).reflection
@@ -223,13 +224,18 @@ fn threads_interruptions_and_files_change_no_bit() {
     let (scene, materials, camera) = corridor();
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, [24, 16]);
-    let reference = reference(&world, &first_hits);
+    threads_and_interruptions_change_nothing(&reference(&world, &first_hits));
+    let footprint = Some(PrimaryRays::new(&camera, [24, 16]));
+    threads_and_interruptions_change_nothing(&WorldReference { footprint, ..reference(&world, &first_hits) });
+}
+
+fn threads_and_interruptions_change_nothing(reference: &WorldReference) {
     let straight = {
         let mut state = reference.start();
         reference.add(&mut state, 24);
         state
     };
-    assert!(straight.glossy_pixels() > 200 && straight.overall_standard_error() > 1e-3);
+    assert!(straight.sampled_pixels() > 200 && straight.overall_standard_error() > 1e-3);
 
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     let mut alone = reference.start();
@@ -247,7 +253,7 @@ fn threads_interruptions_and_files_change_no_bit() {
     reference.add(&mut state, 17);
     assert_eq!(state, straight);
 
-    let other = WorldReference { seed: 2, ..reference };
+    let other = WorldReference { seed: 2, ..*reference };
     let mut different = other.start();
     other.add(&mut different, 24);
     assert!(different != straight);
@@ -277,9 +283,12 @@ fn a_file_is_refused_for_anything_else_or_if_damaged() {
         }
         std::fs::write(&path, &good).expect("the file");
         assert_eq!(reference.load(&path).expect("whole again"), state);
-        for other in
-            [WorldReference { seed: 9, ..reference }, WorldReference { escape: Escape::Environment, ..reference }]
-        {
+        let footprint = Some(PrimaryRays::new(&camera, [12, 8]));
+        for other in [
+            WorldReference { seed: 9, ..reference },
+            WorldReference { escape: Escape::Environment, ..reference },
+            WorldReference { footprint, ..reference },
+        ] {
             assert!(other.load(&path).is_err());
         }
         state
@@ -312,24 +321,9 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
     let world = World::new(&scene, &materials);
     let [width, height] = [30, 20];
     let traced = FirstHits::trace(&world, &camera, [width, height]);
-    let view_to_clip = camera.view_to_clip_reversed().as_dmat4();
-    let world_to_view = camera.world_to_view.as_dmat4();
     let of = |i: usize| traced.receivers[i];
     let indices = || 0..traced.lit.len();
-    let gbuffer = GBufferData {
-        width,
-        height,
-        camera,
-        depth: indices()
-            .map(|i| view_to_clip.project_point3(DVec3::Z * traced.view_z_m[i]).z.max(0.0) as f32)
-            .collect(),
-        normal: indices()
-            .map(|i| of(i).map_or(Vec3::ZERO, |r| world_to_view.transform_vector3(r.normal).as_vec3()))
-            .collect(),
-        reflectivity: indices().map(|i| of(i).map_or(0.0, |r| r.reflectivity as f32)).collect(),
-        roughness: vec![0.0; traced.lit.len()],
-        color: traced.lit.clone(),
-    };
+    let gbuffer = testing::traced(&world, &camera, [width, height]);
     let read = FirstHits::from_gbuffer(&gbuffer);
     let run = |first_hits: &FirstHits| {
         let reference = reference(&world, first_hits);
@@ -346,4 +340,95 @@ fn a_gbuffer_made_from_the_first_hits_gives_the_same_reflection() {
         let z = traced.view_z_m[i];
         assert!((read.view_z_m[i] - z).abs() < 1e-5 * z);
     }
+}
+
+#[test]
+fn version_1_takes_the_same_rays_as_ever() {
+    let (scene, mut materials, camera) = corridor();
+    materials[0].roughness = 0.0;
+    let world = World::new(&scene, &materials);
+    let first_hits = FirstHits::trace(&world, &camera, [24, 16]);
+    let reference = WorldReference::by(DefinitionsVersion::V1, &world, &first_hits, &camera, Escape::Black, 5);
+    let mut state = reference.start();
+    reference.add(&mut state, 6);
+    let mut counts = [0, 0];
+    for (i, (mean, receiver)) in state.means().zip(&first_hits.receivers).enumerate() {
+        let Some(r) = receiver else { continue };
+        let (stream, samples) = (Stream::new(5, i as u64), if r.roughness > 0.0 { 6 } else { 1 });
+        let mut sum = DVec3::ZERO;
+        for n in 0..samples {
+            let u = [stream.uniform(2 * n), stream.uniform(2 * n + 1)];
+            let direction = lobe_direction(r.mirror(), phong::exponent(r.roughness), u);
+            let ray = WorldRay { origin: r.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
+            let hit = world.closest(&ray).filter(|_| r.is_above(direction));
+            sum += hit.map_or(DVec3::ZERO, |hit| world.color(&ray, &world.point(&ray, &hit)));
+        }
+        assert_eq!(mean, sum / samples as f64, "pixel {i}, to the bit");
+        counts[usize::from(samples == 1)] += 1;
+    }
+    assert!(counts.iter().all(|n| *n > 20), "lobes and mirrors: {counts:?}");
+}
+
+#[test]
+fn version_2_shows_the_environment_to_whoever_escapes() {
+    let scene = Scene::default();
+    let world = World::new(&scene, &scene.materials);
+    // The camera sees nothing at the pixel, so that each sample starts at the receiver.
+    let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0))]);
+    let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 1.0);
+    let bring = |definitions, shown| {
+        let reference = WorldReference::by(definitions, &world, &first_hits, &camera, shown, 1);
+        let mut state = reference.start();
+        reference.add(&mut state, 1);
+        (reference.image(&state).reflection[0], state.sample_counts().next())
+    };
+    let sky = sky_color(DVec3::new(0.3, 1.0, 0.2).normalize()).as_vec3();
+    assert_eq!(bring(DefinitionsVersion::V1, Escape::Black), (Vec3::ZERO, Some(1)));
+    for shown in [Escape::Black, Escape::Environment] {
+        let (color, samples) = bring(DefinitionsVersion::V2, shown);
+        assert!((color - sky).length() < 1e-5 && samples == Some(16), "{color} {sky} {samples:?}");
+    }
+}
+
+#[test]
+fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
+    let scene = floor_and_wall();
+    let world = World::new(&scene, &scene.materials);
+    let camera = Camera::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.0);
+    // Of an odd number of columns, the edge of the wall's halves runs through the middle one.
+    let size = 33;
+    let first_hits = FirstHits::trace(&world, &camera, [size, size]);
+    let by = |definitions, samples: &[u32]| {
+        let reference = WorldReference::by(definitions, &world, &first_hits, &camera, Escape::Black, 1);
+        let mut state = reference.start();
+        samples.iter().for_each(|n| reference.add(&mut state, *n));
+        reference.image(&state)
+    };
+    let (filtered, plain) = (by(DefinitionsVersion::V2, &[256]), by(DefinitionsVersion::V1, &[256]));
+    let shows_wall = |i: &usize| first_hits.receivers[*i].is_some_and(|r| r.position.z > 1.2 && r.position.z < 4.5);
+    let mut squares = Vec::new();
+    for i in (0..filtered.reflection.len()).filter(shows_wall) {
+        let (sum, error) = (filtered.reflection[i].x, filtered.standard_error[i].x);
+        match (i as u32 % size).cmp(&(size / 2)) {
+            std::cmp::Ordering::Less => assert!((sum - 0.05).abs() < 1e-6 && error < 1e-6),
+            std::cmp::Ordering::Greater => assert!((sum - 0.2).abs() < 1e-6 && error < 1e-6),
+            std::cmp::Ordering::Equal => {
+                // Either value with probability ½.
+                assert!((error - 0.075 / 16.0).abs() < 2e-4, "{error}");
+                squares.push(((sum - 0.125) / error).powi(2));
+                assert!((plain.reflection[i].x - 0.125).abs() > 0.07, "one ray shows one of both");
+            }
+        }
+    }
+    let chi2: f32 = squares.iter().sum();
+    assert!(squares.len() >= 5 && chi2 < 4.0 * squares.len() as f32, "{squares:?}");
+    // Where the floor meets the wall, rays of a pixel that see the wall start at the pixel's own point.
+    let reflecting = |i: &usize| first_hits.receivers[*i].is_some();
+    assert!((0..filtered.samples.len()).filter(reflecting).all(|i| filtered.samples[i] == 256));
+
+    // At least 16, however they are asked for, and the same ones.
+    let [once, twice] = [by(DefinitionsVersion::V2, &[20]), by(DefinitionsVersion::V2, &[3, 5, 12])];
+    assert_eq!(once, twice);
+    let few = by(DefinitionsVersion::V2, &[3]);
+    assert_eq!((few.samples.iter().max(), &few), (Some(&16), &by(DefinitionsVersion::V2, &[16])));
 }

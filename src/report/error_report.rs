@@ -36,7 +36,7 @@ pub fn plots(records: &[ErrorRecord]) -> std::result::Result<Vec<ErrorPlot>, Str
         let points = sweep::points(records, against);
         if !points.is_empty() {
             let svg = plot::time_against_error(&points, axis)?;
-            plots.push(ErrorPlot { name, axis, svg, cells: point_cells(&points) });
+            plots.push(ErrorPlot { name, axis, svg, cells: point_cells(&points, floor(records, against)) });
         }
     }
     Ok(plots)
@@ -99,23 +99,38 @@ pub fn text(records: &[ErrorRecord]) -> String {
             continue;
         }
         text += &format!("{axis}, mean over the cells; * is on the Pareto front\n");
-        text += &tables::aligned(&point_cells(&points));
+        text += &tables::aligned(&point_cells(&points, floor(records, against)));
         text += "\n";
     }
     text += "RMSE of the reflection colour by roughness, median over the views\n";
     text + &tables::aligned(&source_cells(records))
 }
 
-fn point_cells(points: &[Point]) -> Vec<Vec<String>> {
-    let header = ["variant", "median ms", "error", "front"].map(str::to_owned).to_vec();
-    let row = |p: &Point| {
-        let front = if p.on_front { "*" } else { "" };
-        vec![p.name.clone(), format!("{:.3}", p.time_ms), format!("{:.4}", p.error), front.to_owned()]
-    };
-    std::iter::once(header).chain(points.iter().map(row)).collect()
+/// What is beside errors against the world.
+fn floor(records: &[ErrorRecord], against: Against) -> Option<f64> {
+    sweep::floor(records).filter(|_| against == Against::World)
 }
 
-/// One row a method and reference, one column a roughness.
+/// Name of the floor in tables.
+const FLOOR: &str = "floor of the screen";
+
+/// One row a point, and below them the floor. Places are a column where a point has any.
+fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
+    let has_places = points.iter().any(|p| p.place_agreement.is_some());
+    let row = |[name, time, error, front, place]: [String; 5]| {
+        [name, time, error, front].into_iter().chain(has_places.then_some(place)).collect::<Vec<_>>()
+    };
+    let point = |p: &Point| {
+        let front = if p.on_front { "*" } else { "" };
+        let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
+        row([p.name.clone(), format!("{:.3}", p.time_ms), format!("{:.4}", p.error), front.to_owned(), place])
+    };
+    let header = row(["variant", "median ms", "error", "front", "right places, r 0"].map(str::to_owned));
+    let last = floor.map(|error| row([FLOOR.into(), "-".into(), format!("{error:.4}"), String::new(), "-".into()]));
+    std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
+}
+
+/// One row a method and reference, and one for the floor; one column a roughness.
 pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
     let sources = sweep::sources(records);
     let mut rows: Vec<(String, Against)> = Vec::new();
@@ -135,5 +150,10 @@ pub fn source_cells(records: &[ErrorRecord]) -> Vec<Vec<String>> {
         }));
         row
     };
-    std::iter::once(header).chain(rows.iter().map(row)).collect()
+    let mut cells: Vec<_> = std::iter::once(header).chain(rows.iter().map(row)).collect();
+    if sources.iter().any(|s| s.floor.is_some()) {
+        let floors = sources.iter().map(|s| s.floor.map_or_else(|| "-".into(), |floor| format!("{floor:.4}")));
+        cells.push(std::iter::once(format!("{FLOOR}, world")).chain(floors).collect());
+    }
+    cells
 }

@@ -9,6 +9,7 @@
 use super::files::write;
 use super::images::write_rgba_png;
 use crate::error::Result;
+use crate::math::DefinitionsVersion;
 use crate::reference::first_hits::{FirstHits, PrimaryRays};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, RAY_START_M, WorldReference};
@@ -19,6 +20,10 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
+
+/// The version of the definitions that is exported: all rays of a pixel start at one point, so that Mitsuba can be given
+/// the points.
+const DEFINITIONS: DefinitionsVersion = DefinitionsVersion::V1;
 
 /// What is exported.
 pub struct Export<'a> {
@@ -52,7 +57,7 @@ pub fn export(folder: &Path, what: &Export) -> Result<Exported> {
     let materials: Vec<Material> = what.materials.iter().map(without_sky).collect();
     let world = World::new(what.scene, &materials);
     let first_hits = FirstHits::trace(&world, &what.camera, what.extent);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: what.seed };
+    let reference = WorldReference::by(DEFINITIONS, &world, &first_hits, &what.camera, Escape::Black, what.seed);
     let mut state = reference.start();
     reference.add(&mut state, what.samples);
 
@@ -186,7 +191,7 @@ fn description(what: &Export, materials: &[Material]) -> Value {
         json!({"file": texture_file(i), "srgb": srgb})
     };
     json!({
-        "kind": "truth", "definitions": 1, "scene": what.scene.name,
+        "kind": "truth", "definitions": u32::from(DEFINITIONS), "scene": what.scene.name,
         "width": what.extent[0], "height": what.extent[1],
         "ray_start_m": RAY_START_M, "samples": what.samples, "seed": what.seed,
         "lights": what.scene.lights.iter().map(light).collect::<Vec<_>>(),

@@ -5,6 +5,7 @@ use super::{files, html, tables};
 use crate::error::{Error, Result};
 use crate::metrics::pareto;
 use crate::study::precision::{PrecisionRecord, Rung, Storage, roughness_values, rungs};
+use crate::study::record::DEFINITIONS;
 use std::path::Path;
 
 /// Writes precision.json, precision.txt, the plots and index.html.
@@ -112,6 +113,14 @@ const RULE: &str = "The G-buffer is traced in f64 through the pixels' centres, s
 
 fn page(records: &[PrecisionRecord], plots: &[Plot], command: &str) -> String {
     let plots: Vec<_> = plots.iter().map(|p| (p.title.as_str(), p.svg.as_str())).collect();
-    let device = records.first().map(|r| &r.head.program.device);
-    html::plots_page("Precision ladder", device, command, &plots, (RULE, &cells(records)))
+    let program = records.first().map(|r| &r.head.program);
+    let definitions = program.map_or(DEFINITIONS, |p| p.definitions);
+    html::plots_page(
+        "Precision ladder",
+        program.map(|p| &p.device),
+        definitions,
+        command,
+        &plots,
+        (RULE, &cells(records)),
+    )
 }

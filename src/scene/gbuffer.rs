@@ -1,6 +1,6 @@
 //! A G-buffer on the host; the references and the G-buffer files use it.
 
-use super::Camera;
+use super::{Camera, Surface};
 use crate::math::constants;
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
@@ -22,8 +22,10 @@ pub struct GBufferData {
     pub reflectivity: Vec<f32>,
     /// Roughness ϱ.
     pub roughness: Vec<f32>,
-    /// Lit colour, linear.
+    /// Lit colour, linear; on a surface that shows the environment, the environment as the camera sees it there.
     pub color: Vec<Vec3>,
+    /// What the surface shows. [`Surface::Sky`] is the environment of [`sky`](super::sky), and no other.
+    pub surface: Vec<Surface>,
 }
 
 impl GBufferData {
@@ -88,6 +90,7 @@ mod tests {
             reflectivity: vec![],
             roughness: vec![],
             color: vec![],
+            surface: vec![],
         };
         let m = empty.view_to_clip();
         let p = DVec3::new(-0.7, 0.4, 3.0);

@@ -2,12 +2,13 @@
 //!
 //! Channels, as 32-bit floats: `R`, `G`, `B` for the linear lit colour; `depth` for the reversed depth after
 //! projection; `Z` for the view-space z in metres (0 for sky); `N.X`, `N.Y`, `N.Z` for the view-space normal;
-//! `roughness`; `reflectivity`. Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
+//! `roughness`; `reflectivity`; and, where a surface shows the environment of [`sky`](super::sky), `sky`: 1 there and 0
+//! elsewhere (a file without the channel has no such surface, and one of another renderer needs none). Attributes: `viewToClip`, the projection with reversed depth, and OpenEXR's own
 //! `worldToCamera`, both as 4×4 matrices in Imath's row-vector order, left-handed, y up, z forward.
 //! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if a file
 //! lacks them, the projection is taken from its matrix.
 
-use super::{Camera, GBufferData, Lens, bounded};
+use super::{Camera, GBufferData, Lens, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
@@ -41,7 +42,7 @@ const LOSSLESS: [Compression; 5] =
 pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
     let f32s = |values: Vec<f32>| FlatSamples::F32(values);
     let axis = |v: &[Vec3], i: usize| f32s(v.iter().map(|p| p[i]).collect());
-    let channels = [
+    let mut channels = vec![
         ("R", axis(&gbuffer.color, 0)),
         ("G", axis(&gbuffer.color, 1)),
         ("B", axis(&gbuffer.color, 2)),
@@ -53,6 +54,10 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("roughness", f32s(gbuffer.roughness.clone())),
         ("reflectivity", f32s(gbuffer.reflectivity.clone())),
     ];
+    let sky: Vec<f32> = gbuffer.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
+    if sky.contains(&1.0) {
+        channels.push(("sky", f32s(sky)));
+    }
     let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
     let camera = &gbuffer.camera;
     let mut attributes =
@@ -135,6 +140,8 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         (None, Some(z)) => z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect(),
         (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
     };
+    let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
+    let surface = channel("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
     let mut vectors = |names: [&str; 3]| -> Result<Vec<Vec3>> {
         let [x, y, z] = names.map(|n| channel(n).ok_or_else(|| missing(n)));
         Ok(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
@@ -152,6 +159,7 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
         reflectivity,
         roughness,
         color,
+        surface,
     })
 }
 
@@ -222,6 +230,7 @@ mod tests {
             reflectivity: vec![0.25; n],
             roughness: vec![0.1; n],
             color: (0..n).map(|i| Vec3::splat(i as f32 / 7.0)).collect(),
+            surface: vec![Surface::Lit; n],
         }
     }
 
@@ -237,6 +246,20 @@ mod tests {
         let gbuffer = sample();
         let (_folder, path) = written(&gbuffer);
         assert!(load(&path).expect("loads") == gbuffer);
+    }
+
+    #[test]
+    fn surfaces_that_show_the_sky_are_a_channel_only_where_there_are_any() {
+        let lit = sample();
+        let mut window = sample();
+        window.surface[4] = Surface::Sky;
+        let has_channel = |gbuffer: &GBufferData| {
+            let (_folder, path) = written(gbuffer);
+            assert!(load(&path).expect("loads") == *gbuffer);
+            let meta = MetaData::read_from_file(&path, false).expect("a header");
+            meta.headers[0].channels.list.iter().any(|c| c.name == Text::from("sky"))
+        };
+        assert!(!has_channel(&lit) && has_channel(&window));
     }
 
     #[test]

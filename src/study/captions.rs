@@ -85,12 +85,14 @@ pub fn time_reference(
     let camera = view.camera(scene, extent);
     let start = Instant::now();
     let first_hits = FirstHits::trace(&world, &camera, extent);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+    let setup = Setup::new(extent);
+    let definitions = setup.effect().definitions;
+    let reference = WorldReference::by(definitions, &world, &first_hits, &camera, Escape::Black, 1);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     let of = Of::Other { name: REFERENCE, method: None };
     let wall_ms = start.elapsed().as_secs_f64() * 1e3;
-    let head = Head::new("reference", gpu, (scene, view), of, &Setup::new(extent), globals);
+    let head = Head::new("reference", gpu, (scene, view), of, &setup, globals);
     ReferenceTime { head, rays, threads: rayon::current_num_threads(), wall_ms }
 }
 

@@ -9,7 +9,7 @@ use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
 use super::record::{Head, Of, Stats};
 use super::stage::{Globals, Shot, Stage};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{OracleVersion, display_byte};
@@ -18,6 +18,7 @@ use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
+use crate::metrics::place::{self, RayEnd};
 use crate::metrics::world;
 use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
@@ -36,8 +37,9 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// What an escaped ray brings in the world that the variant is held against: the environment where
-    /// a fallback shows it, or the method itself, which sees more than the screen.
+    /// What the variant shows where a ray escapes: the environment where a fallback shows it, or the method itself,
+    /// which sees more than the screen. By version 1 of the definitions, so does the world that it is held against; by
+    /// version 2, that shows the environment for all.
     pub fn escape(&self) -> Escape {
         if self.setup.effect().fallback == Fallback::None && self.method.is_screen_space() {
             Escape::Black
@@ -56,8 +58,8 @@ pub enum Against {
     /// The image against the screen reference of that version, in which a miss is black; not for what
     /// shows the environment there.
     Screen,
-    /// Hits (mirrors only) and the image against the triangles; what escapes is black, or the
-    /// environment for what shows it ([`Variant::escape`]).
+    /// Hits (mirrors only) and the image against the triangles. What escapes brings the environment; by version 1 of
+    /// the definitions, black for what does not show it ([`Variant::escape`]).
     World,
 }
 
@@ -82,6 +84,12 @@ pub struct ErrorRecord {
     pub flip: Option<f64>,
     /// What the reference itself is expected to err by, as an RMSE.
     pub standard_error: Option<f64>,
+    /// Against the world: the share of mirror rays that the method ends where they end among the triangles.
+    #[serde(default)]
+    pub place_agreement: Option<f64>,
+    /// Against the world: the RMSE of the floor of the screen's picture, the same for all methods.
+    #[serde(default)]
+    pub floor: Option<f64>,
 }
 
 /// Images of a cell for the picture strip, linear: reflection colour before fade.
@@ -155,6 +163,11 @@ pub fn measure(
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<MeasuredCell> {
+    let mut versions = spec.variants.iter().map(|v| v.setup.effect().definitions);
+    let definitions = versions.next().unwrap_or_default();
+    if versions.any(|other| other != definitions) {
+        return Err(Error::Usage("methods are held against each other by one version of the definitions".into()));
+    }
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
@@ -166,8 +179,7 @@ pub fn measure(
     let times = totals(spec, stage, &mut shots, journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
-    let with_environment = spec.variants.iter().any(|v| v.escape() == Escape::Environment);
-    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, with_environment, go_on)?;
+    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, definitions, go_on)?;
 
     for screen in &truth.screens {
         let name = strip_name(SCREEN_REFERENCE, screen.version);
@@ -199,10 +211,13 @@ pub fn measure(
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;
             let (_, _, output) = stage.output(&traced)?;
             let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
-            hits = image.map(|p| gbuffer::hit_positions(&p));
+            hits = image.map(|p| MethodHits {
+                positions: gbuffer::hit_positions(&p),
+                ends: gbuffer::ray_ends(&p, &truth.data),
+            });
         }
         let head = Record::new(spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
-        cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_deref()));
+        cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
     }
     if let Some(variant) = spec.variants.first() {
@@ -232,6 +247,14 @@ pub const WORLD_REFERENCE: &str = "world-reference";
 /// Name of its picture with the environment where rays escape.
 pub const WORLD_AND_ENVIRONMENT: &str = "world-reference-environment";
 
+/// Where a method's rays ended.
+struct MethodHits {
+    /// On the screen, in pixels; `None` for a miss.
+    positions: Vec<Option<[f64; 2]>>,
+    /// In the world.
+    ends: Vec<RayEnd>,
+}
+
 /// The fields that a variant's records share.
 struct Record {
     record: ErrorRecord,
@@ -253,6 +276,8 @@ impl Record {
                 rel_mse: None,
                 flip: None,
                 standard_error: None,
+                place_agreement: None,
+                floor: None,
             },
         }
     }
@@ -265,6 +290,7 @@ impl Record {
             rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
             flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
             standard_error: Some(reference.standard_error),
+            floor: truth.floor.filter(|_| against == Against::World),
             ..self.record.clone()
         }
     }
@@ -274,14 +300,14 @@ impl Record {
         truth: &Truth,
         escape: Escape,
         color: &[[f32; 3]],
-        hits: Option<&[Option<[f64; 2]>]>,
+        hits: Option<&MethodHits>,
     ) -> Vec<ErrorRecord> {
         let hits = hits.filter(|_| truth.mirrors);
         let screen = truth.screen(self.oracle);
         let mut records = Vec::new();
         if let Some(hits) = hits {
             let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
-            let hits = HitAgreement::new(&truth.mask, hits, &oracle);
+            let hits = HitAgreement::new(&truth.mask, &hits.positions, &oracle);
             records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
         }
         if escape == Escape::Black {
@@ -289,7 +315,11 @@ impl Record {
         }
         let mut world = self.image(Against::World, truth, truth.world(escape), color);
         if let Some(hits) = hits {
-            let w = world::agreement(&truth.mask, &truth.world_hits, hits);
+            let visible: Vec<_> = truth.world_hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
+            let w = world::agreement(&truth.mask, &visible, &hits.positions);
+            if truth.floor.is_some() {
+                world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
+            }
             let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
             world.hits = HitAgreement {
                 hit_agreement: w.fraction(),

@@ -5,24 +5,28 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
 use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
+use crate::metrics::place::RayEnd;
+use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
-use crate::passes::{GBuffer, PathCode};
-use crate::scene::{Camera, GBufferData};
+use crate::scene::{GBufferData, Surface};
 use glam::Vec3;
 
 /// Reads the G-buffer of a shot that has run.
 pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
-    read_images(context, &shot.gbuffer.gbuffer(), shot.camera)
-}
-
-fn read_images(context: &mut FrameContext, gbuffer: &GBuffer, camera: Camera) -> Result<GBufferData> {
+    let gbuffer = shot.gbuffer.gbuffer();
     let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let depth = context.read(gbuffer.depth.all())?;
     let material = context.read(gbuffer.material.all())?;
+    let albedo = context.read(shot.gbuffer.albedo().all())?;
+    let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
+        // As the lighting pass has it; where nothing stands the albedo is cleared.
+        if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
+    });
     Ok(GBufferData {
+        surface: shown.collect(),
         width: depth.width,
         height: depth.height,
-        camera,
+        camera: shot.camera,
         depth: depth.values,
         normal: vectors(context.read(gbuffer.normal.all())?),
         reflectivity: material.texels().map(|t| t[0]).collect(),
@@ -63,10 +67,60 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
     }
 }
 
+/// Where a method takes its rays to end in the world: the places of its hits, and unknown where it misses. `hits` is the
+/// image of [`crate::passes::Hits`], of the G-buffer's size.
+pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
+    let clip_to_view = gbuffer.view_to_clip().inverse();
+    let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
+    let place = |([x, y], depth): ([f64; 2], f64)| {
+        RayEnd::Place(view_to_world.transform_point3(gbuffer.unproject(x, y, depth, &clip_to_view)))
+    };
+    // The image has standard depth.
+    let depths = hits.texels().map(|t| 1.0 - f64::from(t[2]));
+    let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| place((p, depth))));
+    ends.map(|end| end.unwrap_or(RayEnd::Unknown)).collect()
+}
+
 /// Where a method takes its rays to have hit, in continuous pixel coordinates; `None` for
 /// a miss. `hits` is the image of [`crate::passes::Hits`].
 pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
     let size = [f64::from(hits.width), f64::from(hits.height)];
     let position = |t: &[f32]| [f64::from(t[0]) * size[0], f64::from(t[1]) * size[1]];
     hits.texels().map(|t| PathCode::from_channel(t[3]).is_some_and(PathCode::is_hit).then(|| position(t))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Camera, Lens};
+    use glam::DVec3;
+
+    #[test]
+    fn a_hit_ends_at_the_place_that_it_shows_and_a_miss_nowhere() {
+        let camera = Camera::new(Vec3::new(1.0, 2.0, 3.0), Vec3::new(4.0, 1.0, 9.0), Lens::default(), 1.5);
+        let none = GBufferData {
+            width: 3,
+            height: 2,
+            camera,
+            depth: vec![],
+            normal: vec![],
+            reflectivity: vec![],
+            roughness: vec![],
+            color: vec![],
+            surface: vec![],
+        };
+        let place = DVec3::new(3.0, 1.5, 8.0);
+        let view = camera.world_to_view.as_dmat4().transform_point3(place);
+        let p = none.project(view, &none.view_to_clip()).unwrap();
+        let hit = [p.x / 3.0, p.y / 2.0, 1.0 - p.z].map(|v| v as f32);
+        let texel = |code: PathCode| [hit[0], hit[1], hit[2], code as u8 as f32];
+        let values = [PathCode::HiZ, PathCode::Miss, PathCode::Linear, PathCode::MissSky].map(texel).concat();
+        let ends = ray_ends(&Pixels { width: 3, height: 2, channels: 4, values }, &none);
+        for (n, end) in ends.into_iter().enumerate() {
+            match end {
+                RayEnd::Place(found) => assert!(n % 2 == 0 && found.distance(place) < 1e-3, "{n}: {found}"),
+                other => assert!(n % 2 == 1 && other == RayEnd::Unknown, "{n}: {other:?}"),
+            }
+        }
+    }
 }

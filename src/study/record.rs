@@ -11,8 +11,8 @@ use crate::scene::{Lens, Scene, View};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value as Json};
 
-/// The version of docs/definitions.md that the figures are of.
-pub const DEFINITIONS: u32 = 1;
+/// The version of docs/definitions.md that figures are of unless another is asked for.
+pub const DEFINITIONS: u32 = 2;
 
 /// Median, minimum, 95th percentile and number of some samples, in milliseconds.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -64,7 +64,7 @@ pub struct PassRecord {
 /// Which program measured, by which definitions, on which device.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// [`DEFINITIONS`].
+    /// The version of docs/definitions.md that the figures are of.
     pub definitions: u32,
     /// Of this program.
     pub version: String,
@@ -157,7 +157,7 @@ impl Head {
         };
         Self {
             kind: kind.to_owned(),
-            program: Provenance::on(gpu),
+            program: Provenance { definitions: setup.effect().definitions.into(), ..Provenance::on(gpu) },
             scene: scene.name.clone(),
             view: view.name.clone(),
             method: name.to_owned(),

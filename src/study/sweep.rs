@@ -27,8 +27,21 @@ pub struct Point {
     pub time_ms: f64,
     /// Mean over the cells of its error: the share of wrong hits against the oracle, else the RMSE.
     pub error: f64,
+    /// Mean over the cells of its place agreement; `None` where no cell has one.
+    pub place_agreement: Option<f64>,
     /// Whether no other variant beats it.
     pub on_front: bool,
+}
+
+/// The mean; `None` of nothing.
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Mean over the cells of the screen's floor; `None` where no cell has one.
+pub fn floor(records: &[ErrorRecord]) -> Option<f64> {
+    // Every method of a cell has the same.
+    mean(&records.iter().filter_map(|r| r.floor).collect::<Vec<_>>())
 }
 
 /// The error of a record in the plot of its reference.
@@ -42,24 +55,26 @@ fn error(record: &ErrorRecord) -> Option<f64> {
 /// One point a variant against a reference, over some records, in order of time. A variant with an
 /// error that is not finite is left out.
 pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
-    let mut all: Vec<(String, Vec<f64>, Vec<f64>)> = Vec::new();
+    let mut all: Vec<(String, [Vec<f64>; 3])> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
         let name = r.head.variant();
-        match all.iter_mut().find(|(n, ..)| *n == name) {
-            Some((_, times, errors)) => {
-                times.push(time);
-                errors.push(error);
-            }
-            None => all.push((name, vec![time], vec![error])),
+        let known = all.iter().position(|(n, _)| *n == name).unwrap_or(all.len());
+        if known == all.len() {
+            all.push((name, Default::default()));
         }
+        let [times, errors, places] = &mut all[known].1;
+        times.push(time);
+        errors.push(error);
+        places.extend(r.place_agreement);
     }
     let mut points: Vec<Point> = all
         .into_iter()
-        .map(|(name, times, errors)| Point {
+        .map(|(name, [times, errors, places])| Point {
             name,
             time_ms: Stats::of(&times).median_ms,
-            error: errors.iter().sum::<f64>() / errors.len() as f64,
+            error: mean(&errors).unwrap_or(f64::NAN),
+            place_agreement: mean(&places),
             on_front: false,
         })
         .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
@@ -79,6 +94,8 @@ pub struct Sources {
     /// RMSE by (method, reference): the base variant of each method, exact hits with the thesis's
     /// cone, and the screen reference against the world.
     pub rmse: Vec<(String, Against, f64)>,
+    /// RMSE of the floor of the screen's picture, against the world.
+    pub floor: Option<f64>,
 }
 
 /// Where the error comes from, for each roughness: of each method its base variant, the first in the records.
@@ -91,11 +108,13 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
     let mut found: Vec<Sources> = Vec::new();
     for r in records.iter().filter(base) {
         if !found.iter().any(|s| s.roughness == r.head.roughness) {
-            found.push(Sources { roughness: r.head.roughness, rmse: Vec::new() });
+            found.push(Sources { roughness: r.head.roughness, rmse: Vec::new(), floor: None });
         }
     }
     for source in &mut found {
         let here: Vec<_> = records.iter().filter(base).filter(|r| r.head.roughness == source.roughness).collect();
+        let floors: Vec<f64> = here.iter().filter_map(|r| r.floor).collect();
+        source.floor = (!floors.is_empty()).then(|| Stats::of(&floors).median_ms);
         for r in &here {
             let name = r.head.method_and_fallback();
             let known = source.rmse.iter().any(|(m, a, _)| *m == name && *a == r.against);

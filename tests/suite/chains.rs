@@ -13,7 +13,7 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::Level;
 use ssct::reference::hi_z::{self, MinMax};
 use ssct::reference::visibility::{self, Range};
-use ssct::scene::{GBufferData, scene_file};
+use ssct::scene::{GBufferData, Surface, scene_file};
 use ssct::study::Globals;
 
 const SIZES: [[u32; 2]; 14] = [
@@ -210,6 +210,7 @@ fn coarse_levels_in_one_dispatch_are_bilinear_samples_of_the_level_below() {
             reflectivity: vec![1.0; pixels as usize],
             roughness: vec![0.5; pixels as usize],
             color: (0..pixels).map(color).collect(),
+            surface: vec![Surface::Lit; pixels as usize],
         };
         let images = GBufferImages::upload(&mut context, &data).unwrap();
         let mut frame = context.begin(Mode::Plain).unwrap();

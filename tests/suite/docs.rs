@@ -349,7 +349,11 @@ fn options() -> String {
     for (parameter, methods) in ssct::methods::parameters() {
         let screen: Vec<_> = METHODS.iter().filter(|m| m.is_screen_space()).map(|m| m.name).collect();
         let names: Vec<_> = methods.iter().map(|m| m.name).collect();
-        let names = if names == screen { "every screen-space method".to_owned() } else { names.join(", ") };
+        let names = match names.len() {
+            n if n == METHODS.len() => "every method".to_owned(),
+            _ if names == screen => "every screen-space method".to_owned(),
+            _ => names.join(", "),
+        };
         let unit = if parameter.unit.is_empty() { String::new() } else { format!(" ({})", parameter.unit) };
         page += &format!(
             "| `{}` | {names} | {} | {}{unit} | {} | {} | {} |\n",

@@ -4,7 +4,7 @@
 use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::OracleVersion;
+use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{self, Setup, Wants};
 use ssct::metrics::image::masked_rmse;
 use ssct::reference::screen::{Sampling, ScreenReference};
@@ -42,8 +42,12 @@ fn mask(data: &GBufferData) -> Vec<bool> {
 }
 
 fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
-    let image =
-        ScreenReference::render(data, &mask(data), Sampling { samples, seed: 1, oracle: OracleVersion::V1 }, &|| ());
+    let image = ScreenReference::render(
+        data,
+        &mask(data),
+        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 },
+        &|| (),
+    );
     image.color.iter().map(Vec3::to_array).collect()
 }
 

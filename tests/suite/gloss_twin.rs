@@ -10,15 +10,15 @@ use ssct::math::random::Stream;
 use ssct::methods::{self, Setup, Wants, unified};
 use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
+use ssct::passes::follow::{LostRays, capture_block};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
-use ssct::passes::follow::{LostRays, capture_block};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct::reference::Level;
 use ssct::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
-use ssct::scene::{Camera, GBufferData, Lens, library};
+use ssct::scene::{Camera, GBufferData, Lens, Surface, library};
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 
 /// The numbers of fade that `unified::parameters` gives.
@@ -324,6 +324,7 @@ fn noise(extent: [u32; 2]) -> GBufferData {
         reflectivity: vec![1.0; count as usize],
         roughness: vec![half(0.3); count as usize],
         color: (0..count).map(|i| vector(i, 4).abs().map(|v| half(4000.0 * v * v * v))).collect(),
+        surface: vec![Surface::Lit; count as usize],
     }
 }
 

@@ -6,7 +6,7 @@ use crate::common::{gpu, shared_scenes};
 use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
-use ssct::math::OracleVersion;
+use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{self, Setup, Wants};
 use ssct::metrics::HitAgreement;
 use ssct::metrics::image::{masked_relative_mse, masked_rmse};
@@ -121,7 +121,7 @@ fn every_view_with_gloss() {
             let truth = ScreenReference::render(
                 &g,
                 &mask,
-                Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1 },
+                Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 },
                 &|| (),
             );
             let seconds = start.elapsed().as_secs_f64();

@@ -68,6 +68,8 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         rel_mse: None,
         flip: None,
         standard_error: None,
+        place_agreement: None,
+        floor: None,
     }
 }
 

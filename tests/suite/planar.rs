@@ -68,7 +68,13 @@ fn a_mirror_shows_what_its_rays_meet() {
             let data = gbuffer::read(&mut stage.context, &shot).unwrap();
             let first_hits = FirstHits::from_gbuffer(&data);
             let world = World::new(&scene, &scene.materials);
-            let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+            let reference = WorldReference {
+                world: &world,
+                first_hits: &first_hits,
+                escape: Escape::Black,
+                footprint: None,
+                seed: 1,
+            };
             let mut state = reference.start();
             reference.add(&mut state, 1);
             let truth = reference.image(&state).reflection;

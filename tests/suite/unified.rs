@@ -15,7 +15,7 @@ use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct::reference::unified::{Code, Parameters, Traversal};
 use ssct::reference::{Hierarchy, MissReason, Outcome};
-use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, View, library, scene_file};
+use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, Surface, View, library, scene_file};
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
@@ -74,6 +74,7 @@ fn random_gbuffer(kind: u64, extent: [u32; 2]) -> GBufferData {
         reflectivity: vec![1.0; pixels as usize],
         roughness: vec![0.0; pixels as usize],
         color: vec![Vec3::ONE; pixels as usize],
+        surface: vec![Surface::Lit; pixels as usize],
     }
 }
 

@@ -7,7 +7,7 @@ use ssct::methods::{METHODS, Setup, Wants};
 use ssct::reference::first_hits::FirstHits;
 use ssct::reference::surface::World;
 use ssct::reference::world_hits::{WorldHit, world_hits};
-use ssct::scene::{Camera, GBufferData, library};
+use ssct::scene::{Camera, GBufferData, Surface, library};
 use ssct::study::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -48,6 +48,7 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
         reflectivity: material.texels().map(|t| t[0]).collect(),
         roughness: material.texels().map(|t| t[1]).collect(),
         color: vectors(&color),
+        surface: vec![Surface::Lit; (SIZE[0] * SIZE[1]) as usize],
     };
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, SIZE);

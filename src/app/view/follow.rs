@@ -9,10 +9,9 @@ use super::viewer::{Viewer, scene_name, screen, views};
 use crate::app::cli::SceneOptions;
 use crate::app::resolve;
 use crate::error::Result;
-use crate::methods::Fallback;
+use crate::methods::Setup;
 use crate::passes::Content;
 use crate::passes::look::Look;
-use crate::reference::world::Escape;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -87,10 +86,7 @@ impl Viewer {
             materials: wanted.materials.clone(),
             camera: wanted.camera,
             extent: wanted.extent,
-            escape: match wanted.sides.first().map(|s| s.setup.effect().fallback) {
-                None | Some(Fallback::None) => Escape::Black,
-                Some(_) => Escape::Environment,
-            },
+            effect: wanted.sides.first().map_or_else(|| Setup::new(wanted.extent).effect(), |s| s.setup.effect()),
             reflections: analysis.reflections.clone(),
         };
         let wake = Arc::clone(&self.wake);

@@ -1,12 +1,13 @@
 //! The error of the shown methods against the world reference, if `ssct render --method reference` has cached
 //! one for the same view, size and materials. The reference is looked up and compared on a separate thread.
 
-use crate::app::reference::{default_cache, kept_in};
+use crate::app::reference::{default_cache, escape, kept_in};
+use crate::methods::EffectParams;
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::{masked_relative_mse, masked_rmse};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
-use crate::reference::world::{Escape, WorldReference};
+use crate::reference::world::WorldReference;
 use crate::scene::{Camera, Material, Scene};
 use crate::study::error::display;
 use glam::Vec3;
@@ -24,8 +25,8 @@ pub struct ComparisonRequest {
     pub camera: Camera,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// The radiance of escaped rays, as for the methods: the environment if that is their fallback.
-    pub escape: Escape,
+    /// How the methods run: it says by which definitions they are judged, and what they show where rays escape.
+    pub effect: EffectParams,
     /// The reflection colours of each method, before fade and reflectivity.
     pub reflections: Vec<Vec<[f32; 3]>>,
 }
@@ -110,7 +111,8 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     };
     let world = World::new(&q.scene, &q.materials);
     let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
-    let reference = WorldReference { world: &world, first_hits: &first_hits, escape: q.escape, seed: 1 };
+    let (definitions, shown) = (q.effect.definitions, escape(&q.effect));
+    let reference = WorldReference::by(definitions, &world, &first_hits, &q.camera, shown, 1);
     let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();
@@ -130,6 +132,9 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::DefinitionsVersion;
+    use crate::methods::Setup;
+    use crate::reference::world::Escape;
     use crate::scene::library;
     use crate::study::Globals;
 
@@ -143,28 +148,29 @@ mod tests {
         let camera = view.camera(&scene, extent);
         let cache = tempfile::tempdir().unwrap();
         let black = vec![[0.0; 3]; 32 * 18];
-        let request = |reflections, materials, escape| ComparisonRequest {
+        let request = |reflections, materials, effect: EffectParams| ComparisonRequest {
             scene: Arc::clone(&scene),
             materials,
             camera,
             extent,
-            escape,
+            effect,
             reflections,
         };
         let outcome = |q: &ComparisonRequest| compare(q, Some(cache.path().to_path_buf()));
-        let first = request(vec![black.clone()], materials.clone(), Escape::Black);
+        let effect = Setup::new(extent).effect();
+        let first = request(vec![black.clone()], materials.clone(), effect);
         assert_eq!(outcome(&first), ComparisonOutcome::NoReference);
         assert_eq!(compare(&first, None), ComparisonOutcome::NoReference);
 
         let world = World::new(&scene, &materials);
         let first_hits = FirstHits::trace(&world, &camera, extent);
-        let reference = WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, seed: 1 };
+        let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, Escape::Black, 1);
         let mut state = reference.start();
-        reference.add(&mut state, 2);
+        reference.add(&mut state, 16);
         state.save(&kept_in(cache.path(), &reference)).unwrap();
         let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
-        let found = outcome(&request(vec![truth, black], materials.clone(), Escape::Black));
-        let ComparisonOutcome::Errors { samples: 2, methods, .. } = found else { panic!("{found:?}") };
+        let found = outcome(&request(vec![truth, black], materials.clone(), effect));
+        let ComparisonOutcome::Errors { samples: 16, methods, .. } = found else { panic!("{found:?}") };
         assert_eq!((methods[0].rmse, methods[0].relative_mse, methods[0].flip), (0.0, Some(0.0), 0.0));
         assert!(
             methods[1].rmse > 0.05
@@ -173,8 +179,10 @@ mod tests {
             "{methods:?}"
         );
 
-        assert_eq!(outcome(&request(Vec::new(), materials, Escape::Environment)), ComparisonOutcome::NoReference);
+        // By version 1 of the definitions there is another reference, and one more with the environment.
+        let first = EffectParams { definitions: DefinitionsVersion::V1, ..effect };
+        assert_eq!(outcome(&request(Vec::new(), materials, first)), ComparisonOutcome::NoReference);
         let rougher = Globals { roughness: Some(0.5), ..globals }.materials(&scene, &view);
-        assert_eq!(outcome(&request(Vec::new(), rougher, Escape::Black)), ComparisonOutcome::NoReference);
+        assert_eq!(outcome(&request(Vec::new(), rougher, effect)), ComparisonOutcome::NoReference);
     }
 }

@@ -4,8 +4,10 @@ use super::*;
 use crate::reference::Oracle;
 use crate::reference::ray::RaySetup;
 use crate::reference::testing::{flat, floor_and_wall};
+use crate::scene::Camera;
 
-const SAMPLING: Sampling = Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1 };
+const SAMPLING: Sampling =
+    Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 };
 
 /// The floor and the wall. The wall is striped; the floor has the given roughness and is all that reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
@@ -175,5 +177,121 @@ fn colours_are_bilinear_between_centres_and_clamped_at_the_border() {
         (3.0, 1.0, 8.5),
     ] {
         assert_eq!(bilinear(&g, x, y), DVec3::splat(expected), "({x}, {y})");
+    }
+}
+
+#[test]
+fn version_1_takes_the_same_rays_as_ever() {
+    let (g, mask) = stage(0.3);
+    let image = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
+    for (x, y) in (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y))).filter(|(x, y)| mask[g.index(*x, *y)]) {
+        let (mirror, normal) = (rays.mirror(x, y).expect("floor"), rays.normal(x, y).expect("floor"));
+        let stream = Stream::new(SAMPLING.seed, g.index(x, y) as u64);
+        let colors = (0..u64::from(SAMPLING.samples)).map(|i| {
+            let u = [stream.uniform(2 * i), stream.uniform(2 * i + 1)];
+            let direction = lobe_direction(mirror, phong::exponent(f64::from(0.3_f32)), u);
+            let hit = hierarchy.trace_direction(x, y, direction).position().filter(|_| direction.dot(normal) > 0.0);
+            hit.map_or(DVec3::ZERO, |p| bilinear(&g, p.x, p.y))
+        });
+        let expected = mean_and_error(colors);
+        let i = g.index(x, y);
+        let found = (image.color[i], image.standard_error[i]);
+        assert_eq!(found, (expected.mean.as_vec3(), expected.standard_error.as_vec3()), "({x}, {y}), to the bit");
+    }
+}
+
+const SECOND: Sampling = Sampling { definitions: DefinitionsVersion::V2, ..SAMPLING };
+
+#[test]
+fn a_mirror_filters_a_striped_wall_over_the_pixel() {
+    // Columns are black and white in turns. From the pixel's centre at z, the ray through a place u of the pixel's
+    // width ends at the wall (z = 5) by (u − ½) (5 − z) / 5 of a pixel beside the column's centre. The bilinear colour
+    // there is 1 minus that in a white column, and that in a black one; over all u, 1 − w/4 and w/4 with
+    // w = (5 − z) / 5.
+    let (mut g, mask) = stage(0.0);
+    for (i, color) in g.color.iter_mut().enumerate() {
+        *color = Vec3::splat((i % 2) as f32);
+    }
+    let image = ScreenReference::render(&g, &mask, Sampling { samples: 1024, ..SECOND }, &|| ());
+    let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
+    let mut z = Vec::new();
+    for (x, y) in (0..g.height).flat_map(|y| (1..g.width - 1).map(move |x| (x, y))) {
+        let i = g.index(x, y);
+        // All rays of the pixel reach the wall.
+        let ends = mask[i].then(|| hierarchy.trace(x, y).position()).flatten();
+        if ends.is_none_or(|p| p.y < 2.0 || (p.x - 0.5 - f64::from(x)).abs() > 0.01) {
+            continue;
+        }
+        let width = (5.0 - rays.position(x, y).expect("floor").z) / 5.0;
+        let expected = if x % 2 == 1 { 1.0 - width / 4.0 } else { width / 4.0 };
+        // |u − ½| w has the variance w² / 48.
+        let error = f64::from(image.standard_error[i].x);
+        let known = width / 48_f64.sqrt() / 1024_f64.sqrt();
+        assert!((error / known - 1.0).abs() < 0.15, "({x}, {y}): {error} {known}");
+        z.push((f64::from(image.color[i].x) - expected) / error);
+    }
+    let chi2: f64 = z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64;
+    assert!(z.len() > 50 && (0.5..1.5).contains(&chi2), "χ² {chi2} of {}", z.len());
+}
+
+#[test]
+fn a_mirror_takes_at_least_sixteen_rays() {
+    let of = |samples| render(0.0, Sampling { samples, ..SECOND });
+    let [one, few, more] = [1, 16, 17].map(of);
+    assert!(one.overall_standard_error > 0.0 && one.overall_standard_error.is_finite());
+    assert!(one == few && few != more);
+    assert_eq!(
+        render(0.3, Sampling { samples: 1, ..SECOND }).overall_standard_error,
+        f64::INFINITY,
+        "a lobe takes one"
+    );
+}
+
+#[test]
+fn a_window_shows_the_environment_along_the_ray_and_other_surfaces_the_screen() {
+    let (mut g, mask) = stage(0.0);
+    // Turned, so that directions of view and world differ.
+    g.camera = Camera::new(Vec3::new(3.0, 1.0, 2.0), Vec3::new(1.0, 1.5, 3.0), g.camera.lens, g.camera.aspect);
+    g.color.fill(Vec3::new(9.0, 0.0, 9.0));
+    for i in (0..mask.len()).filter(|i| !mask[*i] && i % 32 < 16) {
+        g.surface[i] = Surface::Sky;
+    }
+    let image = ScreenReference::render(&g, &mask, Sampling { samples: 256, ..SECOND }, &|| ());
+    let (hierarchy, rays) = (Hierarchy::new(&g), RaySetup::new(&g));
+    let to_world = g.camera.world_to_view.as_dmat4().inverse();
+    let [mut windows, mut walls] = [0, 0];
+    for (x, y) in (0..g.height).flat_map(|y| (0..g.width).map(move |x| (x, y))) {
+        let i = g.index(x, y);
+        let ends = mask[i].then(|| hierarchy.trace(x, y).position()).flatten();
+        // All rays of the pixel reach the wall, and the same half of it.
+        if ends.is_none_or(|p| p.y < 2.0 || (p.x - 16.0).abs() < 1.5) {
+            continue;
+        }
+        if x > 16 {
+            assert_eq!(image.color[i], Vec3::new(9.0, 0.0, 9.0));
+            walls += 1;
+            continue;
+        }
+        // The mean over a grid of places: the floor turns y round.
+        let n = 16;
+        let places = (0..n * n).map(|k| [k % n, k / n].map(|v| (f64::from(v) + 0.5) / f64::from(n)));
+        let sum: DVec3 = places
+            .map(|[u, v]| {
+                let incoming = rays.camera_ray(f64::from(x) + u, f64::from(y) + v);
+                sky_color(to_world.transform_vector3(incoming * DVec3::new(1.0, -1.0, 1.0)))
+            })
+            .sum();
+        let (off, error) = (image.color[i].as_dvec3() - sum / f64::from(n * n), image.standard_error[i].as_dvec3());
+        assert!(off.abs().cmple(5.0 * error + 1e-3).all(), "({x}, {y}): {off} {error}");
+        windows += 1;
+    }
+    assert!(windows > 20 && walls > 20, "{windows} {walls}");
+    // By version 1, and in a G-buffer that knows no such surface, the colour of the screen stays.
+    let first = ScreenReference::render(&g, &mask, SAMPLING, &|| ());
+    g.surface.fill(Surface::Lit);
+    let unknown = ScreenReference::render(&g, &mask, SECOND, &|| ());
+    for image in [first, unknown] {
+        assert!(image.color.iter().all(|c| c.y == 0.0 && c.x <= 9.0));
     }
 }

@@ -5,6 +5,7 @@ use super::embed::{embed, svg_uri};
 use super::{frame, heading, page_header};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
+use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
 use std::path::Path;
 
@@ -64,7 +65,7 @@ impl FiguresPage<'_> {
     pub fn render(&self, folder: &Path) -> Result<String> {
         let parts: Vec<_> = self.groups.iter().map(|g| (g.id.clone(), g.title.as_str())).collect();
         let groups = self.groups.iter().map(|g| group(g, folder)).collect::<Result<Vec<_>>>()?;
-        let header = page_header("Figures of the theses", Some(self.device), &self.command, &parts);
+        let header = page_header("Figures of the theses", Some(self.device), DEFINITIONS, &self.command, &parts);
         let body = html! {
             p {
                 "Every figure is made anew by this program. Pictures are embedded small, as JPEG; each links to "

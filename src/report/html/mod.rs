@@ -104,7 +104,8 @@ impl Page<'_> {
             (gallery::compare_template())
             script { (PreEscaped(include_str!("compare.js"))) }
         };
-        let header = page_header("Glossy reflections in screen space", Some(self.device), &self.command, &parts);
+        let header =
+            page_header("Glossy reflections in screen space", Some(self.device), DEFINITIONS, &self.command, &parts);
         Ok(frame("study", &header, &body))
     }
 }
@@ -124,13 +125,14 @@ pub fn tables_page(
             (sections::grid(cells))
         }
     };
-    frame(title, &page_header(title, device, command, &ids), &body)
+    frame(title, &page_header(title, device, DEFINITIONS, command, &ids), &body)
 }
 
 /// A page of plots, each under its title, with the table of their points behind a sentence.
 pub fn plots_page(
     title: &str,
     device: Option<&DeviceInfo>,
+    definitions: u32,
     command: &str,
     plots: &[(&str, &str)],
     (rule, cells): (&str, &[Vec<String>]),
@@ -146,7 +148,7 @@ pub fn plots_page(
         (heading(("table", "Every rung")))
         (sections::grid(cells))
     };
-    frame(title, &page_header(title, device, command, &ids), &body)
+    frame(title, &page_header(title, device, definitions, command, &ids), &body)
 }
 
 /// What every page is: its head, its header, and its body.
@@ -164,7 +166,13 @@ fn frame(title: &str, header: &Markup, body: &Markup) -> String {
     page.into_string()
 }
 
-fn page_header(title: &str, device: Option<&DeviceInfo>, command: &str, parts: &[(String, &str)]) -> Markup {
+fn page_header(
+    title: &str,
+    device: Option<&DeviceInfo>,
+    definitions: u32,
+    command: &str,
+    parts: &[(String, &str)],
+) -> Markup {
     html! {
         header {
                 h1 { (title) }
@@ -174,7 +182,7 @@ fn page_header(title: &str, device: Option<&DeviceInfo>, command: &str, parts: &
                         dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
                     }
                     dt { "Provenance" }
-                    dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::COMMIT) } ", definitions " (DEFINITIONS) }
+                    dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::COMMIT) } ", definitions " (definitions) }
                     dt { "Command" }
                     dd { code { (command) } }
                 }

@@ -46,7 +46,10 @@ pub fn errors(errors: &Errors) -> Markup {
             " has every hit right, so what is left there is what the cone gets wrong; what a method has on top of it comes "
             "from its wrong hits. The row " code { (crate::study::error::SCREEN_REFERENCE) }
             " against the world is what screen space itself costs: it traces the G-buffer exactly, and still "
-            "differs by that much from the triangles."
+            "differs by that much from the triangles. The floor of the screen shows the screen's colour wherever the screen "
+            "shows what a ray meets, and the truth elsewhere: hits on the screen cannot be nearer to the world than that. "
+            "A ray ends in the right place if it ends within 2 % of its length and 2 cm of where it ends among the "
+            "triangles."
         }
         (grid(&error_report::source_cells(errors.records)))
     }

@@ -2,8 +2,10 @@
 
 use super::{ErrorSpec, display};
 use crate::error::{Error, Result};
-use crate::math::OracleVersion;
+use crate::math::{DefinitionsVersion, OracleVersion};
+use crate::metrics::image::masked_rmse;
 use crate::reference::first_hits::FirstHits;
+use crate::reference::floor::ScreenFloor;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
@@ -25,12 +27,14 @@ pub(super) struct Truth {
     pub(super) mirrors: bool,
     /// What the screen shows, by each version of the oracle that a variant is held against.
     pub(super) screens: Vec<ScreenTruth>,
-    /// Where the screen shows the ends of the mirror rays in the world.
-    pub(super) world_hits: Vec<Option<[f64; 2]>>,
-    /// With nothing where a ray escapes.
+    /// Where the mirror rays end in the world; none unless all are mirrors.
+    pub(super) world_hits: Vec<WorldHit>,
+    /// By version 1 of the definitions with nothing where a ray escapes, by version 2 with the environment.
     pub(super) world: Reference,
-    /// With the environment there, if a variant shows it.
+    /// By version 1 with the environment there, if a variant shows it.
     pub(super) world_and_environment: Option<Reference>,
+    /// By version 2, the RMSE of the screen's floor.
+    pub(super) floor: Option<f64>,
 }
 
 /// The references in screen space, by a version of the oracle.
@@ -68,7 +72,7 @@ pub(super) fn truth(
     spec: &ErrorSpec,
     data: GBufferData,
     materials: &[Material],
-    with_environment: bool,
+    definitions: DefinitionsVersion,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
@@ -76,7 +80,7 @@ pub(super) fn truth(
     let screen = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
-        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version };
+        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, definitions };
         let image = ScreenReference::render(&data, &mask, sampling, &|| ());
         ScreenTruth {
             version,
@@ -91,32 +95,45 @@ pub(super) fn truth(
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
+    let mut floor = ScreenFloor::new(&data, &first_hits);
     let mut world = |escape| {
-        let reference = WorldReference { world: &triangles, first_hits: &first_hits, escape, seed: 2 };
+        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, 2);
         let mut state = reference.start();
         for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;
-            reference.add(&mut state, RAYS_AT_ONCE.min(spec.rays - begun));
+            let rays = RAYS_AT_ONCE.min(spec.rays - begun);
+            match definitions {
+                DefinitionsVersion::V1 => reference.add(&mut state, rays),
+                DefinitionsVersion::V2 => floor.add(&reference, &mut state, rays),
+            }
         }
-        Ok::<_, Error>(Reference::new(&reference.image(&state).reflection, state.overall_standard_error()))
+        let made = Reference::new(&reference.image(&state).reflection, state.overall_standard_error());
+        let shown = (!definitions.is_first()).then(|| colors(&floor.image(&state)));
+        let floor = shown.map(|shown| masked_rmse(&made.color, &shown, &mask));
+        Ok::<_, Error>((made, floor))
     };
-    let visible = |h: &WorldHit| h.visible_at().map(|p| p.to_array());
-    let world_hits =
-        if mirrors { world_hits(&triangles, &data).iter().map(visible).collect() } else { vec![None; mask.len()] };
+    let (black, floor) = world(Escape::Black)?;
+    let with_environment = definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment);
+    let world_and_environment = with_environment.then(|| world(Escape::Environment)).transpose()?;
     Ok(Truth {
         mirrors,
         screens,
-        world_hits,
-        world: world(Escape::Black)?,
-        world_and_environment: with_environment.then(|| world(Escape::Environment)).transpose()?,
+        world_hits: if mirrors { world_hits(&triangles, &data) } else { Vec::new() },
+        world: black,
+        world_and_environment: world_and_environment.map(|(made, _)| made),
+        floor,
         data,
         mask,
     })
 }
 
+fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {
+    image.iter().map(Vec3::to_array).collect()
+}
+
 impl Reference {
     fn new(color: &[Vec3], standard_error: f64) -> Self {
-        let color: Vec<[f32; 3]> = color.iter().map(Vec3::to_array).collect();
+        let color = colors(color);
         Self { display: display(&color), color, standard_error }
     }
 }

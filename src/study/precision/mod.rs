@@ -22,7 +22,7 @@ use crate::reference::first_hits::PrimaryRays;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::{World, sky_color};
-use crate::scene::{Camera, GBufferData, Scene, View};
+use crate::scene::{Camera, GBufferData, Scene, Surface, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -73,7 +73,7 @@ impl Exact {
         let pixel = |index: usize| {
             let (ray, z_per_metre) = rays.ray(index);
             let Some(hit) = world.closest(&ray) else {
-                return (0.0, Vec3::ZERO, 0.0, 0.0, sky_color(ray.direction).as_vec3());
+                return (0.0, Vec3::ZERO, 0.0, 0.0, sky_color(ray.direction).as_vec3(), Surface::Lit);
             };
             let point = world.point(&ray, &hit);
             let z = glam::DVec3::new(0.0, 0.0, hit.t * z_per_metre);
@@ -83,6 +83,7 @@ impl Exact {
                 half(point.reflectivity),
                 half(point.roughness),
                 world.color(&ray, &point).as_vec3(),
+                point.surface,
             )
         };
         let pixels: Vec<_> = (0..width as usize * height as usize).into_par_iter().map(pixel).collect();
@@ -97,6 +98,7 @@ impl Exact {
                 reflectivity: pixels.iter().map(|p| p.2).collect(),
                 roughness: pixels.iter().map(|p| p.3).collect(),
                 color: pixels.iter().map(|p| p.4).collect(),
+                surface: pixels.iter().map(|p| p.5).collect(),
             },
         }
     }
@@ -141,7 +143,7 @@ impl Truth {
         let exact = Exact::trace(&world, &spec.view.camera(spec.scene, spec.setup.extent), spec.setup.extent);
         let mask = exact.data.reflecting();
         let mirrors = mask.iter().zip(&exact.data.roughness).all(|(m, r)| !m || *r <= 0.0);
-        let screen = screen(&exact.data, &mask, spec.rays);
+        let screen = screen(&exact.data, &mask, spec);
         Self {
             hits: mirrors.then(|| oracle_hits(&exact.data, &mask)),
             color: screen.color.iter().map(Vec3::to_array).collect(),
@@ -173,8 +175,10 @@ impl Truth {
 }
 
 /// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
-fn screen(data: &GBufferData, mask: &[bool], rays: u32) -> ScreenReference {
-    ScreenReference::render(data, mask, Sampling { samples: rays, seed: 3, oracle: OracleVersion::V1 }, &|| ())
+fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
+    let definitions = spec.setup.effect().definitions;
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, definitions };
+    ScreenReference::render(data, mask, sampling, &|| ())
 }
 
 fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
@@ -202,7 +206,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     for storage in Storage::ladder() {
         let stored = storage.store(&truth.exact);
         if truth.hits.is_some() {
-            let color: Vec<_> = screen(&stored, &truth.mask, spec.rays).color.iter().map(Vec3::to_array).collect();
+            let color: Vec<_> = screen(&stored, &truth.mask, spec).color.iter().map(Vec3::to_array).collect();
             let hits = oracle_hits(&stored, &truth.mask);
             records.push(truth.record(
                 spec,

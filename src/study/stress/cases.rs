@@ -2,7 +2,7 @@
 //! directions, normals, colours and roughness that break renderers (docs/numerics.md, "Faults of the engines").
 
 use crate::math::random::Stream;
-use crate::scene::{Camera, GBufferData, Lens};
+use crate::scene::{Camera, GBufferData, Lens, Surface};
 use glam::{DMat4, DVec2, DVec3, Vec3};
 use half::f16;
 use rayon::prelude::*;
@@ -170,6 +170,7 @@ impl Case {
             reflectivity: texels.iter().map(|t| stored(t.reflectivity)).collect(),
             roughness: texels.iter().map(|t| stored(t.roughness)).collect(),
             color: texels.iter().map(|t| vector(t.color)).collect(),
+            surface: vec![Surface::Lit; texels.len()],
         }
     }
 }

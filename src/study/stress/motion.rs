@@ -4,8 +4,7 @@
 use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::math::OracleVersion;
-use crate::methods::{MethodInfo, Setup};
+use crate::methods::{EffectParams, MethodInfo, Setup};
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
@@ -101,7 +100,7 @@ pub struct MotionSpec<'a> {
     pub roughness: f32,
     /// Frames, ≥ 2.
     pub frames: u32,
-    /// Rays a pixel of the reference, at roughness above 0.
+    /// Rays a pixel of the reference.
     pub rays: u32,
 }
 
@@ -123,7 +122,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         }
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1 };
+    let EffectParams { oracle, definitions, .. } = Setup::new(extent).effect();
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();

@@ -1,0 +1,73 @@
+//! Place agreement (docs/definitions.md, "Place agreement"): how often a method's rays end where they end among the
+//! scene's triangles, for methods that see more than the screen as well.
+
+use crate::math::constants::VISIBLE_WITHIN;
+use crate::reference::world_hits::WorldHit;
+use glam::DVec3;
+
+/// Where a method takes a ray to end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RayEnd {
+    /// At a place in the world, in metres.
+    Place(DVec3),
+    /// Nowhere: it escapes to the environment.
+    Sky,
+    /// The method does not know.
+    Unknown,
+}
+
+/// Whether a method's end of a ray is the world's: within 2 % of the ray's length and 2 cm of its end, or in the sky
+/// where the ray escapes. `None` if there is no ray.
+pub fn is_right(truth: &WorldHit, method: &RayEnd) -> Option<bool> {
+    match (*truth, *method) {
+        (WorldHit::NotReflecting, _) => None,
+        (WorldHit::Escaped, end) => Some(end == RayEnd::Sky),
+        (WorldHit::Hit { position, length_m, .. }, RayEnd::Place(place)) => {
+            Some(position.distance(place) <= VISIBLE_WITHIN * length_m + VISIBLE_WITHIN)
+        }
+        (WorldHit::Hit { .. }, _) => Some(false),
+    }
+}
+
+/// The share of the rays that a method ends rightly; `None` if nothing reflects. The truth is that of
+/// [`world_hits`](crate::reference::world_hits::world_hits).
+///
+/// # Panics
+/// If the slices differ in length.
+pub fn agreement(truth: &[WorldHit], method: &[RayEnd]) -> Option<f64> {
+    assert_eq!(truth.len(), method.len(), "the images must have equal sizes");
+    let judged: Vec<bool> = truth.iter().zip(method).filter_map(|(t, m)| is_right(t, m)).collect();
+    (!judged.is_empty()).then(|| judged.iter().filter(|right| **right).count() as f64 / judged.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(z: f64, length_m: f64) -> WorldHit {
+        WorldHit::Hit { position: DVec3::Z * z, pixel: None, view_z_m: z, length_m, visible: false }
+    }
+
+    #[test]
+    fn a_place_is_right_within_two_per_cent_of_the_rays_length_and_two_centimetres() {
+        // After 5 m: 0.12 m, whichever way, and whether the screen shows it or not.
+        for (off, expected) in [(0.0, true), (0.119, true), (0.121, false), (-0.119, true), (-0.121, false)] {
+            assert_eq!(is_right(&hit(9.0, 5.0), &RayEnd::Place(DVec3::Z * (9.0 + off))), Some(expected), "{off}");
+            assert_eq!(is_right(&hit(9.0, 5.0), &RayEnd::Place(DVec3::new(off, 0.0, 9.0))), Some(expected), "{off}");
+        }
+        assert_eq!(is_right(&hit(9.0, 0.0), &RayEnd::Place(DVec3::Z * 9.021)), Some(false));
+        assert_eq!(is_right(&hit(9.0, 5.0), &RayEnd::Place(DVec3::NAN)), Some(false));
+    }
+
+    #[test]
+    fn shares_are_those_of_a_count_by_hand() {
+        let truth = [hit(1.0, 1.0), hit(1.0, 1.0), hit(1.0, 1.0), WorldHit::Escaped, WorldHit::Escaped];
+        let method =
+            [RayEnd::Place(DVec3::Z), RayEnd::Sky, RayEnd::Unknown, RayEnd::Sky, RayEnd::Place(DVec3::splat(1e9))];
+        assert_eq!(agreement(&truth, &method), Some(0.4));
+        assert_eq!(agreement(&[WorldHit::Escaped], &[RayEnd::Unknown]), Some(0.0));
+        assert_eq!(agreement(&[WorldHit::NotReflecting], &[RayEnd::Sky]), None);
+        let both = [WorldHit::NotReflecting, WorldHit::Escaped];
+        assert_eq!(agreement(&both, &[RayEnd::Sky; 2]), Some(1.0), "what does not reflect does not count");
+    }
+}

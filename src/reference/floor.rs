@@ -1,0 +1,131 @@
+//! The floor of the screen's picture (docs/definitions.md, "Floor of the screen"): the reflection that shows, for each ray
+//! whose end the screen shows, the screen's colour there, and the truth for all others. The hits of a method on the
+//! screen cannot bring it nearer to the world.
+
+use super::first_hits::FirstHits;
+use super::world::WorldReference;
+use super::world_hits::ShownPlaces;
+use super::world_state::WorldState;
+use crate::scene::GBufferData;
+use glam::{DVec3, Vec3};
+
+/// Sums of what a screen shows of the rays of a world reference.
+#[derive(Debug, Clone)]
+pub struct ScreenFloor<'a> {
+    screen: ShownPlaces<'a>,
+    sums: Vec<DVec3>,
+}
+
+impl<'a> ScreenFloor<'a> {
+    /// Of a G-buffer and its own first hits, without samples.
+    pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
+        Self { screen: ShownPlaces::new(gbuffer, first_hits), sums: vec![DVec3::ZERO; gbuffer.depth.len()] }
+    }
+
+    /// Adds samples to the state of a reference of the same size, and what the screen shows of the same samples to the
+    /// sums.
+    pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
+        let Self { screen, sums } = self;
+        reference.add_beside(state, samples, sums, |sum, sample| {
+            let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
+            *sum += on_screen.unwrap_or(sample.radiance);
+        });
+    }
+
+    /// The reflection colour, linear, rows from the top; of the state that all samples were added to.
+    pub fn image(&self, state: &WorldState) -> Vec<Vec3> {
+        let pixels = self.sums.iter().zip(state.sample_counts());
+        pixels.map(|(sum, samples)| (*sum / f64::from(samples.max(1))).as_vec3()).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::DefinitionsVersion;
+    use crate::reference::first_hits::Receiver;
+    use crate::reference::surface::World;
+    use crate::reference::surface::tests::rectangle;
+    use crate::reference::testing;
+    use crate::reference::world::Escape;
+    use crate::scene::{Camera, Lens, Material, Scene, Surface};
+
+    const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.25);
+
+    /// A mirror floor 1 m below the eye and a wall at z = 4 that stands on it, both of one colour. The camera looks down
+    /// by 25° and sees 30° up and down: its upper edge rises by 5°, and shows the wall up to 0.35 m above the eye.
+    fn stage(wall: Surface) -> (Scene, Camera) {
+        let floor = rectangle(Vec3::new(-9.0, -1.0, 0.0), 9.0 * Vec3::Z, 18.0 * Vec3::X, 0);
+        let behind = rectangle(Vec3::new(-9.0, -1.0, 4.0), 9.0 * Vec3::Y, 18.0 * Vec3::X, 1);
+        let materials = vec![
+            Material { albedo: COLOR, reflectivity: 1.0, ..Material::default() },
+            Material { albedo: COLOR, reflectivity: 0.0, surface: wall, ..Material::default() },
+        ];
+        let lens = Lens { fov_y_radians: 60_f32.to_radians(), ..Lens::default() };
+        let scene = Scene { meshes: vec![floor, behind], materials, ..Scene::default() };
+        let down = 25_f32.to_radians();
+        (scene, Camera::new(Vec3::ZERO, Vec3::new(0.0, -down.sin(), down.cos()), lens, 1.0))
+    }
+
+    /// What a pixel's floor differs by from the truth.
+    struct Difference {
+        color: Vec3,
+        /// Of pixels in the middle columns: how far the mirror ray ends above the screen's upper edge, in metres.
+        above_m: Option<f64>,
+    }
+
+    /// The reflecting pixels where the screen shows another colour on all that does not reflect.
+    fn differences(wall: Surface, on_screen: Option<Vec3>) -> Vec<Difference> {
+        let (scene, camera) = stage(wall);
+        let world = World::new(&scene, &scene.materials);
+        let mut data = testing::traced(&world, &camera, [24, 24]);
+        for i in 0..data.color.len() {
+            data.color[i] = on_screen.filter(|_| !data.reflects(i)).unwrap_or(data.color[i]);
+        }
+        let first_hits = FirstHits::from_gbuffer(&data);
+        let reference = WorldReference::by(DefinitionsVersion::V2, &world, &first_hits, &camera, Escape::Black, 3);
+        let (mut state, mut floor) = (reference.start(), ScreenFloor::new(&data, &first_hits));
+        [16, 16].iter().for_each(|n| floor.add(&reference, &mut state, *n));
+        let mut alone = reference.start();
+        reference.add(&mut alone, 32);
+        assert_eq!(state, alone, "the truth is the same with the floor and without");
+        let truth = reference.image(&state).reflection;
+        let pixels = floor.image(&state).into_iter().zip(truth).zip(&first_hits.receivers).enumerate();
+        let difference = |(i, ((floor, truth), receiver)): (usize, ((Vec3, Vec3), &Option<Receiver>))| {
+            // A ray rises as steeply as it fell, from z = 1 / slope: to 4 slope − 2 above the eye.
+            let above = receiver.as_ref()?.position.z.recip() * 4.0 - 2.0 - 4.0 * 5_f64.to_radians().tan();
+            Some(Difference { color: floor - truth, above_m: (8..16).contains(&(i % 24)).then_some(above) })
+        };
+        pixels.filter_map(difference).collect()
+    }
+
+    /// The colours' differences of the middle pixels whose mirror rays end in some range above the upper edge.
+    fn middle(all: &[Difference], range: std::ops::Range<f64>) -> Vec<Vec3> {
+        all.iter().filter(|d| d.above_m.is_some_and(|a| range.contains(&a))).map(|d| d.color).collect()
+    }
+
+    #[test]
+    fn the_floor_is_zero_where_the_screen_shows_all_as_it_is() {
+        let all = differences(Surface::Lit, None);
+        assert!(all.len() > 100 && all.iter().all(|d| d.color.length() < 1e-6));
+    }
+
+    #[test]
+    fn the_floor_is_what_the_screen_shows_wrongly_and_nothing_else() {
+        // The wall is unlit: a fifth of its albedo.
+        let (wrong, truth) = (Vec3::new(0.7, 0.1, 0.3), 0.2 * COLOR);
+        let all = differences(Surface::Lit, Some(wrong));
+        // A pixel's rays end up to half a metre apart, and colours are bilinear: what is near the edges is left out.
+        let (on, off) = (middle(&all, -1.0..-0.4), middle(&all, 0.4..9.0));
+        assert!(on.len() > 10 && off.len() > 40, "{} {}", on.len(), off.len());
+        assert!(off.iter().all(|found| found.length() < 1e-6), "the screen does not show it: {off:?}");
+        assert!(on.iter().all(|found| (*found - (wrong - truth)).length() < 1e-5), "{on:?}");
+    }
+
+    #[test]
+    fn on_a_surface_that_shows_the_environment_no_colour_of_the_screen_counts() {
+        let all = differences(Surface::Sky, Some(Vec3::new(9.0, 0.0, 9.0)));
+        let on = middle(&all, -1.0..-0.4);
+        assert!(on.len() > 10 && on.iter().all(|found| found.length() < 1e-6), "{on:?}");
+    }
+}
