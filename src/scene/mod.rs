@@ -14,6 +14,7 @@ pub mod library;
 pub mod obj;
 pub mod path;
 pub mod pattern;
+pub mod placement;
 pub mod planes;
 pub mod proxies;
 pub mod scene_file;
