@@ -3,7 +3,7 @@
 //! compared fairly with `unified`, whose every ray goes on in the captures.
 
 use super::{Input, Making, Method, MethodInfo, Traced};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
 use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, Reflection, pyramid, stored_target};
@@ -22,7 +22,8 @@ pub const INFO: MethodInfo = MethodInfo {
 /// The passes and what they draw into.
 pub struct CapturesMethod {
     lost: LostRays,
-    follow: FollowPass,
+    /// `None` where there are no captures.
+    follow: Option<FollowPass>,
     reflection: Image,
     hits: Option<Image>,
 }
@@ -31,15 +32,13 @@ pub struct CapturesMethod {
 const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
 
 impl CapturesMethod {
-    /// # Errors
-    /// [`Error::Usage`] without captures.
+    /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let extent = making.setup.extent;
-        let face = making.captures.ok_or_else(|| Error::Usage("the method captures needs captures".into()))?;
         let wants = FollowWants { composite: false, reflection: true, hits: making.hits, behind: making.behind };
         Ok(Self {
             lost: LostRays::new(gpu, extent, true)?,
-            follow: FollowPass::new(gpu, pyramid::strip(face), wants)?,
+            follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,
             reflection: stored_target(gpu, "captured reflection", LIT_COLOR, extent)?,
             hits: making.hits.then(|| stored_target(gpu, "hits", HITS, extent)).transpose()?,
         })
@@ -49,19 +48,22 @@ impl CapturesMethod {
 impl Method for CapturesMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = input.gbuffer;
-        let captures = input.captures.ok_or_else(|| Error::Usage("captures was not given the scene".into()))?;
-        let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
-        let block = capture_block(input.camera, Some(&captures));
-        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
         let hits = self.hits.as_ref().map(Hits);
         frame.clear("reflection", self.reflection.all(), [0.0; 4])?;
         if let Some(hits) = &self.hits {
             frame.clear("hits", hits.all(), NO_HIT)?;
         }
+        let Some((follow, captures)) = self.follow.as_ref().zip(input.captures) else {
+            frame.skip("follow", "the scene has no place for a capture");
+            return Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) });
+        };
+        let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
+        let block = capture_block(input.camera, Some(&captures));
+        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
         self.lost.clear(frame)?;
-        self.follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
+        follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: &self.reflection, reflection: Some(&self.reflection) };
-        self.follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
+        follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
         Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) })
     }
 }

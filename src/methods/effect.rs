@@ -1,13 +1,13 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
 use super::capture::{CaptureImages, captured_of};
-use super::setup::CaptureCount;
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
+use crate::scene::placement::Wanted;
 use crate::scene::{Capture, Material};
 
 /// What an effect made in a frame.
@@ -30,7 +30,7 @@ pub struct Effect {
 
 /// The captures of a scene, once they are made, and of what they were made.
 struct Captured {
-    most: usize,
+    places: Vec<Capture>,
     images: Option<CaptureImages>,
     of: Vec<Material>,
 }
@@ -60,7 +60,7 @@ impl Effect {
         }
         let gpu: Gpu = context.gpu().clone();
         let captured = taken(info, &effect, scene)?;
-        let face = captured.and_then(|c| c.first()).map(|c| [c.resolution; 2]);
+        let face = captured.first().map(|c| [c.resolution; 2]);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -103,7 +103,7 @@ impl Effect {
             scaled,
             fallback: fallback.transpose()?,
             composite: CompositePass::new(&gpu, extent)?,
-            captures: captured.map(|c| Captured { most: c.len(), images: None, of: Vec::new() }),
+            captures: face.map(|_| Captured { places: captured, images: None, of: Vec::new() }),
         };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
@@ -116,8 +116,7 @@ impl Effect {
         if let Some(captured) = &mut self.captures {
             let of = captured_of(scene.materials);
             if captured.images.is_none() || captured.of != of {
-                let taken = &scene.data.captures()[..captured.most];
-                captured.images = Some(CaptureImages::new(context, scene, taken)?);
+                captured.images = Some(CaptureImages::new(context, scene, &captured.places)?);
                 captured.of = of;
             }
         }
@@ -158,28 +157,24 @@ impl Effect {
     }
 }
 
-/// The captures of a scene that a method takes; `None` if it takes none.
+/// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place
+/// for one.
 ///
 /// # Errors
-/// [`Error::Usage`] if captures are wanted and there is no scene, or the scene has none.
-fn taken<'s>(
-    info: &MethodInfo,
-    effect: &EffectParams,
-    scene: Option<&SceneInput<'s>>,
-) -> Result<Option<&'s [Capture]>> {
+/// [`Error::Usage`] if captures are wanted and there is no scene.
+fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<Vec<Capture>> {
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
-    let wanted = effect.captures.most();
-    if !(behind || info.takes_captures && (wanted > 0 || !info.is_screen_space())) {
-        return Ok(None);
-    }
-    // Where captures are all that is looked into, without a number all of them are.
-    let most = if wanted == 0 { CaptureCount::Auto.most() } else { wanted };
+    let is_all = !info.is_screen_space() && info.takes_captures;
+    let wanted = match effect.captures.wanted() {
+        // Where captures are all that is looked into, they are taken without being asked for.
+        None if behind || is_all => Wanted::Auto,
+        Some(wanted) if behind || info.takes_captures => wanted,
+        _ => return Ok(Vec::new()),
+    };
     let Some(scene) = scene else {
         return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
     };
-    let all = scene.data.captures();
-    if all.is_empty() {
-        return Err(Error::Usage("captures are wanted, and the scene has no place for one".into()));
-    }
-    Ok(Some(&all[..most.min(all.len())]))
+    let side = effect.capture_side.texels();
+    let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
+    Ok(scene.data.captures(wanted).iter().map(sized).collect())
 }

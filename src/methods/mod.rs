@@ -217,7 +217,7 @@ impl MethodInfo {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
-            "captures" => self.takes_captures || self.is_screen_space(),
+            "captures" | "capture_side" => self.takes_captures || self.is_screen_space(),
             "definitions" => true,
             _ => self.is_screen_space(),
         };

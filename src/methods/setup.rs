@@ -1,9 +1,9 @@
 //! How methods are set up: the size, and the values of their parameters. All of it is in every record.
 
 use super::{MethodInfo, captures, environment, pccm};
-use crate::math::constants::MAX_CAPTURES;
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
+use crate::scene::placement::Wanted;
 use serde_json::{Map, Value as Json};
 
 choices! {
@@ -46,11 +46,37 @@ choices! {
     }
 }
 
+choices! {
+    /// Width and height of the faces of captures, in texels.
+    pub enum CaptureSide {
+        /// As the scene file says, else 512.
+        Scene = "scene",
+        /// 128.
+        Side128 = "128",
+        /// 256.
+        Side256 = "256",
+        /// 512.
+        Side512 = "512",
+        /// 1024.
+        Side1024 = "1024",
+    }
+}
+
+impl CaptureSide {
+    /// The side in texels; `None` as the scene says.
+    pub fn texels(self) -> Option<u32> {
+        self.name().parse().ok()
+    }
+}
+
 impl CaptureCount {
-    /// The most captures that are taken: 0 for none.
-    pub fn most(self) -> usize {
-        let named = Self::ALL.iter().position(|c| *c == self).unwrap_or(0);
-        if self == Self::Auto { MAX_CAPTURES as usize } else { named.saturating_sub(1) }
+    /// What is asked of a scene; `None` for no captures.
+    pub fn wanted(self) -> Option<Wanted> {
+        match self {
+            Self::None => None,
+            Self::Auto => Some(Wanted::Auto),
+            count => count.name().parse().ok().map(Wanted::Count),
+        }
     }
 }
 
@@ -84,6 +110,8 @@ parameters! {
         /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
         /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
         captures: CaptureCount = Parameter::new(CaptureCount::None).source("this project"),
+        /// Width and height of the faces of captures.
+        capture_side: CaptureSide = Parameter::new(CaptureSide::Scene).unit("texels").source("this project"),
         /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the
         /// older one.
         definitions: DefinitionsVersion = Parameter::new(DefinitionsVersion::V2).source("this project"),

@@ -60,7 +60,7 @@ use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
-use crate::math::OracleVersion;
+use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
@@ -95,6 +95,8 @@ pub struct UnifiedMethod {
     composite: Image,
     reflection: Option<Image>,
     fade: bool,
+    /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
+    sky: bool,
     /// Whether the image is finished by the passes that know the reflection.
     composites: bool,
 }
@@ -127,6 +129,7 @@ impl UnifiedMethod {
             follow: making.captures.map(follow).transpose()?,
             composite: image("composite")?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
+            sky: effect.definitions == DefinitionsVersion::V2,
             // Where the screen ends, captures go on.
             fade: effect.fade && making.captures.is_none(),
             composites: making.composite,
@@ -185,7 +188,7 @@ impl Method for UnifiedMethod {
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let followed = self.follow.as_ref().zip(input.captures);
-        parameters.sky = i32::from(followed.is_some() && input.scene.is_some());
+        parameters.sky = i32::from(self.sky && input.scene.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };

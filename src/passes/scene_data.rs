@@ -4,10 +4,13 @@ use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
 use crate::math::constants;
+use crate::scene::placement::{self, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
+use std::cell::RefCell;
+use std::rc::Rc;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
 pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
@@ -25,7 +28,9 @@ pub struct SceneData {
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
     probes: Vec<Probe>,
-    captures: Vec<Capture>,
+    /// The scene without what only pictures need, in which captures are placed.
+    bare: Scene,
+    placed: RefCell<Vec<(Wanted, Rc<[Capture]>)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
@@ -83,7 +88,8 @@ impl SceneData {
             sky: environment(context)?,
             lights: scene.lights.clone(),
             probes: probes(scene),
-            captures: scene.captures.clone(),
+            bare: bare(scene),
+            placed: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
             planes: coplanar_groups(scene),
@@ -95,9 +101,16 @@ impl SceneData {
         &self.sky
     }
 
-    /// Where the scene is captured for rays to be followed in; may be empty.
-    pub fn captures(&self) -> &[Capture] {
-        &self.captures
+    /// Where the scene is captured for rays to be followed in: those of its file, or places that are found the first
+    /// time they are asked for. Empty if there is no such place.
+    pub fn captures(&self, wanted: Wanted) -> Rc<[Capture]> {
+        let mut placed = self.placed.borrow_mut();
+        if let Some((_, captures)) = placed.iter().find(|(of, _)| *of == wanted) {
+            return captures.clone();
+        }
+        let captures: Rc<[Capture]> = placement::place(&self.bare, wanted).captures.into();
+        placed.push((wanted, captures.clone()));
+        captures
     }
 
     /// Where cube maps are captured; never empty.
@@ -116,6 +129,27 @@ fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
              of one mesh",
             u32::MAX
         ))),
+    }
+}
+
+/// A scene with all that decides where captures stand: its triangles, masks and own captures.
+fn bare(scene: &Scene) -> Scene {
+    let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
+    let without_texels = |(i, t): (usize, &Texture)| {
+        if masks.contains(&i) {
+            t.clone()
+        } else {
+            Texture { name: String::new(), rgba: vec![255; 4], width: 1, height: 1, encoding: t.encoding }
+        }
+    };
+    Scene {
+        name: scene.name.clone(),
+        meshes: scene.meshes.clone(),
+        materials: scene.materials.clone(),
+        textures: scene.textures.iter().enumerate().map(without_texels).collect(),
+        captures: scene.captures.clone(),
+        lens: scene.lens,
+        ..Scene::default()
     }
 }
 
