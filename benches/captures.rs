@@ -53,7 +53,12 @@ fn measure(scene: &Scene) {
         println!("  {} stands", stands.len());
         let mut levels = std::collections::BTreeMap::<i32, Vec<[f64; 4]>>::new();
         for s in &stands {
-            levels.entry(((s.eye.y - 1.5) * 2.0).round() as i32).or_default().push([s.roofed, s.backs, s.nearest_m, s.height_m]);
+            levels.entry(((s.eye.y - 1.5) * 2.0).round() as i32).or_default().push([
+                s.roofed,
+                s.backs,
+                s.nearest_m,
+                s.height_m,
+            ]);
         }
         for (y, all) in levels.iter().filter(|(_, a)| a.len() > 5) {
             let q = |k: usize, p: f64| {
@@ -63,7 +68,20 @@ fn measure(scene: &Scene) {
             };
             println!(
                 "    floor {:5.1} m: {:4}  roofed {:.2} {:.2} {:.2} {:.2} {:.2}  backs {:.2} {:.2} {:.2} near {:.2} {:.2} high {:.1} {:.1}",
-                *y as f64 / 2.0, all.len(), q(0, 0.0), q(0, 0.25), q(0, 0.5), q(0, 0.75), q(0, 1.0), q(1, 0.1), q(1, 0.5), q(1, 0.9), q(2, 0.1), q(2, 0.5), q(3, 0.1), q(3, 0.9)
+                *y as f64 / 2.0,
+                all.len(),
+                q(0, 0.0),
+                q(0, 0.25),
+                q(0, 0.5),
+                q(0, 0.75),
+                q(0, 1.0),
+                q(1, 0.1),
+                q(1, 0.5),
+                q(1, 0.9),
+                q(2, 0.1),
+                q(2, 0.5),
+                q(3, 0.1),
+                q(3, 0.9)
             );
         }
         for v in &scene.views {
