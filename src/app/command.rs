@@ -1,6 +1,7 @@
 //! The command line as a whole: the list of commands. Only [`super::run`] reads it, so that no command depends on the
 //! others.
 
+use super::captures::CapturesOptions;
 use super::cli::{
     DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, RenderOptions, StressOptions, StudyOptions,
     TimeOptions,
@@ -39,6 +40,8 @@ pub enum Command {
     Study(StudyOptions),
     /// Make every figure of the theses, and a page that shows them.
     Figures(FiguresOptions),
+    /// Say where captures of a scene stand, or place them.
+    Captures(CapturesOptions),
     /// Fly through a scene in a window.
     View(ViewOptions),
     /// Write the ground truth for another renderer to check.

@@ -1,5 +1,6 @@
 //! The command: arguments, headless runs, exit status. The only place that prints.
 
+mod captures;
 mod cli;
 mod command;
 mod compare;
@@ -59,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Stress(options) => stress::run(options),
         Command::Study(options) => study::run(options),
         Command::Figures(options) => figures::run(options),
+        Command::Captures(options) => captures::run(options),
         Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),

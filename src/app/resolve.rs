@@ -30,7 +30,11 @@ fn watch() -> Result<Option<Arc<Watch>>> {
 /// Loads the scene that the flags name: built in, a scene file, or OBJ files.
 pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let fallback = [PathBuf::from(default)];
-    let (sources, scale) = (if options.scene.is_empty() { &fallback } else { &options.scene[..] }, options.scale);
+    load(if options.scene.is_empty() { &fallback } else { &options.scene }, options.scale)
+}
+
+/// Loads a scene: the name of one that is built in, a scene file, or OBJ files; enlarged by `scale`.
+pub fn load(sources: &[PathBuf], scale: f32) -> Result<Scene> {
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
     }

@@ -51,9 +51,14 @@ impl<'a> Triangles<'a> {
         self.origins[hit.triangle as usize]
     }
 
+    /// The corners of every triangle, in metres.
+    pub fn all(&self) -> &[[Vec3; 3]] {
+        self.bvh.triangles()
+    }
+
     /// The corners of the triangle that was hit, in metres.
     pub fn corners(&self, hit: &TriangleHit) -> [Vec3; 3] {
-        self.bvh.triangles()[hit.triangle as usize]
+        self.all()[hit.triangle as usize]
     }
 
     /// The material and the vertices of the triangle that was hit.

@@ -31,6 +31,14 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
     vec![
         (vec![], 2, "Usage"),
         (vec!["paint"], 2, "paint"),
+        (vec!["captures"], 2, "<NAME|FILE>"),
+        (vec!["captures", "nowhere"], 2, "neither a built-in scene (rooms, atrium"),
+        (vec!["captures", "room.obj", "--captures", "9"], 2, "write auto, or a number from 1 to 8"),
+        (
+            vec!["captures", "room.obj", "--scale", "1e-6", "--write", "x.toml"],
+            2,
+            "no place for a capture was found in scene",
+        ),
         (vec!["render", "--scene", "room.obj"], 2, "--output"),
         (render(&["--scene", "nowhere"]), 2, "neither a built-in scene (rooms, atrium"),
         (render(&["--scene", "missing.obj"]), 1, "cannot read"),
@@ -358,6 +366,22 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
         assert!(!records.is_empty() && records.iter().all(|r| r["kind"] == kind), "{file}");
     }
     assert_eq!(folder.list("out"), ["error", "images", "index.html", "journal.jsonl", "time-samples.csv", "time.json"]);
+}
+
+#[test]
+fn captures_are_listed_written_and_read_again() {
+    let folder = folder();
+    let said =
+        folder.succeed(&["captures", "room.obj", "--captures", "2", "--json", "--write", "a.toml", "--map", "a.svg"]);
+    let placed: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!((&placed[0]["kind"], &placed[0]["from"]), (&"capture".into(), &"placement".into()));
+    assert!(placed[0]["seen"].as_f64().is_some_and(|s| s > 0.5 && s <= 1.0), "{said}");
+    assert!(folder.text("a.svg").starts_with("<svg"));
+    folder.write("room.scene.toml", format!("[[mesh]]\nfile = 'room.obj'\n{}", folder.text("a.toml")));
+    let read: Value = serde_json::from_str(&folder.succeed(&["captures", "room.scene.toml", "--json"])).unwrap();
+    assert_eq!((&read[0]["place"], &read[0]["from"]), (&placed[0]["place"], &"file".into()));
+    assert_eq!(read.as_array().map(Vec::len), placed.as_array().map(Vec::len));
+    assert!(folder.succeed(&["captures", "room.scene.toml"]).contains("file"));
 }
 
 #[test]

@@ -12,17 +12,17 @@ use glam::Vec2;
 use std::fmt::{Display, Write};
 
 /// Colours that tell cells and levels apart.
-const COLORS: [&str; 9] =
+pub(super) const COLORS: [&str; 9] =
     ["#4c78a8", "#f58518", "#54a24b", "#e45756", "#72b7b2", "#b279a2", "#eeca3b", "#9d755d", "#ff9da6"];
 
 /// A drawing that grows by shapes; lengths are pixels.
-struct Svg {
+pub(super) struct Svg {
     size: Vec2,
     body: String,
 }
 
 impl Svg {
-    fn new(size: Vec2) -> Self {
+    pub(super) fn new(size: Vec2) -> Self {
         Self { size, body: String::new() }
     }
 
@@ -46,7 +46,7 @@ impl Svg {
         ));
     }
 
-    fn circle(&mut self, at: Vec2, radius: Vec2, attributes: &str) {
+    pub(super) fn circle(&mut self, at: Vec2, radius: Vec2, attributes: &str) {
         self.add(format_args!(
             r#"<ellipse cx="{:.2}" cy="{:.2}" rx="{:.2}" ry="{:.2}" {attributes}/>"#,
             at.x, at.y, radius.x, radius.y
@@ -59,7 +59,7 @@ impl Svg {
     }
 
     /// Text at the left of a point on its base line, unless an anchor says otherwise.
-    fn text(&mut self, at: Vec2, size: f32, attributes: &str, text: &str) {
+    pub(super) fn text(&mut self, at: Vec2, size: f32, attributes: &str, text: &str) {
         let text = text.replace('&', "&amp;").replace('<', "&lt;");
         self.add(format_args!(
             r#"<text x="{:.2}" y="{:.2}" font-size="{size}" {attributes}>{text}</text>"#,
@@ -67,7 +67,7 @@ impl Svg {
         ));
     }
 
-    fn finish(self) -> String {
+    pub(super) fn finish(self) -> String {
         let [w, h] = self.size.to_array();
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w:.0}\" height=\"{h:.0}\" viewBox=\"0 0 {w:.0} {h:.0}\" \

@@ -1,171 +1,295 @@
-//! Where people can be: places to stand on, and places for captures above them.
+//! The space that people move in: the floors that they can stand on, and the places above them where captures may be.
+//!
+//! A floor is a level surface with head room. Of all floors, those count that are enclosed as well as most are, which
+//! roofs are not; whose surroundings show their fronts, which those inside a solid body do not; and to which light
+//! finds a way, which it does not into a void between two walls.
 
+use super::sees;
 use crate::math::random::Stream;
 use crate::scene::bvh::WorldRay;
-use crate::scene::{Aabb, Light, Scene, Surface, Triangles};
-use super::sees;
+use crate::scene::{Light, Scene, Surface, Triangles};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Height of the eyes above the floor, in metres.
-pub const EYE_M: f64 = 1.5;
+const EYE_M: f64 = 1.5;
+/// The least height above a floor that people can stand on, in metres.
 const HEAD_ROOM_M: f64 = 1.9;
-const COLUMNS: usize = 16384;
+/// How large people are, where 1 is human: where nobody of one size can stand and see a mirror's image, the next
+/// counts, because a scene may be in units of its own.
+pub const SIZES: [f64; 4] = [1.0, 0.3, 0.1, 0.03];
+/// The least vertical part of a floor's unit normal.
+const LEVEL: f64 = 0.7;
+/// The vertical lines that are searched for floors.
+const COLUMNS: u64 = 16384;
+/// The most floors of one vertical line.
+const STOREYS: usize = 64;
+/// The most places to stand on.
 const STANDS: usize = 2048;
+/// The directions in which a person looks around.
 const DIRECTIONS: usize = 128;
+/// The most of what a person sees that may show its back, where another sees less: single walls are seen from both
+/// sides, and from inside a solid body everything shows its back.
 const BACKS_MAX: f64 = 0.5;
+/// The least free distance around the eyes of a person of size 1, in metres.
 const FREE_M: f64 = 0.1;
-const SEED: u64 = 1;
+/// A place counts as enclosed if at least this share is of the directions upwards that the best tenth of all places
+/// have enclosed. Roofs have 0 to 0.4 of it, streets 0.85, rooms and arcades 1.
+const ENCLOSED: f64 = 0.5;
+/// The pairs of places that are tried for sight: so many neighbours, and so many anywhere.
+const NEIGHBOURS: [usize; 2] = [16, 32];
+/// The greatest step between neighbouring places of one floor, in metres.
+const STEP_M: f64 = 0.6;
+/// The most places that get candidates above them.
+const CANDIDATE_STANDS: usize = 256;
+/// Candidates stand above each other by this, in metres, and none higher than four of it.
+const RISE_M: f64 = 1.5;
+/// The least distance of a capture from every surface, in metres: more than twice what its near plane cuts off at the
+/// corners of the faces.
+const CLEARANCE_M: f64 = 0.25;
+const SEED: u64 = 0x7374_616e;
 
-/// A place to stand on.
+/// A place where a person stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stand {
-    /// The eyes.
+    /// The eyes, world, in metres.
     pub eye: DVec3,
-    /// Free height above the floor; infinite under the sky.
-    pub height_m: f64,
+    /// How large people are here, where 1 is human.
+    size: f64,
+    /// Free height above the floor in metres; infinite under the sky.
+    height_m: f64,
+    /// The share of people who are here: the size of the floor that it is part of.
+    pub weight: f64,
+}
+
+/// A place where a capture may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Candidate {
+    /// World position in metres.
+    pub position: DVec3,
+    /// The distance in metres that it must have from every surface.
+    clearance_m: f64,
+}
+
+/// What a person sees around.
+struct Surroundings {
     /// Share of the upper half of all directions that meet something.
-    pub roofed: f64,
+    enclosed: f64,
     /// Share of what is met that shows its back.
-    pub backs: f64,
-    /// The nearest thing met, in metres.
-    pub nearest_m: f64,
+    backs: f64,
+    nearest_m: f64,
     /// Whether the sky, a window or a point light is seen.
-    pub lit: bool,
+    lit: bool,
 }
 
-/// Place `index` of the sequence R2 of Roberts (2018), which fills the unit square evenly.
-pub fn r2(index: u64) -> [f64; 2] {
-    const G: f64 = 1.324_717_957_244_746;
-    let n = index as f64 + 1.0;
-    [(0.5 + n / G).fract(), (0.5 + n / (G * G)).fract()]
-}
-
-/// Direction `index` of `count` that fill the sphere evenly (spherical Fibonacci).
-pub fn fibonacci(index: usize, count: usize) -> DVec3 {
-    let y = 1.0 - (2.0 * index as f64 + 1.0) / count as f64;
-    let (s, c) = (index as f64 * 2.399_963_229_728_653).sin_cos();
-    let r = (1.0 - y * y).sqrt();
-    DVec3::new(r * c, y, r * s)
-}
-
-/// Places to stand on.
-pub fn stands(triangles: &Triangles, scene: &Scene) -> Vec<Stand> {
-    let bounds = scene.bounds();
-    let columns: Vec<Vec<Stand>> =
-        (0..COLUMNS).into_par_iter().map(|i| column(triangles, bounds, r2(i as u64))).collect();
+/// The places where people of a size stand; empty if the scene has no floor for them.
+pub fn stands(triangles: &Triangles, scene: &Scene, size: f64) -> Vec<Stand> {
+    let columns: Vec<Vec<Stand>> = (0..COLUMNS).into_par_iter().map(|i| column(triangles, scene, size, i)).collect();
     let mut found: Vec<Stand> = columns.into_iter().flatten().collect();
     found.truncate(STANDS);
-    let mut free: Vec<Stand> = found.into_par_iter().map(|s| judged(triangles, scene, s)).collect();
-    free.retain(|s| s.backs <= BACKS_MAX && s.nearest_m >= FREE_M);
-    let mut enclosures: Vec<f64> = free.iter().map(|s| s.roofed).collect();
-    enclosures.sort_by(f64::total_cmp);
-    let typical = enclosures.get(enclosures.len() * 9 / 10).copied().unwrap_or(0.0);
-    free.retain(|s| s.roofed >= 0.5 * typical);
-    with_light(triangles, free)
+    inhabited(triangles, scene, found)
 }
 
-/// The stands from which there is a way, by sight from one to the next, to one that light reaches; all, if there is
-/// none.
-fn with_light(triangles: &Triangles, stands: Vec<Stand>) -> Vec<Stand> {
-    let pairs: Vec<(usize, usize)> = (0..stands.len())
-        .into_par_iter()
-        .flat_map_iter(|i| {
-            let random = Stream::new(SEED, i as u64);
-            let others = stands.len() as f64;
-            let mut near: Vec<usize> = (0..stands.len()).collect();
-            near.sort_by(|a, b| {
-                let d = |j: &usize| stands[*j].eye.distance_squared(stands[i].eye);
-                d(a).total_cmp(&d(b))
-            });
-            let far = (0..32).map(move |k| (random.uniform(k) * others) as usize);
-            let near: Vec<usize> = near.into_iter().skip(1).take(16).collect();
-            let stands = &stands;
-            near.into_iter().chain(far).filter(move |j| sees(triangles, stands[i].eye, stands[*j].eye)).map(move |j| (i, j))
-        })
-        .collect();
-    let mut lit: Vec<bool> = stands.iter().map(|s| s.lit).collect();
-    if !lit.contains(&true) {
-        return stands;
-    }
-    // Light spreads along the pairs until it has reached all that it can.
-    loop {
-        let before = lit.iter().filter(|l| **l).count();
-        for &(i, j) in &pairs {
-            let either = lit[i] || lit[j];
-            (lit[i], lit[j]) = (either, either);
-        }
-        if lit.iter().filter(|l| **l).count() == before {
-            break;
-        }
-    }
-    stands.into_iter().zip(lit).filter(|(_, lit)| *lit).map(|(s, _)| s).collect()
+/// The candidates for captures: above places to stand on, at the height of the eyes and higher where there is room.
+pub fn candidates(stands: &[Stand]) -> Vec<Candidate> {
+    let above = |stand: &Stand| {
+        let (eye, clearance_m) = (stand.eye, CLEARANCE_M * stand.size);
+        let room = (stand.height_m / stand.size - EYE_M - RISE_M) / RISE_M;
+        let levels = 1 + (room.max(0.0) as usize).min(3);
+        let rise = RISE_M * stand.size;
+        (0..levels).map(move |k| Candidate { position: eye + k as f64 * rise * DVec3::Y, clearance_m })
+    };
+    stands.iter().take(CANDIDATE_STANDS).flat_map(above).collect()
 }
 
-fn judged(triangles: &Triangles, scene: &Scene, stand: Stand) -> Stand {
-    let mut lit = scene.lights.iter().any(|l| matches!(l, Light::Point { position, .. } if sees(triangles, stand.eye, position.as_dvec3())));
-    let (mut up, mut roofed, mut met, mut backs, mut nearest) = (0, 0, 0, 0, f64::INFINITY);
-    for i in 0..DIRECTIONS {
-        let direction = fibonacci(i, DIRECTIONS);
-        let ray = WorldRay { origin: stand.eye, direction, t_min: 0.0, t_max: f64::INFINITY };
-        let hit = triangles.closest(&ray);
-        lit |= hit.is_none_or(|h| triangles.surface(&h).0.surface == Surface::Sky);
-        if direction.y > 0.0 {
-            up += 1;
-            roofed += i32::from(hit.is_some());
-        }
-        if let Some(hit) = hit {
-            met += 1;
-            nearest = hit.t.min(nearest);
-            backs += i32::from(normal(triangles.corners(&hit)).dot(direction) > 0.0);
-        }
-    }
-    Stand {
-        roofed: f64::from(roofed) / f64::from(up),
-        backs: f64::from(backs) / f64::from(met.max(1)),
-        nearest_m: nearest,
-        lit,
-        ..stand
-    }
+/// Whether a candidate is far enough from every triangle.
+pub fn is_clear(triangles: &Triangles, candidate: &Candidate) -> bool {
+    let Candidate { position, clearance_m } = *candidate;
+    let (low, high) = ((position - clearance_m).as_vec3(), (position + clearance_m).as_vec3());
+    triangles.all().par_iter().all(|&[a, b, c]| {
+        let apart = a.min(b).min(c).cmpgt(high).any() || a.max(b).max(c).cmplt(low).any();
+        apart || distance([a, b, c], position) >= clearance_m
+    })
 }
 
-/// The normal of a triangle on the side of its front.
-pub fn normal([a, b, c]: [Vec3; 3]) -> DVec3 {
+/// The distance of a point from a triangle: that from its plane where the point lies above its inside, else that from
+/// the nearest edge (Ericson, Real-Time Collision Detection, 5.1.5).
+fn distance([a, b, c]: [Vec3; 3], point: DVec3) -> f64 {
+    let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
+    let edges = [(a, b), (b, c), (c, a)];
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    if normal != DVec3::ZERO && edges.iter().all(|&(p, q)| (q - p).cross(point - p).dot(normal) >= 0.0) {
+        return (point - a).dot(normal).abs();
+    }
+    let to_edge = |&(p, q): &(DVec3, DVec3)| {
+        let along = ((point - p).dot(q - p) / (q - p).length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        point.distance(p.lerp(q, along))
+    };
+    edges.iter().map(to_edge).fold(f64::INFINITY, f64::min)
+}
+
+/// The unit normal of a triangle on the side of its front; zero if it has no area.
+pub fn front([a, b, c]: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
     (b - a).cross(c - a).normalize_or_zero()
 }
 
-/// The places to stand on in a vertical line.
-fn column(triangles: &Triangles, bounds: Aabb, [u, v]: [f64; 2]) -> Vec<Stand> {
+/// The places to stand on in a vertical line, from above. The lines fill the scene's bounds evenly: they are the
+/// sequence R2 (Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences").
+fn column(triangles: &Triangles, scene: &Scene, size: f64, index: u64) -> Vec<Stand> {
+    /// The root of x³ = x + 1.
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    let bounds = scene.bounds();
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-    let (x, z) = (min.x + u * (max.x - min.x), min.z + v * (max.z - min.z));
-    let top = max.y + 1.0;
+    let n = index as f64 + 1.0;
+    let [u, v] = [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + n * step).fract());
+    let origin = DVec3::new(min.x + u * (max.x - min.x), max.y + 1.0, min.z + v * (max.z - min.z));
+    let mut ray = WorldRay { origin, direction: DVec3::NEG_Y, t_min: 0.0, t_max: f64::INFINITY };
     let mut stands = Vec::new();
-    let (mut above, mut from) = (f64::INFINITY, 0.0);
-    for _ in 0..64 {
-        let ray = WorldRay { origin: DVec3::new(x, top, z), direction: DVec3::NEG_Y, t_min: from, t_max: f64::INFINITY };
+    let mut above = f64::INFINITY;
+    for _ in 0..STOREYS {
         let Some(hit) = triangles.closest(&ray) else { break };
-        let y = top - hit.t;
-        let height_m = above - y;
-        let up = normal(triangles.corners(&hit)).y;
-        if height_m >= HEAD_ROOM_M && up > 0.7 {
-            let eye = DVec3::new(x, y + EYE_M, z);
-            stands.push(Stand { eye, height_m, roofed: 0.0, backs: 0.0, nearest_m: 0.0, lit: false });
+        let floor = ray.at(hit.t);
+        let height_m = above - floor.y;
+        if height_m >= HEAD_ROOM_M * size && front(triangles.corners(&hit)).y.abs() > LEVEL {
+            stands.push(Stand { eye: floor + EYE_M * size * DVec3::Y, size, height_m, weight: 1.0 });
         }
-        above = y;
-        from = hit.t + 1e-4;
+        above = floor.y;
+        ray.t_min = hit.t + 1e-4;
     }
     stands
 }
 
-/// Candidates.
-pub fn candidates(_triangles: &Triangles, stands: &[Stand]) -> Vec<DVec3> {
-    let mut places = Vec::new();
-    for stand in stands.iter().filter(|s| s.nearest_m > 0.25).take(300) {
-        places.push(stand.eye);
-        if stand.height_m > 4.0 {
-            places.push(stand.eye + DVec3::Y * ((stand.height_m.min(8.0)) / 2.0 - EYE_M).max(0.5));
-        }
+/// The places that people use, with their weights.
+fn inhabited(triangles: &Triangles, scene: &Scene, found: Vec<Stand>) -> Vec<Stand> {
+    let mut places: Vec<(Stand, Surroundings)> =
+        found.into_par_iter().map(|stand| (stand, surroundings(triangles, scene, stand.eye))).collect();
+    places.retain(|(stand, around)| around.nearest_m >= FREE_M * stand.size);
+    // A file with all its triangles the wrong way round shows backs everywhere, and is none the worse for it.
+    if places.iter().any(|(_, around)| around.backs <= BACKS_MAX) {
+        places.retain(|(_, around)| around.backs <= BACKS_MAX);
     }
-    places
+    let mut enclosed: Vec<f64> = places.iter().map(|(_, around)| around.enclosed).collect();
+    enclosed.sort_by(f64::total_cmp);
+    let typical = enclosed.get(enclosed.len() * 9 / 10).copied().unwrap_or(0.0);
+    places.retain(|(_, around)| around.enclosed >= ENCLOSED * typical);
+
+    let sights = sights(triangles, &places.iter().map(|(stand, _)| stand.eye).collect::<Vec<_>>());
+    let rooms = joined(places.len(), sights.iter().flatten().copied());
+    let lit_rooms: Vec<usize> =
+        places.iter().zip(&rooms).filter(|((_, around), _)| around.lit).map(|(_, room)| *room).collect();
+    let level = |i: usize, j: usize| {
+        let size = places[i].0.size;
+        (places[i].0.eye.y - places[j].0.eye.y).abs() < STEP_M * size
+    };
+    let floors = joined(places.len(), sights[0].iter().copied().filter(|&(i, j)| level(i, j)));
+    let mut area = vec![0.0; places.len()];
+    floors.iter().for_each(|floor| area[*floor] += 1.0);
+    let stands = places.iter().zip(floors).map(|((stand, _), floor)| Stand { weight: area[floor], ..*stand });
+    // Without any light, all rooms are alike.
+    stands.zip(rooms).filter(|(_, room)| lit_rooms.is_empty() || lit_rooms.contains(room)).map(|(s, _)| s).collect()
+}
+
+fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surroundings {
+    let shines =
+        |light: &Light| matches!(light, Light::Point { position, .. } if sees(triangles, eye, position.as_dvec3()));
+    let mut around =
+        Surroundings { enclosed: 0.0, backs: 0.0, nearest_m: f64::INFINITY, lit: scene.lights.iter().any(shines) };
+    let (mut met, mut upwards) = (0, 0);
+    for direction in (0..DIRECTIONS).map(sphere) {
+        let hit = triangles.closest(&WorldRay { origin: eye, direction, t_min: 0.0, t_max: f64::INFINITY });
+        around.lit |= hit.is_none_or(|h| triangles.surface(&h).0.surface == Surface::Sky);
+        upwards += i32::from(direction.y > 0.0);
+        let Some(hit) = hit else { continue };
+        met += 1;
+        around.nearest_m = around.nearest_m.min(hit.t);
+        around.enclosed += f64::from(direction.y > 0.0);
+        around.backs += f64::from(front(triangles.corners(&hit)).dot(direction) > 0.0);
+    }
+    around.enclosed /= f64::from(upwards);
+    around.backs /= f64::from(met.max(1));
+    around
+}
+
+/// Direction `index` of [`DIRECTIONS`] that fill the sphere evenly, on a Fibonacci spiral.
+fn sphere(index: usize) -> DVec3 {
+    /// π (3 − √5), in radians.
+    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+    let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
+    let (sine, cosine) = (GOLDEN_ANGLE * index as f64).sin_cos();
+    let across = (1.0 - y * y).sqrt();
+    DVec3::new(across * cosine, y, across * sine)
+}
+
+/// Pairs of eyes that see each other: of neighbours, and of any two.
+fn sights(triangles: &Triangles, eyes: &[DVec3]) -> [Vec<(usize, usize)>; 2] {
+    let [close, anywhere] = NEIGHBOURS;
+    let seen = |i: usize, others: Vec<usize>| {
+        others.into_iter().filter(move |j| sees(triangles, eyes[i], eyes[*j])).map(move |j| (i, j))
+    };
+    let neighbours = |i: usize| {
+        let mut others: Vec<usize> = (0..eyes.len()).filter(|j| *j != i).collect();
+        let nearer = |a: &usize, b: &usize| {
+            let [a, b] = [*a, *b].map(|j| (eyes[j].distance_squared(eyes[i]), j));
+            a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+        };
+        if others.len() > close {
+            others.select_nth_unstable_by(close, nearer);
+            others.truncate(close);
+        }
+        others
+    };
+    let any = |i: usize| {
+        let random = Stream::new(SEED, i as u64);
+        (0..anywhere as u64).map(|k| ((random.uniform(k) * eyes.len() as f64) as usize).min(eyes.len() - 1)).collect()
+    };
+    let all = || (0..eyes.len()).into_par_iter();
+    [all().flat_map_iter(|i| seen(i, neighbours(i))).collect(), all().flat_map_iter(|i| seen(i, any(i))).collect()]
+}
+
+/// The group of each of `count` things, by any name, if pairs join them.
+fn joined(count: usize, pairs: impl Iterator<Item = (usize, usize)>) -> Vec<usize> {
+    fn root(parents: &mut [usize], mut i: usize) -> usize {
+        while parents[i] != i {
+            parents[i] = parents[parents[i]];
+            i = parents[i];
+        }
+        i
+    }
+    let mut parents: Vec<usize> = (0..count).collect();
+    for (i, j) in pairs {
+        let (a, b) = (root(&mut parents, i), root(&mut parents, j));
+        parents[a.max(b)] = a.min(b);
+    }
+    (0..count).map(|i| root(&mut parents, i)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_from_a_triangle_is_that_from_its_nearest_point() {
+        let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let of = |x: f64, y: f64, z: f64| distance(triangle, DVec3::new(x, y, z));
+        assert_eq!(of(0.25, 0.25, 3.0), 3.0, "above its inside");
+        assert_eq!(of(0.5, -2.0, 0.0), 2.0, "beside an edge");
+        assert_eq!(of(4.0, 0.0, 4.0), 5.0, "beyond a corner");
+        assert!((of(1.0, 1.0, 0.0) - 0.5_f64.sqrt()).abs() < 1e-12, "beside the long edge");
+        assert_eq!(distance([Vec3::ZERO; 3], DVec3::Z), 1.0, "a triangle that is a point");
+    }
+
+    #[test]
+    fn pairs_join_groups() {
+        let groups = joined(6, [(0, 3), (3, 5), (2, 1)].into_iter());
+        assert!(groups[0] == groups[3] && groups[0] == groups[5] && groups[1] == groups[2]);
+        assert!(groups[0] != groups[1] && groups[4] != groups[0] && groups[4] != groups[1]);
+    }
+
+    #[test]
+    fn directions_fill_the_sphere_evenly() {
+        let sum: DVec3 = (0..DIRECTIONS).map(sphere).sum();
+        assert!(sum.length() < 1.0, "{sum}");
+        assert!((0..DIRECTIONS).all(|i| (sphere(i).length() - 1.0).abs() < 1e-12));
+    }
 }

@@ -1,0 +1,122 @@
+//! Where captures stand and what they see, as records, as a table and as a map.
+
+use super::diagrams::{COLORS, Svg};
+use super::tables;
+use crate::scene::placement::Placement;
+use glam::{Vec2, Vec3, Vec3Swizzles};
+use serde::Serialize;
+
+/// A capture of a scene.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaptureRecord {
+    /// Always `capture`.
+    pub kind: &'static str,
+    /// The scene's name.
+    pub scene: String,
+    /// Who chose the place: `file` or `placement`.
+    pub from: &'static str,
+    /// World position in metres.
+    pub place: [f32; 3],
+    /// Distance of the near plane in metres.
+    pub near_m: f32,
+    /// Width and height of a face in texels.
+    pub resolution: u32,
+    /// The share, 0…1, of what mirrors show beyond the screen that this capture and those before it see.
+    pub seen: f32,
+}
+
+/// One record a capture, in their order.
+pub fn records(scene: &str, placement: &Placement) -> Vec<CaptureRecord> {
+    let record = |(index, (capture, seen)): (usize, (&crate::scene::Capture, &f32))| CaptureRecord {
+        kind: "capture",
+        scene: scene.to_owned(),
+        from: if index < placement.own { "file" } else { "placement" },
+        place: capture.position.to_array(),
+        near_m: capture.near_m,
+        resolution: capture.resolution,
+        seen: *seen,
+    };
+    placement.captures.iter().zip(&placement.seen).enumerate().map(record).collect()
+}
+
+/// A table, one row a capture.
+pub fn text(records: &[CaptureRecord]) -> String {
+    let mut rows = vec![["capture", "place", "near", "resolution", "from", "seen so far"].map(str::to_owned).to_vec()];
+    rows.extend(records.iter().enumerate().map(|(k, r)| {
+        let [x, y, z] = r.place;
+        vec![
+            (k + 1).to_string(),
+            format!("{x:.2}, {y:.2}, {z:.2}"),
+            format!("{} m", r.near_m),
+            format!("6 x {0}x{0}", r.resolution),
+            r.from.to_owned(),
+            format!("{:.1} %", 100.0 * r.seen),
+        ]
+    }));
+    tables::aligned(&rows)
+}
+
+/// The longer side of a map's drawing, in pixels, and the empty border around it.
+const MAP: [f32; 2] = [800.0, 24.0];
+
+/// A map as SVG: the places where people stand, seen from above, coloured by the height of their floor, and the
+/// captures with their numbers. x runs to the right, z up.
+pub fn map(placement: &Placement) -> String {
+    let stands = || placement.stands.iter().copied();
+    let all = || stands().chain(placement.captures.iter().map(|c| c.position));
+    let (min, max) = all().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(a, b), p| (a.min(p), b.max(p)));
+    let extent = (max - min).max(Vec3::splat(1e-3));
+    let [side, border] = MAP;
+    let scale = side / extent.xz().max_element();
+    let at = |p: Vec3| Vec2::new(border + scale * (p.x - min.x), border + scale * (max.z - p.z));
+    let mut svg = Svg::new(scale * extent.xz() + 2.0 * border);
+    for stand in stands() {
+        // Floors half a metre apart have different colours.
+        let color = COLORS[(2.0 * (stand.y - min.y)).round() as usize % COLORS.len()];
+        svg.circle(at(stand), Vec2::splat(2.0), &format!("fill=\"{color}\" fill-opacity=\"0.5\""));
+    }
+    for (k, capture) in placement.captures.iter().enumerate() {
+        let centre = at(capture.position);
+        svg.circle(centre, Vec2::splat(11.0), "fill=\"#fff\" stroke=\"#000\" stroke-width=\"2\"");
+        svg.text(centre + Vec2::new(0.0, 5.0), 14.0, "text-anchor=\"middle\"", &(k + 1).to_string());
+        let height = format!("y {:.1} m", capture.position.y);
+        svg.text(centre + Vec2::new(0.0, 24.0), 11.0, "text-anchor=\"middle\"", &height);
+    }
+    svg.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Capture;
+
+    fn placement() -> Placement {
+        let at = |x: f32| Capture::at(Vec3::new(x, 1.5, 2.0));
+        Placement {
+            captures: vec![at(1.0), at(-3.0)],
+            own: 1,
+            seen: vec![0.5, 0.75],
+            stands: vec![Vec3::new(0.0, 1.5, 0.0), Vec3::new(4.0, 5.5, 1.0)],
+        }
+    }
+
+    #[test]
+    fn records_say_who_chose_each_place() {
+        let records = records("hall", &placement());
+        assert_eq!(records.iter().map(|r| r.from).collect::<Vec<_>>(), ["file", "placement"]);
+        let json = serde_json::to_value(&records[1]).unwrap();
+        assert_eq!(json["place"], serde_json::json!([-3.0, 1.5, 2.0]));
+        assert_eq!((json["scene"].as_str(), json["seen"].as_f64()), (Some("hall"), Some(0.75)));
+        let text = text(&records);
+        assert!(text.lines().count() == 3 && text.contains("-3.00, 1.50, 2.00") && text.contains("75.0 %"), "{text}");
+    }
+
+    #[test]
+    fn a_map_shows_every_place_inside_its_frame() {
+        let map = map(&placement());
+        assert_eq!(map.matches("<ellipse").count(), 4);
+        assert!(map.contains(">1</text>") && map.contains(">2</text>") && !map.contains("NaN"), "{map}");
+        // The greatest extent, 7 m along x, fills the drawing: the second capture is at its left, a stand at its right.
+        assert!(map.contains("cx=\"24.00\"") && map.contains("cx=\"824.00\""), "{map}");
+    }
+}
