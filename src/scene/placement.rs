@@ -29,7 +29,7 @@ const AUTO_GAIN: f32 = 0.005;
 /// How much a texel that is as large as the pixel that shows it counts against the capture: the weight of an end is
 /// 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
 ///
-/// Resolution decides only between places that see equally much: with 0.1, four captures leave more unseen.
+/// So small that resolution decides only between places that see equally much.
 const COARSENESS: f64 = 0.02;
 
 /// A surface that is seen more obliquely than this cosine counts as if it were at this angle.
