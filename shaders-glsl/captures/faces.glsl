@@ -113,8 +113,9 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
         if (!passes) {
             bool is_behind = along > 0.0;
             if (!in_front && along <= 0.0)
-                is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)
-                                             : walk.entry_depth < block.y;
+                is_behind = walk.entry > 0.0
+                    ? HowEnters(ray, walk.entry_depth, walk.pixel, block, ahead) == ENTERS_BEHIND
+                    : walk.entry_depth < block.y;
             float s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
             result = Followed(is_behind ? FOLLOW_LOST : FOLLOW_HIT, FacePoint(ray, s));
         }

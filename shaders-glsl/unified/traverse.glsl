@@ -127,6 +127,7 @@ struct Hit {
     int steps;       // cells looked at
     float s;         // of the hit, or of where a miss ends
     float behind;    // s from which the ray was behind something, if FOLLOWED; NEVER if it never was
+    bool by_side;    // it hits the side of a block beside an edge, by version 2 of the oracle
 };
 
 // Forward: a pixel each at least, over both axes. Down: no more often than up.
@@ -147,10 +148,14 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
 }
 
-// What version 2 of the oracle asks (reference::oracle): whether a ray that enters a pixel behind its block's front has
-// come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
+#define ENTERS_BY_JOINT 0 // in front of the pixel before, whose surface is the block's
+#define ENTERS_BY_SIDE 1  // beside an edge, and not deep
+#define ENTERS_BEHIND 2
+
+// What version 2 of the oracle asks (reference::oracle): how a ray enters a pixel behind its block's front. It has come
+// behind the block if it is behind the pixel before; and beside an edge, if it is deeper in the block than
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
-bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
+int HowEnters(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     vec3 normal = NORMAL_AT(pixel);
     precise float thickness = block.x - block.y;
@@ -161,7 +166,8 @@ bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) 
     precise float depth_squared = (below * below) * (Dot(normal, normal) * Dot(ray.direction, ray.direction));
     precise float limit_squared = (along * along) * (thickness * thickness);
     bool is_deep = along >= 0.0 || depth_squared > limit_squared;
-    return entry_depth < before.x || (gap > joined && is_deep);
+    return entry_depth < before.x ? ENTERS_BEHIND : gap <= joined ? ENTERS_BY_JOINT
+         : is_deep ? ENTERS_BEHIND : ENTERS_BY_SIDE;
 }
 
 // Where a walk is.
@@ -247,7 +253,7 @@ ivec2 Ahead(Ray ray) {
 #ifndef FACES
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER, false);
     ivec2 ahead = Ahead(ray);
 
     // The first step leaves the starting pixel unseen.
@@ -279,10 +285,11 @@ Hit Traverse(Ray ray) {
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
         hit.s = s;
-        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
-            && IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)) {
-            hit.code = PATH_MISS_BEHIND;
+        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x) {
+            int how = HowEnters(ray, walk.entry_depth, walk.pixel, block, ahead);
+            hit.code = how == ENTERS_BEHIND ? PATH_MISS_BEHIND : PATH_HI_Z;
             hit.s = walk.entry;
+            hit.by_side = how == ENTERS_BY_SIDE;
         }
     }
     return hit;

@@ -12,7 +12,7 @@ use super::bvh::WorldRay;
 use super::capture::MAX_CAPTURES;
 use super::{Capture, Scene, Triangles};
 use glam::{DVec3, Vec3};
-use mirrors::End;
+use mirrors::MirrorEnd;
 use rayon::prelude::*;
 
 /// The most captures that [`Wanted::Auto`] places.
@@ -29,7 +29,7 @@ const AUTO_GAIN: f32 = 0.005;
 /// How much a texel that is as large as the pixel that shows it counts against the capture: the weight of an end is
 /// 1 / (1 + `COARSENESS` · (texel's edge / pixel's edge)²).
 ///
-/// Resolution decides only between places that see equally much: with 0.1, four captures leave more unseen.
+/// So small that resolution decides only between places that see equally much.
 const COARSENESS: f64 = 0.02;
 
 /// A surface that is seen more obliquely than this cosine counts as if it were at this angle.
@@ -100,7 +100,7 @@ pub fn place(scene: &Scene, wanted: Wanted) -> Placement {
 /// A search in progress.
 struct Found<'a> {
     triangles: &'a Triangles<'a>,
-    ends: Vec<End>,
+    ends: Vec<MirrorEnd>,
     /// For each end, how well the best capture so far shows it.
     best: Vec<f32>,
     placement: Placement,
@@ -149,7 +149,7 @@ impl Found<'_> {
 }
 
 /// How finely a capture at a place shows an end that it sees, in 0…1.
-fn shown(place: DVec3, end: &End) -> f32 {
+fn shown(place: DVec3, end: &MirrorEnd) -> f32 {
     let away = place - end.position;
     let cosine = away.normalize_or_zero().dot(end.normal).abs().max(COSINE_MIN);
     // A face spans two units at distance one, and a texel's area on the surface grows with 1 / cosine.

@@ -26,7 +26,7 @@ const SEED: u64 = 0x6361_7074;
 
 /// Where a mirror ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct End {
+pub struct MirrorEnd {
     /// World position in metres.
     pub position: DVec3,
     /// Unit normal of the triangle there, or zero if it has no area.
@@ -36,12 +36,12 @@ pub struct End {
 }
 
 /// The ends of paths from the places where people stand.
-pub fn ends(triangles: &Triangles, stands: &[Stand]) -> Vec<End> {
+pub fn ends(triangles: &Triangles, stands: &[Stand]) -> Vec<MirrorEnd> {
     let mut sums: Vec<f64> = Vec::with_capacity(stands.len());
     stands.iter().for_each(|s| sums.push(sums.last().unwrap_or(&0.0) + s.weight));
     let Some(total) = sums.last().copied() else { return Vec::new() };
     let stand = |share: f64| &stands[sums.partition_point(|s| *s <= share * total).min(stands.len() - 1)];
-    let mut ends: Vec<End> = (0..TRIES)
+    let mut ends: Vec<MirrorEnd> = (0..TRIES)
         .into_par_iter()
         .filter_map(|index| {
             let random = Stream::new(SEED, index);
@@ -54,7 +54,7 @@ pub fn ends(triangles: &Triangles, stands: &[Stand]) -> Vec<End> {
 
 /// The end of one path from an eye; `None` if it sees no mirror, if the mirror ray escapes, or if the screen shows
 /// the end.
-fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<End> {
+fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<MirrorEnd> {
     let y = PITCH_SINE * (2.0 * random.uniform(1) - 1.0);
     let (sine, cosine) = (std::f64::consts::TAU * random.uniform(2)).sin_cos();
     let across = (1.0 - y * y).sqrt();
@@ -70,5 +70,5 @@ fn path(triangles: &Triangles, eye: DVec3, random: &Stream) -> Option<End> {
     let position = ray.at(last.t);
     let beside = (position - eye).normalize_or_zero().dot(direction) < ON_SCREEN_COSINE;
     let hidden = beside || !sees(triangles, eye, position);
-    hidden.then(|| End { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
+    hidden.then(|| MirrorEnd { position, normal: front(triangles.corners(&last)), path_m: first.t + last.t })
 }

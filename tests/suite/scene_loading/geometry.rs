@@ -263,6 +263,7 @@ fn with_a_path(mut scene: Scene) -> Scene {
     let path = ssct::scene::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);
     scene.lights.push(ssct::scene::Light::Point { position: Vec3::ONE, energy: 1.0 });
+    scene.captures.push(ssct::scene::Capture::at(Vec3::new(1.0, 2.0, 3.0)));
     scene
 }
 
