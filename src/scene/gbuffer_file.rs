@@ -257,7 +257,7 @@ mod tests {
             let (_folder, path) = written(gbuffer);
             assert!(load(&path).expect("loads") == *gbuffer);
             let meta = MetaData::read_from_file(&path, false).expect("a header");
-            meta.headers[0].channels.list.iter().any(|c| c.name == "sky")
+            meta.headers[0].channels.list.iter().any(|c| c.name == *"sky")
         };
         assert!(!has_channel(&lit) && has_channel(&window));
     }
