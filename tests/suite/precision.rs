@@ -4,7 +4,8 @@
 use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::FrameContext;
-use ssct::methods::{self, Setup};
+use ssct::math::DefinitionsVersion;
+use ssct::methods::{self, EffectParams, Setup};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::reference::surface::World;
 use ssct::scene::library;
@@ -35,7 +36,8 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
     }
 
     let methods = ["unified", "ssct"].map(|name| methods::find(name).unwrap());
-    let setup = Setup::new(SIZE);
+    // One ray a mirror, as `unified` has: what is left between the two is what storage costs.
+    let setup = Setup::new(SIZE).with(|p: &mut EffectParams| p.definitions = DefinitionsVersion::V1);
     let records =
         measure(&PrecisionSpec { gpu: &gpu, scene: &scene, view, globals, methods: &methods, setup, rays: 2 }).unwrap();
     let finest = Storage::FINEST;
