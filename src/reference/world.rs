@@ -2,9 +2,8 @@
 //! of its Phong lobe, traced against the triangles of the whole scene, with its standard error. It includes
 //! what is off screen or hidden, which no screen-space method can see.
 //!
-//! By version 2 of the definitions, each sample starts at what the camera sees at a random place within the pixel, with
-//! the normal and the roughness there. Where that surface does not reflect (at an edge), the sample starts at the
-//! pixel's own point, since the reflection of that point is what a method shows in the whole pixel.
+//! By version 2 of the definitions, each sample reflects the camera ray through a random place within the pixel, at the
+//! pixel's own point and about its own normal, as the screen reference does.
 //!
 //! Only the first bounce is traced: what a ray hits is lit directly, as in the G-buffer, and does not reflect
 //! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
@@ -44,7 +43,7 @@ pub struct WorldReference<'a> {
     pub first_hits: &'a FirstHits,
     /// The radiance of rays that hit nothing.
     pub escape: Escape,
-    /// The camera's rays, if samples are spread over each pixel; `None` if all of them start at the first hits.
+    /// The camera's rays, if samples reflect rays through all of the pixel; `None` if only the one through its centre.
     pub footprint: Option<PrimaryRays>,
     /// A different seed gives a different, independent result.
     pub seed: u64,
@@ -208,7 +207,10 @@ impl<'a> WorldReference<'a> {
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
         let (receiver, lobe) = match &self.footprint {
             None => (*receiver, numbers(2 * number)),
-            Some(rays) => (self.within(rays, index, receiver, numbers(4 * number + 2)), numbers(4 * number)),
+            Some(rays) => {
+                let (ray, _) = rays.ray_within(index, numbers(4 * number + 2));
+                (Receiver { incoming: ray.direction, ..*receiver }, numbers(4 * number))
+            }
         };
         let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
         if !receiver.is_above(direction) {
@@ -222,13 +224,6 @@ impl<'a> WorldReference<'a> {
             None => DVec3::ZERO,
         };
         WorldSample { radiance, direction, end: hit.map(|hit| ray.at(hit.t)) }
-    }
-
-    /// The point that the camera sees at a place within a pixel if it reflects, else the pixel's own.
-    fn within(&self, rays: &PrimaryRays, index: usize, own: &Receiver, place: [f64; 2]) -> Receiver {
-        let (ray, _) = rays.ray_within(index, place);
-        let seen = self.world.closest(&ray).and_then(|hit| Receiver::of(&ray, &self.world.point(&ray, &hit)));
-        seen.unwrap_or(*own)
     }
 }
 

@@ -373,9 +373,11 @@ fn version_1_takes_the_same_rays_as_ever() {
 fn version_2_shows_the_environment_to_whoever_escapes() {
     let scene = Scene::default();
     let world = World::new(&scene, &scene.materials);
-    // The camera sees nothing at the pixel, so that each sample starts at the receiver.
-    let first_hits = one_row(vec![Some(receiver(DVec3::new(0.3, -1.0, 0.2), 0.0))]);
-    let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 1.0);
+    // The pixel is so small that all its rays have one direction.
+    let incoming = DVec3::new(0.3, -1.0, 0.2);
+    let first_hits = one_row(vec![Some(receiver(incoming, 0.0))]);
+    let lens = Lens { fov_y_radians: 1e-6, ..Lens::default() };
+    let camera = Camera::new(Vec3::ZERO, incoming.as_vec3(), lens, 1.0);
     let bring = |definitions, shown| {
         let reference = WorldReference::by(definitions, &world, &first_hits, &camera, shown, 1);
         let mut state = reference.start();
@@ -422,7 +424,6 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     }
     let chi2: f32 = squares.iter().sum();
     assert!(squares.len() >= 5 && chi2 < 4.0 * squares.len() as f32, "{squares:?}");
-    // Where the floor meets the wall, rays of a pixel that see the wall start at the pixel's own point.
     let reflecting = |i: &usize| first_hits.receivers[*i].is_some();
     assert!((0..filtered.samples.len()).filter(reflecting).all(|i| filtered.samples[i] == 256));
 
