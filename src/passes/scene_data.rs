@@ -148,7 +148,7 @@ fn bare(scene: &Scene) -> Scene {
         materials: scene.materials.clone(),
         textures: scene.textures.iter().enumerate().map(without_texels).collect(),
         captures: scene.captures.clone(),
-        lens: scene.lens,
+        lights: scene.lights.clone(),
         ..Scene::default()
     }
 }
