@@ -81,7 +81,8 @@ vec3 FacePoint(Ray ray, float s) {
     precise float depth = ray.depth + s * ray.rate.z;
     precise vec2 position = ray.start + s * ray.rate.xy;
     precise float z = captures.face_unit / max(depth + unified.depth_offset, 1e-12);
-    return ViewRay(position) * z;
+    precise vec3 point = ViewRay(position) * z;
+    return point;
 }
 
 // Over one face, from a point in it. `side` is the axis in the face's view space of the side by which it is left.
@@ -89,7 +90,7 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
     float depth = FaceDepth(q.z);
-    vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
+    precise vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
     precise vec2 change = direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));

@@ -49,8 +49,8 @@ int NearestThatSees(vec3 point, int left_out) {
     int nearest = -1;
     float least = NEVER;
     for (int k = 0; k < captures.count; ++k) {
-        vec3 o = point - captures.places[k].xyz;
-        float squared = dot(o, o);
+        precise vec3 o = point - captures.places[k].xyz;
+        float squared = Dot(o, o);
         if ((left_out >> k & 1) == 0 && squared < least && Sees(k, o)) {
             nearest = k;
             least = squared;
@@ -70,11 +70,12 @@ Answer FollowRay(LostRay ray) {
             break;
         vec3 place = captures.places[k].xyz;
         Followed followed = Follow(k, point - place, ray.direction, steps);
-        vec3 there = followed.place + place;
-        float distance = dot(there - ray.start, ray.direction);
+        precise vec3 there = followed.place + place;
+        float distance = Dot(there - ray.start, ray.direction);
         if (followed.how == FOLLOW_SKY || distance >= ray.limit) {
             answer.code = ray.limit < NEVER ? PATH_NONE : PATH_SKY;
-            answer.place = ray.start + SKY_DISTANCE * ray.direction;
+            precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
+            answer.place = far;
             answer.color = Sky(ray.direction);
             break;
         }
@@ -91,7 +92,8 @@ Answer FollowRay(LostRay ray) {
                 answer.color += (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
             break;
         }
-        bool has_moved = distance > dot(point - ray.start, ray.direction) + 1e-4;
+        precise float least = Dot(point - ray.start, ray.direction) + 1e-4;
+        bool has_moved = distance > least;
         left_out = has_moved ? 1 << k : left_out | 1 << k;
         if (has_moved)
             point = there;

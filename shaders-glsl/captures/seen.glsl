@@ -33,10 +33,11 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
         return;
     float s = min(hit.s, hit.behind);
     precise float depth = ray.depth + s * ray.rate.z;
-    vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
-    vec3 start = ViewPoint(ray.start + s * ray.rate.xy, max(depth, 0.0)) * captures.view_unit;
-    vec3 there = ViewPoint(hit.position, hit.depth) * captures.view_unit;
-    float limit = is_hit ? distance(start, there) : NEVER;
+    precise vec2 at = ray.start + s * ray.rate.xy;
+    precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
+    precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
+    precise vec3 off = start - ViewPoint(hit.position, hit.depth) * captures.view_unit;
+    float limit = is_hit ? sqrt(Dot(off, off)) : NEVER;
     uint index = atomicAdd(lost_counts.count, 1u);
     if (index % uint(LOST_GROUP) == 0u)
         atomicAdd(lost_counts.groups[0], 1u);
@@ -47,7 +48,8 @@ void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     if (index >= uint(lost.rays.length()))
         return;
     vec3 along = ToWorld(ray.direction);
-    lost.rays[index] = LostRay(ToWorld(start), limit, along * inversesqrt(dot(along, along)),
+    precise vec3 direction = along * (1.0 / sqrt(Dot(along, along)));
+    lost.rays[index] = LostRay(ToWorld(start), limit, direction,
                                before + distance(begin, start), spread, pixel.x | pixel.y << 16, 0u, 0u);
 }
 

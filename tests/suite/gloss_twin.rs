@@ -12,6 +12,7 @@ use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
+use ssct::passes::follow::{LostRays, capture_block};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
@@ -47,8 +48,8 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let extent = [data.width, data.height];
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
-    let setup =
-        UnifiedSetup { extent, strip: pyramid::strip(extent), oracle: way.oracle, over: way.over, reflection: true };
+    let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
+    let setup = UnifiedSetup { extent, strip, oracle, over, reflection: true, followed: false };
     let pyramid = PyramidPass::new(gpu, extent).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();
@@ -71,12 +72,17 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     } else {
         classify.whole()
     };
-    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas };
+    let lost = LostRays::new(gpu, extent, false).unwrap();
+    let block = capture_block(&data.camera, None);
+    let beyond = lost.beyond(&block, None);
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond };
     if known.narrow {
-        gloss.record_narrow(&mut frame, &input, &parameters).unwrap();
+        gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();
+        gloss.resolve_narrow(&mut frame, &input, &parameters).unwrap();
     }
     if known.wide {
-        gloss.record_wide(&mut frame, &input, &parameters).unwrap();
+        gloss.trace_wide(&mut frame, &input, &parameters).unwrap();
+        gloss.resolve_wide(&mut frame, &input, &parameters).unwrap();
     }
     frame.finish().unwrap();
     let mut read = |image: &Image| context.read(image.level(0)).unwrap();

@@ -87,7 +87,7 @@ fn run(gpu: &Gpu, data: &GBufferData, oracle: OracleVersion) -> (Pixels, Pixels)
     let mut frame = context.begin(Mode::Plain).unwrap();
     let parameters = unified::parameters(&data.camera, extent, true);
     let pyramid = pass.record(&mut frame, &images.gbuffer(), &parameters).unwrap();
-    let input = Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None };
+    let input = Input { gbuffer: images.gbuffer(), camera: &data.camera, scene: None, captures: None };
     let output = method.record(&mut frame, &input).unwrap();
     frame.finish().unwrap();
     let pyramid = context.read(pyramid.0.all()).unwrap();
@@ -345,7 +345,7 @@ impl Corridor {
     /// The method alone in a frame: its reflection, and the composite if it makes one.
     fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
         let mut frame = context.begin(Mode::Plain).unwrap();
-        let output = method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None }).unwrap();
+        let output = method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None, captures: None }).unwrap();
         frame.finish().unwrap();
         let reflection = context.read(output.reflection.unwrap().0.all()).unwrap();
         (reflection, output.composite.map(|image| context.read(image.all()).unwrap()))
