@@ -4,7 +4,8 @@
 
 use super::{Code, Hit, NEVER, Over, Ray, Traversal, Walk, crossing, dot};
 use crate::math::constants;
-use crate::scene::{Camera, GBufferData};
+use crate::reference::CaptureData;
+use crate::scene::Camera;
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
 /// `SKY_DISTANCE`.
@@ -96,15 +97,24 @@ enum How {
 }
 
 impl<'a> CubeWalk<'a> {
-    /// Of the faces of some captures, six to each, which all have one lens and size, and of their places in the world.
-    pub fn new(camera: &Camera, faces: &'a [GBufferData], places: &[Vec3]) -> Self {
+    /// The most faces that a ray is followed over: seven each time that it goes on in a capture.
+    pub const MAX_FACES: i32 = 7 * 2 * constants::MAX_CAPTURES;
+
+    /// The most cells that a ray looks at.
+    pub fn max_steps(&self) -> i32 {
+        self.faces.first().map_or(0, |face| Self::MAX_FACES * face.max_face_steps())
+    }
+
+    /// Of some captures, which all have one lens and size.
+    pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
+        let faces = || captures.iter().flat_map(|c| &c.faces);
         let unit = |camera: &Camera| camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32;
         Self {
-            faces: faces.iter().map(Traversal::new).collect(),
-            places: places.iter().map(|p| *p - camera.eye()).collect(),
+            faces: faces().map(Traversal::new).collect(),
+            places: captures.iter().map(|c| c.place - camera.eye()).collect(),
             view_to_world: Mat3::from_mat4(camera.world_to_view.as_dmat4().inverse().as_mat4()),
             view_unit: unit(camera),
-            face_unit: faces.first().map_or(0.0, |face| unit(&face.camera)),
+            face_unit: faces().next().map_or(0.0, |face| unit(&face.camera)),
         }
     }
 
