@@ -39,7 +39,7 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 #define SKY_DISTANCE 1e5
 
 struct Answer {
-    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit is nearer
+    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit stands
     vec3 place; // relative to the eye, world axes
     vec3 color;
 };
@@ -60,7 +60,7 @@ int NearestThatSees(vec3 point, int left_out) {
 }
 
 Answer FollowRay(LostRay ray) {
-    Answer answer = Answer(PATH_UNKNOWN, ray.start, vec3(0.0));
+    Answer answer = Answer(ray.limit < NEVER ? PATH_NONE : PATH_UNKNOWN, ray.start, vec3(0.0));
     vec3 point = ray.start;
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.

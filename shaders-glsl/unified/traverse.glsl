@@ -129,9 +129,14 @@ struct Hit {
     float behind;    // s from which the ray was behind something, if FOLLOWED; NEVER if it never was
 };
 
-// Forward: a pixel each at least, over both axes. Down: no more often than up.
+// Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also once for each pixel that
+// is passed, which comes before a step forward.
 int MaxSteps() {
+#ifdef FACES
+    return 3 * (unified.size.x + unified.size.y);
+#else
     return 2 * (unified.size.x + unified.size.y);
+#endif
 }
 
 // In this order (the twin's).
