@@ -175,7 +175,7 @@ struct Walk {
     int level;         // of the cell that is looked at next; below 0 the pixel's block is met
     float entry;       // s at which the ray enters the pixel
     float entry_depth; // reversed depth there
-    float behind;      // s from which the ray was behind all that a cell shows; NEVER before that
+    float behind;      // s at which the ray enters the first pixel behind whose block it is; NEVER before that
     int steps;         // cells looked at
 };
 
@@ -214,8 +214,13 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         passes = false;
 #else
         bool meets = deepest <= block.x && nearest >= block.y;
-        if (FOLLOWED)
-            walk.behind = min(walk.behind, nearest < min(block.x, block.y) && nearest > -NEVER ? walk.entry : NEVER);
+        if (FOLLOWED) {
+            // A cell may hold sky as well, so that only a pixel says that the ray is behind something; the pixel that
+            // it leaves says nothing.
+            bool is_behind = nearest < min(block.x, block.y) && abs(walk.entry_depth) < NEVER;
+            meets = meets || (is_behind && walk.behind == NEVER && walk.level > 0);
+            walk.behind = is_behind && walk.level == 0 ? min(walk.behind, walk.entry) : walk.behind;
+        }
 #endif
 
         // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
