@@ -15,7 +15,8 @@
 //!   runs the way of the normal there, it passes while it is inside the block, because it leaves that surface, and is lost
 //!   if it is behind it. If it runs against the normal, it hits if it was in front of the block where it entered the
 //!   pixel, or came through the joint to the block before, as version 2 of the oracle says; else it is lost. A ray that
-//!   begins inside the block hits it at once.
+//!   begins inside the block hits it at once. So does one that comes from another face and is behind the block by no more
+//!   than the thickness of the last block there: it came through the joint of a surface that both faces show.
 //! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture
 //!   in which it did not get on is left out until it gets on in another. Where no capture is left, its end is unknown.
 
@@ -100,8 +101,13 @@ enum How {
     Hit,
     Sky,
     Lost,
-    /// It left a face by a side, in this direction of the capture.
-    On(DVec3),
+    /// It left a face.
+    On {
+        /// By a side in this direction of the capture.
+        side: DVec3,
+        /// Past a block of this thickness in reversed depth.
+        thickness: f64,
+    },
 }
 
 impl<'a> Images<'a> {
@@ -243,13 +249,13 @@ impl Cube<'_> {
 
     /// Follows a ray from a point that it sees, from face to face.
     fn follow(&self, point: DVec3, direction: DVec3) -> (How, DVec3) {
-        let (mut face, mut at) = (self.face_of(point), point);
+        let (mut face, mut at, mut before) = (self.face_of(point), point, 0.0);
         // A line crosses each of the six planes between faces once at most.
         for _ in 0..7 {
-            let (how, reached) = face.follow(at, direction);
+            let (how, reached) = face.follow(at, direction, before);
             at = reached;
-            let How::On(side) = how else { return (how, at) };
-            face = self.face_of(side);
+            let How::On { side, thickness } = how else { return (how, at) };
+            (face, before) = (self.face_of(side), thickness);
         }
         (How::Lost, at)
     }
@@ -261,8 +267,8 @@ impl Face<'_> {
     }
 
     /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the
-    /// capture's place.
-    fn follow(&self, point: DVec3, direction: DVec3) -> (How, DVec3) {
+    /// capture's place. `before` is the thickness of the block at which it left the face before, or 0.
+    fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (How, DVec3) {
         let (image, rays) = (&self.image, &self.image.rays);
         let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {
             return (How::Lost, point);
@@ -271,8 +277,10 @@ impl Face<'_> {
             return (How::Lost, point);
         }
         let place = |s: f64| self.view_to_world * rays.unproject(segment.at(s));
+        let mut thickness = 0.0;
         for Passed { pixel, last, entry, exit } in image.pixels(&segment) {
             let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
+            thickness = block.thickness();
             let (first, deepest) = (segment.depth_at(entry), segment.depth_at(entry).min(segment.depth_at(exit)));
             if deepest > block.front {
                 continue;
@@ -285,7 +293,7 @@ impl Face<'_> {
             let is_lost = match last {
                 _ if along > 0.0 => true,
                 Some(last) => image.comes_from_behind(first, last, block, along),
-                None => !is_inside,
+                None => first < block.back - before,
             };
             if is_lost {
                 return (How::Lost, place(entry));
@@ -294,7 +302,7 @@ impl Face<'_> {
             return (How::Hit, place(s));
         }
         let how = match segment.end {
-            MissReason::LeftScreen => How::On(self.side_at(&segment)),
+            MissReason::LeftScreen => How::On { side: self.side_at(&segment), thickness },
             MissReason::Far => How::Sky,
             _ => How::Lost,
         };

@@ -127,7 +127,8 @@ pub struct Hit {
     pub steps: i32,
     /// s of the hit, or of where a miss ends.
     pub s: f32,
-    /// s from which the ray was behind all that a cell shows; 1e30 if it never was.
+    /// s at which the ray enters the first pixel behind whose block it is; 1e30 if it never was behind any, or if rays
+    /// are not followed.
     pub behind: f32,
 }
 
@@ -192,6 +193,7 @@ pub struct Traversal<'a> {
     /// Level n has padded >> n cells.
     pub levels: Vec<Level<Block>>,
     version: OracleVersion,
+    is_followed: bool,
 }
 
 impl<'a> Traversal<'a> {
@@ -208,7 +210,13 @@ impl<'a> Traversal<'a> {
                 at(0, 0).union(at(1, 0)).union(at(0, 1).union(at(1, 1)))
             }));
         }
-        Self { gbuffer, parameters, levels, version: OracleVersion::V1 }
+        Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
+    }
+
+    /// The same for rays that go on in captures where the screen loses them (`FOLLOWED`): by version 2 of the oracle,
+    /// and with [`Hit::behind`].
+    pub fn followed(self) -> Self {
+        Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
 
     /// The same for another version of the oracle.
@@ -348,9 +356,12 @@ impl<'a> Traversal<'a> {
             let (near, far) = if recedes { (walk.entry_depth, exit_depth) } else { (exit_depth, walk.entry_depth) };
             let meets = match over {
                 Over::Screen => {
-                    let is_behind = near < block.front.min(block.back) && near > -NEVER;
-                    walk.behind = walk.behind.min(if is_behind { walk.entry } else { NEVER });
-                    far <= block.front && near >= block.back
+                    let is_behind = near < block.front.min(block.back) && walk.entry_depth.abs() < NEVER;
+                    let looks = self.is_followed && is_behind && walk.behind == NEVER && level > 0;
+                    if self.is_followed && is_behind && level == 0 {
+                        walk.behind = walk.behind.min(walk.entry);
+                    }
+                    far <= block.front && near >= block.back || looks
                 }
                 Over::Face { .. } => far <= block.front && !passes,
             };

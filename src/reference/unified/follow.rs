@@ -118,7 +118,8 @@ impl<'a> CubeWalk<'a> {
         }
     }
 
-    /// What the screen makes of the mirror ray of a pixel (`mirror.frag`), whose traversal must be of version 2.
+    /// What the screen makes of the mirror ray of a pixel (`mirror.frag`); its traversal must be
+    /// [`Traversal::followed`].
     pub fn on_screen(&self, screen: &Traversal, x: u32, y: u32) -> Seen {
         let Some((ray, true)) = screen.mirror_ray(x, y) else { return Seen::Nothing };
         let hit = screen.traverse(&ray);
@@ -216,7 +217,13 @@ impl<'a> CubeWalk<'a> {
     }
 
     /// `FollowFace`; the side comes last.
-    fn follow_face(&self, image: &Traversal, q: Vec3, direction: Vec3, answer: &mut Answer) -> (How, Vec3, Vec3) {
+    fn follow_face(
+        &self,
+        image: &Traversal,
+        [q, direction]: [Vec3; 2],
+        before: &mut f32,
+        answer: &mut Answer,
+    ) -> (How, Vec3, Vec3) {
         let (start, pixel) = face_position(image, q);
         let depth = self.face_depth(image, q.z);
         let side = image.parameters.size.x as f32;
@@ -245,7 +252,7 @@ impl<'a> CubeWalk<'a> {
                     (true, _) => true,
                     (false, true) => false,
                     _ if walk.entry > 0.0 => image.is_behind(&ray, walk.entry_depth, walk.pixel, block, ahead),
-                    _ => walk.entry_depth < block.back,
+                    _ => walk.entry_depth < block.back - *before,
                 };
                 let s = if is_behind { walk.entry } else { crossing(&ray, &walk, ahead, block.front) };
                 let how = if is_behind { How::Lost } else { How::Hit };
@@ -259,6 +266,9 @@ impl<'a> CubeWalk<'a> {
             let far = ray.ahead() * image.parameters.size;
             let sides = (far.as_vec2() - ray.start) * ray.inverse;
             let by_side = ray.end == sides.x.min(sides.y);
+            let at_side = (ray.start + ray.end * ray.rate.truncate()).as_ivec2();
+            let block = image.block(at_side.clamp(IVec2::ZERO, image.parameters.size - 1));
+            *before = (block.front - block.back).max(0.0);
             let how = match by_side {
                 true => How::On,
                 false if ray.rate.z < 0.0 => How::Sky,
@@ -275,11 +285,11 @@ impl<'a> CubeWalk<'a> {
 
     /// `Follow`.
     fn follow(&self, capture: usize, o: Vec3, direction: Vec3, answer: &mut Answer) -> (How, Vec3) {
-        let (mut face, mut place) = (face_of(o), o);
+        let (mut face, mut place, mut before) = (face_of(o), o, 0.0);
         for _ in 0..7 {
             let image = &self.faces[6 * capture + face];
-            let (how, at, side) =
-                self.follow_face(image, to_face(place, face), to_face(direction, face), answer);
+            let from = [place, direction].map(|v| to_face(v, face));
+            let (how, at, side) = self.follow_face(image, from, &mut before, answer);
             place = from_face(at, face);
             if how != How::On {
                 return (how, place);
