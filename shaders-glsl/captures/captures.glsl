@@ -17,8 +17,11 @@ layout(std140, binding = 16) uniform CaptureBlock {
 
 layout(binding = 17) uniform samplerCube environment; // in world axes
 
+// In this order (the twin's).
 vec3 ToWorld(vec3 view) {
-    return mat3(captures.view_to_world) * view;
+    mat3 m = mat3(captures.view_to_world);
+    precise vec3 world = m[0] * view.x + m[1] * view.y + m[2] * view.z;
+    return world;
 }
 
 vec3 ToView(vec3 world) {

@@ -81,15 +81,18 @@ vec3 FacePoint(Ray ray, float s) {
     precise float depth = ray.depth + s * ray.rate.z;
     precise vec2 position = ray.start + s * ray.rate.xy;
     precise float z = captures.face_unit / max(depth + unified.depth_offset, 1e-12);
-    return ViewRay(position) * z;
+    precise vec3 point = ViewRay(position) * z;
+    return point;
 }
 
 // Over one face, from a point in it. `side` is the axis in the face's view space of the side by which it is left.
-Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
+// `before` is the thickness of the block at the border of the face before, and comes back as that of the block at which
+// this one is left: what stands across a border is a surface's joint, which is as thick as the blocks on both sides.
+Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
     float depth = FaceDepth(q.z);
-    vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
+    precise vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
     precise vec2 change = direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
@@ -112,10 +115,10 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
         passes = along > 0.0 && walk.entry_depth >= block.y;
         if (!passes) {
             bool is_behind = along > 0.0;
+            precise float deepest = block.y - before;
             if (!in_front && along <= 0.0)
-                is_behind = walk.entry > 0.0
-                    ? HowEnters(ray, walk.entry_depth, walk.pixel, block, ahead) == ENTERS_BEHIND
-                    : walk.entry_depth < block.y;
+                is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)
+                                             : walk.entry_depth < deepest;
             float s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
             result = Followed(is_behind ? FOLLOW_LOST : FOLLOW_HIT, FacePoint(ray, s));
         }
@@ -127,6 +130,9 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
         precise vec2 sides = (vec2(far) - ray.start) * ray.inverse;
         bool by_side = ray.end == min(sides.x, sides.y);
         result.place = FacePoint(ray, ray.end);
+        precise vec2 at_side = ray.start + ray.end * ray.rate.xy;
+        vec2 block = BLOCK_AT(PixelTexel(clamp(ivec2(at_side), ivec2(0), unified.size - 1)));
+        before = max(block.x - block.y, 0.0);
         result.how = by_side ? FOLLOW_ON : ray.rate.z < 0.0 ? FOLLOW_SKY : FOLLOW_LOST;
         // Image y runs down.
         side = sides.x <= sides.y ? vec3(ray.inverse.x > 0.0 ? 1.0 : -1.0, 0.0, 0.0)
@@ -139,11 +145,12 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, out vec3 side) {
 Followed Follow(int capture, vec3 o, vec3 direction, inout int steps) {
     int face = FaceOf(o);
     Followed result = Followed(FOLLOW_LOST, o);
+    float before = 0.0;
     // A line crosses each of the six planes between faces once at most.
     for (int i = 0; i < 7; ++i) {
         face_layer = 6 * capture + face;
         vec3 side;
-        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), steps, side);
+        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), steps, before, side);
         result.place = FromFace(result.place, face);
         if (result.how != FOLLOW_ON)
             return result;

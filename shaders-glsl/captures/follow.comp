@@ -40,7 +40,7 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 #define SKY_DISTANCE 1e5
 
 struct Answer {
-    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit is nearer
+    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit stands
     vec3 place; // relative to the eye, world axes
     vec3 color;
 };
@@ -50,8 +50,8 @@ int NearestThatSees(vec3 point, int left_out) {
     int nearest = -1;
     float least = NEVER;
     for (int k = 0; k < captures.count; ++k) {
-        vec3 o = point - captures.places[k].xyz;
-        float squared = dot(o, o);
+        precise vec3 o = point - captures.places[k].xyz;
+        float squared = Dot(o, o);
         if ((left_out >> k & 1) == 0 && squared < least && Sees(k, o)) {
             nearest = k;
             least = squared;
@@ -61,7 +61,7 @@ int NearestThatSees(vec3 point, int left_out) {
 }
 
 Answer FollowRay(LostRay ray) {
-    Answer answer = Answer(PATH_UNKNOWN, ray.start, vec3(0.0));
+    Answer answer = Answer(ray.limit < NEVER ? PATH_NONE : PATH_UNKNOWN, ray.start, vec3(0.0));
     vec3 point = ray.start;
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
@@ -71,11 +71,12 @@ Answer FollowRay(LostRay ray) {
             break;
         vec3 place = captures.places[k].xyz;
         Followed followed = Follow(k, point - place, ray.direction, steps);
-        vec3 there = followed.place + place;
-        float distance = dot(there - ray.start, ray.direction);
+        precise vec3 there = followed.place + place;
+        float distance = Dot(there - ray.start, ray.direction);
         if (followed.how == FOLLOW_SKY || distance >= ray.limit) {
             answer.code = ray.limit < NEVER ? PATH_NONE : PATH_SKY;
-            answer.place = ray.start + SKY_DISTANCE * ray.direction;
+            precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
+            answer.place = far;
             answer.color = Sky(ray.direction);
             break;
         }
@@ -92,7 +93,8 @@ Answer FollowRay(LostRay ray) {
                 answer.color += (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
             break;
         }
-        bool has_moved = distance > dot(point - ray.start, ray.direction) + 1e-4;
+        precise float least = Dot(point - ray.start, ray.direction) + 1e-4;
+        bool has_moved = distance > least;
         left_out = has_moved ? 1 << k : left_out | 1 << k;
         if (has_moved)
             point = there;

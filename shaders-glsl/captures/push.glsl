@@ -18,8 +18,9 @@ void Push(uvec2 pixel, vec3 start, vec3 direction, float limit, float before, fl
     if (index >= uint(lost.rays.length()))
         return;
     vec3 along = ToWorld(direction);
-    lost.rays[index] = LostRay(ToWorld(start), limit, along * inversesqrt(dot(along, along)), before, spread,
-                               pixel.x | pixel.y << 16, 0u, 0u);
+    precise float squared = along.x * along.x + along.y * along.y + along.z * along.z;
+    precise vec3 unit = along * (1.0 / sqrt(squared));
+    lost.rays[index] = LostRay(ToWorld(start), limit, unit, before, spread, pixel.x | pixel.y << 16, 0u, 0u);
 }
 
 #endif

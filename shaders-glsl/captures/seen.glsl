@@ -24,20 +24,19 @@ bool EndsInSky(Ray ray, Hit hit) {
     return FOLLOWED && hit.code == PATH_MISS && hit.behind == NEVER && WhyMissed(ray) == PATH_MISS_SKY;
 }
 
-// Hands on a ray of a pixel or cell if the screen lost it: it missed, it was behind something before it hit, or it hit
-// the side of a block, whose depth is a guess. What was hit then is seen only if no capture knows better. `before`
+// Hands on a ray of a pixel or cell if the screen lost it: it missed, or it was behind something before it hit. `before`
 // says how far the footprint has widened where the ray begins, `spread` by how much it widens with each metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
     bool is_hit = hit.code == PATH_HI_Z;
-    bool was_behind = hit.behind < hit.s;
-    if (!FOLLOWED || (is_hit && !was_behind && !hit.by_side))
+    if (!FOLLOWED || (is_hit && !(hit.behind < hit.s)))
         return;
     float s = min(hit.s, hit.behind);
     precise float depth = ray.depth + s * ray.rate.z;
-    vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
-    vec3 start = ViewPoint(ray.start + s * ray.rate.xy, max(depth, 0.0)) * captures.view_unit;
-    vec3 there = ViewPoint(hit.position, hit.depth) * captures.view_unit;
-    float limit = is_hit && !hit.by_side ? distance(start, there) : NEVER;
+    precise vec2 at = ray.start + s * ray.rate.xy;
+    precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
+    precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
+    precise vec3 off = start - ViewPoint(hit.position, hit.depth) * captures.view_unit;
+    float limit = is_hit ? sqrt(Dot(off, off)) : NEVER;
     Push(pixel, start, ray.direction, limit, before + distance(begin, start), spread);
 }
 

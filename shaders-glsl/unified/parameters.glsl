@@ -45,14 +45,16 @@ ivec2 UnpackTile(uint word) {
 
 // The view-space direction in which continuous pixel coordinates are seen; z is 1.
 vec3 ViewRay(vec2 position) {
-    vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
-    return vec3(centred * unified.pixel_to_view, 1.0);
+    precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
+    precise vec2 view = centred * unified.pixel_to_view;
+    return vec3(view, 1.0);
 }
 
 // View space, divided by near (1 + k), which no direction notices: continuous pixel coordinates and
 // reversed depth to a point.
 vec3 ViewPoint(vec2 position, float depth) {
-    return ViewRay(position) / (depth + unified.depth_offset);
+    precise vec3 point = ViewRay(position) / (depth + unified.depth_offset);
+    return point;
 }
 
 // The border fade of the thesis (4.2.9, Eq. 4.7), by the hit's place.

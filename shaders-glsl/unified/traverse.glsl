@@ -127,12 +127,16 @@ struct Hit {
     int steps;       // cells looked at
     float s;         // of the hit, or of where a miss ends
     float behind;    // s from which the ray was behind something, if FOLLOWED; NEVER if it never was
-    bool by_side;    // it hits the side of a block beside an edge, by version 2 of the oracle
 };
 
-// Forward: a pixel each at least, over both axes. Down: no more often than up.
+// Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also once for each pixel that
+// is passed, which comes before a step forward.
 int MaxSteps() {
+#ifdef FACES
+    return 3 * (unified.size.x + unified.size.y);
+#else
     return 2 * (unified.size.x + unified.size.y);
+#endif
 }
 
 // In this order (the twin's).
@@ -148,14 +152,10 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
     return pixel + ivec2(entries.x >= entries.y ? back.x : 0, entries.y >= entries.x ? back.y : 0);
 }
 
-#define ENTERS_BY_JOINT 0 // in front of the pixel before, whose surface is the block's
-#define ENTERS_BY_SIDE 1  // beside an edge, and not deep
-#define ENTERS_BEHIND 2
-
-// What version 2 of the oracle asks (reference::oracle): how a ray enters a pixel behind its block's front. It has come
-// behind the block if it is behind the pixel before; and beside an edge, if it is deeper in the block than
+// What version 2 of the oracle asks (reference::oracle): whether a ray that enters a pixel behind its block's front has
+// come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
-int HowEnters(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
+bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
     vec3 normal = NORMAL_AT(pixel);
     precise float thickness = block.x - block.y;
@@ -166,8 +166,7 @@ int HowEnters(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) 
     precise float depth_squared = (below * below) * (Dot(normal, normal) * Dot(ray.direction, ray.direction));
     precise float limit_squared = (along * along) * (thickness * thickness);
     bool is_deep = along >= 0.0 || depth_squared > limit_squared;
-    return entry_depth < before.x ? ENTERS_BEHIND : gap <= joined ? ENTERS_BY_JOINT
-         : is_deep ? ENTERS_BEHIND : ENTERS_BY_SIDE;
+    return entry_depth < before.x || (gap > joined && is_deep);
 }
 
 // Where a walk is.
@@ -176,7 +175,7 @@ struct Walk {
     int level;         // of the cell that is looked at next; below 0 the pixel's block is met
     float entry;       // s at which the ray enters the pixel
     float entry_depth; // reversed depth there
-    float behind;      // s from which the ray was behind all that a cell shows; NEVER before that
+    float behind;      // s at which the ray enters the first pixel behind whose block it is; NEVER before that
     int steps;         // cells looked at
 };
 
@@ -215,8 +214,13 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         passes = false;
 #else
         bool meets = deepest <= block.x && nearest >= block.y;
-        if (FOLLOWED)
-            walk.behind = min(walk.behind, nearest < min(block.x, block.y) && nearest > -NEVER ? walk.entry : NEVER);
+        if (FOLLOWED) {
+            // A cell may hold sky as well, so that only a pixel says that the ray is behind something; the pixel that
+            // it leaves says nothing.
+            bool is_behind = nearest < min(block.x, block.y) && abs(walk.entry_depth) < NEVER;
+            meets = meets || (is_behind && walk.behind == NEVER && walk.level > 0);
+            walk.behind = is_behind && walk.level == 0 ? min(walk.behind, walk.entry) : walk.behind;
+        }
 #endif
 
         // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
@@ -253,7 +257,7 @@ ivec2 Ahead(Ray ray) {
 #ifndef FACES
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER, false);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
     ivec2 ahead = Ahead(ray);
 
     // The first step leaves the starting pixel unseen.
@@ -285,11 +289,10 @@ Hit Traverse(Ray ray) {
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
         hit.s = s;
-        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x) {
-            int how = HowEnters(ray, walk.entry_depth, walk.pixel, block, ahead);
-            hit.code = how == ENTERS_BEHIND ? PATH_MISS_BEHIND : PATH_HI_Z;
+        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
+            && IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)) {
+            hit.code = PATH_MISS_BEHIND;
             hit.s = walk.entry;
-            hit.by_side = how == ENTERS_BY_SIDE;
         }
     }
     return hit;

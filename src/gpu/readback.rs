@@ -81,6 +81,7 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
     let f32s: Decode = |b| b.chunks_exact(4).map(|c| f32::from_ne_bytes([c[0], c[1], c[2], c[3]])).collect();
     let f16s: Decode = |b| b.chunks_exact(2).map(|c| half::f16::from_ne_bytes([c[0], c[1]]).to_f32()).collect();
     let unorm: Decode = |b| b.iter().map(|v| f32::from(*v) / 255.0).collect();
+    let snorm: Decode = |b| b.iter().map(|v| (f32::from(v.cast_signed()) / 127.0).max(-1.0)).collect();
     let srgb: Decode = srgb_decoded;
     let bgra: Decode = |b| srgb_decoded(&b.chunks_exact(4).flat_map(|c| [c[2], c[1], c[0], c[3]]).collect::<Vec<u8>>());
     Some(match format {
@@ -92,6 +93,7 @@ fn decoder(format: vk::Format) -> Option<(usize, usize, Decode)> {
         vk::Format::R16G16B16A16_SFLOAT => (4, 8, f16s),
         vk::Format::R8_UNORM => (1, 1, unorm),
         vk::Format::R8G8B8A8_UNORM => (4, 4, unorm),
+        vk::Format::R8G8B8A8_SNORM => (4, 4, snorm),
         vk::Format::R8G8B8A8_SRGB => (4, 4, srgb),
         vk::Format::B8G8R8A8_SRGB => (4, 4, bgra),
         _ => return None,

@@ -5,11 +5,13 @@
 //! it over glossy lobes. [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
 //! error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
+pub mod capture_data;
 pub mod first_hits;
 pub mod floor;
 pub mod hi_z;
 pub mod hi_z_ray_trace;
 pub mod hierarchy;
+pub mod images;
 pub mod lobe;
 pub mod oracle;
 pub mod ray;
@@ -22,7 +24,9 @@ pub mod world;
 pub mod world_hits;
 pub mod world_state;
 
+pub use capture_data::CaptureData;
 pub use hierarchy::Hierarchy;
+pub use images::Images;
 pub use oracle::Oracle;
 pub use ray::{MissReason, Outcome, Trace};
 pub use screen::ScreenReference;

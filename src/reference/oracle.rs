@@ -15,7 +15,6 @@
 //!   surface, and it hits the block's side only up to a depth of the thickness times the cosine by which the
 //!   ray runs against the normal: the more a ray runs along the surface, the sooner it has passed behind it. In
 //!   all other cases the ray is behind what is visible, and misses.
-//!   sooner it has passed behind it. Else the ray has come behind what is seen: a miss.
 
 use super::Level;
 use super::ray::{Outcome, RaySetup, Segment, Trace};
@@ -51,10 +50,23 @@ pub struct Meeting {
     pub steps: u32,
 }
 
+/// A pixel that a segment passes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Passed {
+    /// The pixel.
+    pub pixel: [i32; 2],
+    /// The pixel before; `None` for the one in which the segment begins.
+    pub last: Option<[i32; 2]>,
+    /// s at which the segment enters it.
+    pub entry: f64,
+    /// s at which it leaves it, or ends.
+    pub exit: f64,
+}
+
 /// The oracle of a G-buffer.
 #[derive(Debug, Clone)]
 pub struct Oracle<'a> {
-    rays: RaySetup<'a>,
+    pub(super) rays: RaySetup<'a>,
     blocks: Level<DepthBlock>,
     version: OracleVersion,
 }
@@ -109,32 +121,16 @@ impl<'a> Oracle<'a> {
         all
     }
 
-    /// Walks from pixel to pixel by the nearer of the next boundaries in x and y; at a corner, directly to the
-    /// diagonal pixel. `meet` decides at each block whether the walk goes on. A walk that reaches the segment's
-    /// end is a miss.
+    /// Walks over the pixels after the starting one. `meet` decides at each block that the ray meets whether the walk
+    /// goes on. A walk that reaches the segment's end is a miss.
     fn walk<B>(&self, segment: &Segment, mut meet: impl FnMut(Meeting) -> ControlFlow<B>) -> ControlFlow<B, Trace> {
-        let mut pixel = [0, 1].map(|axis| segment.start[axis].floor() as i32);
-        let mut steps = 0;
-        loop {
-            let next = [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
-            let entry = next[0].min(next[1]);
-            if entry >= 1.0 {
-                return ControlFlow::Continue(self.miss(pixel, segment, 1.0, steps));
-            }
-            let last = pixel;
-            for axis in 0..2 {
-                if next[axis] == entry {
-                    pixel[axis] += if segment.delta[axis] > 0.0 { 1 } else { -1 };
-                }
-            }
-            let Some(block) = self.block(pixel) else {
-                return ControlFlow::Continue(self.miss(last, segment, entry, steps));
-            };
-            steps += 1;
-            let exit = leaves(segment, 0, pixel[0]).min(leaves(segment, 1, pixel[1])).min(1.0);
+        let mut end = None;
+        for (steps, passed) in self.pixels(segment).enumerate() {
+            let Passed { pixel, last, entry, exit } = passed;
+            end = Some((steps as u32, passed));
+            let (Some(last), Some(block)) = (last, self.block(pixel)) else { continue };
             if let Some((s, crosses_front)) = meets(segment, block, entry, exit) {
-                let (pixel, position) = (pixel.map(|p| p as u32), segment.at(s));
-                let along_normal = self.rays.normal(pixel[0], pixel[1]).map_or(0.0, |n| n.dot(segment.direction));
+                let along_normal = self.along_normal(pixel, segment);
                 let approach = if steps == 1 && along_normal > 0.0 {
                     Approach::Leaving
                 } else if steps > 1 && self.comes_from_behind(segment.depth_at(entry), last, block, along_normal) {
@@ -142,15 +138,48 @@ impl<'a> Oracle<'a> {
                 } else {
                     Approach::InFront
                 };
+                let (pixel, position, steps) = (pixel.map(|p| p as u32), segment.at(s), steps as u32);
                 meet(Meeting { pixel, position, crosses_front, approach, steps })?;
             }
         }
+        let miss = |(steps, passed): (u32, Passed)| self.miss(passed.pixel, segment, passed.exit, steps);
+        ControlFlow::Continue(end.map_or(Trace::NO_RAY, miss))
+    }
+
+    /// The pixels that a segment passes, in order, from the one in which it begins. The walk goes on by the nearer of
+    /// the next boundaries in x and y; at a corner, directly to the diagonal pixel.
+    pub(super) fn pixels(&self, segment: &Segment) -> impl Iterator<Item = Passed> {
+        let sides = [self.blocks.width, self.blocks.height].map(|side| side as i32);
+        let first = [0, 1].map(|axis| (segment.start[axis].floor() as i32).clamp(0, sides[axis] - 1));
+        let leaves = |pixel: [i32; 2]| [0, 1].map(|axis| leaves(segment, axis, pixel[axis]));
+        let passed = move |pixel: [i32; 2], last, entry: f64| {
+            let [x, y] = leaves(pixel);
+            Passed { pixel, last, entry, exit: x.min(y).min(1.0) }
+        };
+        std::iter::successors(Some(passed(first, None, 0.0)), move |Passed { pixel, exit, .. }| {
+            let next = leaves(*pixel);
+            let step = |axis: usize| if segment.delta[axis] > 0.0 { 1 } else { -1 };
+            let onward = [0, 1].map(|axis| pixel[axis] + if next[axis] <= *exit { step(axis) } else { 0 });
+            let is_inside = [0, 1].into_iter().all(|axis| (0..sides[axis]).contains(&onward[axis]));
+            (*exit < 1.0 && is_inside).then(|| passed(onward, Some(*pixel), *exit))
+        })
+    }
+
+    /// The cosine between a ray and a pixel's normal; 0 if there is no normal.
+    pub(super) fn along_normal(&self, pixel: [i32; 2], segment: &Segment) -> f64 {
+        self.rays.normal(pixel[0] as u32, pixel[1] as u32).map_or(0.0, |n| n.dot(segment.direction))
     }
 
     /// Whether a ray that comes from the pixel `last` and enters a block's pixel at `entry_depth` is behind the
     /// block; see the module's description. `along_normal` is the cosine between the ray and the block's
     /// normal, or 0 if there is no normal.
-    fn comes_from_behind(&self, entry_depth: f64, last: [i32; 2], block: DepthBlock, along_normal: f64) -> bool {
+    pub(super) fn comes_from_behind(
+        &self,
+        entry_depth: f64,
+        last: [i32; 2],
+        block: DepthBlock,
+        along_normal: f64,
+    ) -> bool {
         let before = self.block(last).unwrap_or(DepthBlock::EMPTY);
         let is_joined = block.front - before.front <= JOINED * (block.thickness() + before.thickness());
         let at_rim = block.front - entry_depth <= (-along_normal).max(0.0) * block.thickness();
@@ -158,7 +187,7 @@ impl<'a> Oracle<'a> {
     }
 
     /// The block of a pixel; `None` off screen.
-    fn block(&self, [x, y]: [i32; 2]) -> Option<DepthBlock> {
+    pub(super) fn block(&self, [x, y]: [i32; 2]) -> Option<DepthBlock> {
         let (x, y) = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         (x < self.blocks.width && y < self.blocks.height).then(|| self.blocks.at_clamped(x, y))
     }
@@ -178,7 +207,7 @@ fn leaves(segment: &Segment, axis: usize, pixel: i32) -> f64 {
 /// Where a ray that is inside a pixel from s = `entry` to `exit` meets the pixel's block. This is the crossing
 /// with the front if it is within that range (then the flag is true), otherwise the entry; `None` if the ray
 /// does not meet the block.
-fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
+pub(super) fn meets(segment: &Segment, block: DepthBlock, entry: f64, exit: f64) -> Option<(f64, bool)> {
     let (first, last) = (segment.depth_at(entry), segment.depth_at(exit));
     if first.max(last) < block.back || first.min(last) > block.front {
         return None;

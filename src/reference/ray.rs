@@ -147,8 +147,31 @@ impl<'a> RaySetup<'a> {
     /// The visible part of the ray from a pixel's centre along a view-space direction of any length. `None` for
     /// sky and for a direction of length zero.
     pub fn segment(&self, x: u32, y: u32, direction: DVec3) -> Option<Segment> {
+        let depth = f64::from(self.gbuffer.depth[self.gbuffer.index(x, y)]);
+        let start = DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth);
+        self.cut(start, self.position(x, y)?, direction)
+    }
+
+    /// The visible part of the ray from any point in view space; `None` if the point is not ahead of the eye, or for a
+    /// direction of length zero.
+    pub fn segment_from(&self, point: DVec3, direction: DVec3) -> Option<Segment> {
+        self.cut(self.gbuffer.project(point, &self.view_to_clip)?, point, direction)
+    }
+
+    /// The point in view space of continuous pixel coordinates and a reversed depth.
+    pub fn unproject(&self, position: DVec3) -> DVec3 {
+        self.gbuffer.unproject(position.x, position.y, position.z, &self.clip_to_view)
+    }
+
+    /// Continuous pixel coordinates and reversed depth of a point in view space; `None` if it is not ahead of the eye.
+    pub fn project(&self, point: DVec3) -> Option<DVec3> {
+        self.gbuffer.project(point, &self.view_to_clip)
+    }
+
+    /// The ray from a point in view space, which projects to `start`, cut where it leaves the frustum.
+    fn cut(&self, start: DVec3, point: DVec3, direction: DVec3) -> Option<Segment> {
         let direction = direction.try_normalize()?;
-        let from = self.view_to_clip * self.position(x, y)?.extend(1.0);
+        let from = self.view_to_clip * point.extend(1.0);
         let along = self.view_to_clip * direction.extend(0.0);
         let (t, end) = clip(from, along)?;
         // The difference of the two projected points, rearranged to avoid cancellation:
@@ -156,13 +179,8 @@ impl<'a> RaySetup<'a> {
         let scale = t / (from.w * (from.w + t * along.w));
         let delta = (along.xyz() * from.w - from.xyz() * along.w) * scale;
         let half = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height)) * 0.5;
-        let depth = f64::from(self.gbuffer.depth[self.gbuffer.index(x, y)]);
-        let segment = Segment {
-            start: DVec3::new(f64::from(x) + 0.5, f64::from(y) + 0.5, depth),
-            delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z),
-            direction,
-            end,
-        };
+        let segment =
+            Segment { start, delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z), direction, end };
         segment.delta.is_finite().then_some(segment)
     }
 }

@@ -5,12 +5,14 @@
 //! It is no evidence for the method, since it shares its thoughts; [`super::oracle`] is. It tells a
 //! wrong idea from a wrong device, and counts what a shader can't say: cells looked at.
 
+mod follow;
 mod gather;
 mod gloss;
 mod gloss_trace;
 mod lobe;
 mod resolve;
 
+pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
 pub use gloss::{Footprint, Gloss};
 pub use gloss_trace::{Aim, Gathered};
@@ -81,7 +83,9 @@ impl Block {
 /// `Ray` of `traverse.glsl`: a ray in the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
-    /// Begins at this pixel's centre.
+    /// Continuous pixel coordinates at which it begins: a pixel's centre on the screen, any place of a face.
+    pub start: Vec2,
+    /// The pixel in which it begins.
     pub pixel: IVec2,
     /// Reversed depth there.
     pub depth: f32,
@@ -121,6 +125,33 @@ pub struct Hit {
     pub depth: f32,
     /// Cells looked at.
     pub steps: i32,
+    /// s of the hit, or of where a miss ends.
+    pub s: f32,
+    /// s at which the ray enters the first pixel behind whose block it is; 1e30 if it never was behind any, or if rays
+    /// are not followed.
+    pub behind: f32,
+}
+
+/// `Walk` of `traverse.glsl`: where a walk is.
+#[derive(Debug, Clone, Copy)]
+struct Walk {
+    pixel: IVec2,
+    /// Of the cell that is looked at next; below 0 the pixel's block is met.
+    level: i32,
+    entry: f32,
+    entry_depth: f32,
+    behind: f32,
+    steps: i32,
+}
+
+/// The image that is walked over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Over {
+    /// The screen, where a ray goes on behind what it does not meet.
+    Screen,
+    /// A face of a capture, which is followed only as long as it sees the ray. `passes` lets the ray through the pixel
+    /// that it begins in.
+    Face { passes: bool },
 }
 
 /// A cell that a ray looked at.
@@ -141,7 +172,12 @@ pub struct Visit {
 impl Ray {
     /// Continuous pixel coordinates and reversed depth at s.
     pub fn at(&self, s: f32) -> Vec3 {
-        (self.pixel.as_vec2() + 0.5).extend(self.depth) + s * self.rate
+        self.start.extend(self.depth) + s * self.rate
+    }
+
+    /// `Ahead`.
+    fn ahead(&self) -> IVec2 {
+        IVec2::new(i32::from(self.inverse.x > 0.0), i32::from(self.inverse.y > 0.0))
     }
 }
 
@@ -157,6 +193,7 @@ pub struct Traversal<'a> {
     /// Level n has padded >> n cells.
     pub levels: Vec<Level<Block>>,
     version: OracleVersion,
+    is_followed: bool,
 }
 
 impl<'a> Traversal<'a> {
@@ -173,7 +210,13 @@ impl<'a> Traversal<'a> {
                 at(0, 0).union(at(1, 0)).union(at(0, 1).union(at(1, 1)))
             }));
         }
-        Self { gbuffer, parameters, levels, version: OracleVersion::V1 }
+        Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
+    }
+
+    /// The same for rays that go on in captures where the screen loses them (`FOLLOWED`): by version 2 of the oracle,
+    /// and with [`Hit::behind`].
+    pub fn followed(self) -> Self {
+        Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
 
     /// The same for another version of the oracle.
@@ -197,7 +240,7 @@ impl<'a> Traversal<'a> {
         let change = (p.view_to_clip * n.truncate() - ndc * n.z) * a;
         let change_z = -((depth + p.depth_offset) * (1.0 + a * n.z));
         let direction = view.extend(1.0) + a * n;
-        Some((self.make_ray(pixel, depth, direction, change.extend(change_z)), along < 0.0))
+        Some((self.make_ray(pixel.as_vec2() + 0.5, pixel, depth, direction, change.extend(change_z)), along < 0.0))
     }
 
     /// The ray along a view-space direction of any length; `None` for sky.
@@ -207,7 +250,8 @@ impl<'a> Traversal<'a> {
         let (_, ndc) = self.pixel_point(pixel);
         let change = p.view_to_clip * direction.truncate() - ndc * direction.z;
         let change_z = -((depth + p.depth_offset) * direction.z);
-        (depth > 0.0).then(|| self.make_ray(pixel, depth, direction, change.extend(change_z)))
+        let start = pixel.as_vec2() + 0.5;
+        (depth > 0.0).then(|| self.make_ray(start, pixel, depth, direction, change.extend(change_z)))
     }
 
     fn pixel_point(&self, pixel: IVec2) -> (Vec2, Vec2) {
@@ -216,29 +260,33 @@ impl<'a> Traversal<'a> {
         (centre * p.pixel_to_view, centre * p.pixel_to_clip)
     }
 
-    fn make_ray(&self, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
+    fn make_ray(&self, start: Vec2, pixel: IVec2, depth: f32, direction: Vec3, change: Vec3) -> Ray {
         let size = self.parameters.size;
         let moved = change.truncate() * size.as_vec2() * Vec2::new(0.5, -0.5);
         let fastest = moved.x.abs().max(moved.y.abs());
         if fastest.is_nan() || fastest <= 1e-30 {
-            return Ray { pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0, direction };
+            return Ray { start, pixel, depth, rate: Vec3::ZERO, inverse: Vec2::splat(NEVER), end: 0.0, direction };
         }
         let scale = 1.0 / fastest;
         let (rate, depth_rate) = (moved * scale, change.z * scale);
         let invert = |v: f32| if v.abs() > 1.0 / NEVER { 1.0 / v } else { NEVER };
         let depth_inverse = invert(depth_rate);
         let inverse = Vec2::new(invert(rate.x), invert(rate.y));
-        let side =
-            IVec2::new(if inverse.x > 0.0 { size.x } else { 0 }, if inverse.y > 0.0 { size.y } else { 0 }) - pixel;
-        let sides = (side.as_vec2() - 0.5) * inverse;
+        let side = IVec2::new(if inverse.x > 0.0 { size.x } else { 0 }, if inverse.y > 0.0 { size.y } else { 0 });
+        let sides = (side.as_vec2() - start) * inverse;
         let plane = ((if depth_inverse > 0.0 { 1.0 } else { 0.0 }) - depth) * depth_inverse;
         let end = sides.x.min(sides.y).min(plane);
-        Ray { pixel, depth, rate: rate.extend(depth_rate), inverse, end, direction }
+        Ray { start, pixel, depth, rate: rate.extend(depth_rate), inverse, end, direction }
     }
 
-    /// `MaxSteps`.
+    /// `MaxSteps` on the screen.
     pub fn max_steps(&self) -> i32 {
         2 * (self.parameters.size.x + self.parameters.size.y)
+    }
+
+    /// `MaxSteps` of a face, whose walk goes on from pixels that it passes.
+    pub fn max_face_steps(&self) -> i32 {
+        3 * (self.parameters.size.x + self.parameters.size.y)
     }
 
     /// `Traverse`.
@@ -247,32 +295,57 @@ impl<'a> Traversal<'a> {
     }
 
     /// The same, telling every cell that is looked at.
-    pub fn walk(&self, ray: &Ray, mut visit: impl FnMut(Visit)) -> Hit {
-        let mut hit = Hit { code: Code::Nothing, pixel: ray.pixel, position: Vec2::ZERO, depth: 0.0, steps: 0 };
-        let ahead = IVec2::new(i32::from(ray.inverse.x > 0.0), i32::from(ray.inverse.y > 0.0));
-        let (slope, ahead2) = (ray.rate.truncate(), 2 * ahead - 1);
+    pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
+        let (pixel, position) = (ray.pixel, Vec2::ZERO);
+        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: 0.0, behind: NEVER };
+        let ahead = ray.ahead();
 
         let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
-        let mut entry = sides.x.min(sides.y);
+        let entry = sides.x.min(sides.y);
         if entry.is_nan() || entry >= ray.end {
             return hit;
         }
-        let start = ray.pixel.as_vec2() + 0.5;
-        let beside = (start + entry * slope).as_ivec2();
-        let mut pixel = IVec2::new(
-            if sides.x == entry { ray.pixel.x + ahead2.x } else { beside.x },
-            if sides.y == entry { ray.pixel.y + ahead2.y } else { beside.y },
+        let beside = (ray.start + entry * ray.rate.truncate()).as_ivec2();
+        let onward = ray.pixel + 2 * ahead - 1;
+        let pixel = IVec2::new(
+            if sides.x == entry { onward.x } else { beside.x },
+            if sides.y == entry { onward.y } else { beside.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
-        let recedes = ray.rate.z < 0.0;
         // A depth beyond all meets nothing.
         if self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0 {
-            entry_depth = if recedes { -NEVER } else { NEVER };
+            entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
-        let mut level = 0_i32;
-        while hit.steps < self.max_steps() {
-            hit.steps += 1;
-            let cell = pixel >> level;
+        let mut walk = Walk { pixel, level: 0, entry, entry_depth, behind: NEVER, steps: 0 };
+        self.advance(ray, ahead, Over::Screen, &mut walk, visit);
+        let hit = Hit { steps: walk.steps, behind: walk.behind, s: ray.end, ..hit };
+        if walk.level >= 0 {
+            return Hit { code: if walk.entry < ray.end { Code::Unfinished } else { Code::Nothing }, ..hit };
+        }
+        let (block, entry_depth) = (self.block(walk.pixel), walk.entry_depth);
+        if self.version == OracleVersion::V2
+            && hit.steps > 1
+            && entry_depth < block.front
+            && self.is_behind(ray, entry_depth, walk.pixel, block, ahead)
+        {
+            return Hit { code: Code::Behind, s: walk.entry, ..hit };
+        }
+        let s = crossing(ray, &walk, ahead, block.front);
+        let low = (walk.pixel - ray.pixel).as_vec2();
+        let offset = (s * ray.rate.truncate() + 0.5).max(low).min(low + 1.0);
+        let position = ray.pixel.as_vec2() + offset;
+        Hit { code: Code::Surface, pixel: walk.pixel, position, depth: ray.depth + s * ray.rate.z, s, ..hit }
+    }
+
+    /// `Advance`: walks on until a block is met or the ray ends.
+    fn advance(&self, ray: &Ray, ahead: IVec2, over: Over, walk: &mut Walk, mut visit: impl FnMut(Visit)) {
+        let (start, recedes) = (ray.start, ray.rate.z < 0.0);
+        let bound = if over == Over::Screen { self.max_steps() } else { self.max_face_steps() };
+        let mut passes = over == Over::Face { passes: true };
+        while walk.level >= 0 && walk.entry < ray.end && walk.steps < bound {
+            walk.steps += 1;
+            let level = walk.level;
+            let cell = walk.pixel >> level;
             let cells = &self.levels[level as usize];
             let block = cells.texels[(cell.y as u32 * cells.width + cell.x as u32) as usize];
             let edge = (cell + ahead) << level;
@@ -280,34 +353,21 @@ impl<'a> Traversal<'a> {
             let exit = crossings.x.min(crossings.y);
             let last = exit.min(ray.end);
             let exit_depth = ray.depth + last * ray.rate.z;
-            let (near, far) = if recedes { (entry_depth, exit_depth) } else { (exit_depth, entry_depth) };
-            let meets = far <= block.front && near >= block.back;
-            visit(Visit { level: level as u32, cell, block, meets, span: [entry, last] });
-            if if meets { level == 0 } else { exit >= ray.end } {
-                if !meets {
-                    return hit;
+            let (near, far) = if recedes { (walk.entry_depth, exit_depth) } else { (exit_depth, walk.entry_depth) };
+            let meets = match over {
+                Over::Screen => {
+                    let is_behind = near < block.front.min(block.back) && walk.entry_depth.abs() < NEVER;
+                    let looks = self.is_followed && is_behind && walk.behind == NEVER && level > 0;
+                    if self.is_followed && is_behind && level == 0 {
+                        walk.behind = walk.behind.min(walk.entry);
+                    }
+                    far <= block.front && near >= block.back || looks
                 }
-                let crossing = (block.front - ray.depth) * (1.0 / ray.rate.z);
-                let crosses = far <= block.front && near >= block.front && entry_depth != exit_depth;
-                let s = if crosses { crossing.max(entry).min(entry.max(last)) } else { entry };
-                let low = (pixel - ray.pixel).as_vec2();
-                let offset = (s * slope + 0.5).max(low).min(low + 1.0);
-                if self.version == OracleVersion::V2
-                    && hit.steps > 1
-                    && entry_depth < block.front
-                    && self.is_behind(ray, entry_depth, pixel, block, ahead)
-                {
-                    return Hit { code: Code::Behind, ..hit };
-                }
-                return Hit {
-                    code: Code::Surface,
-                    pixel,
-                    position: ray.pixel.as_vec2() + offset,
-                    depth: ray.depth + s * ray.rate.z,
-                    ..hit
-                };
-            }
-            let inside = (start + last * slope).as_ivec2();
+                Over::Face { .. } => far <= block.front && !passes,
+            };
+            passes = false;
+            visit(Visit { level: level as u32, cell, block, meets, span: [walk.entry, last] });
+            let inside = (start + last * ray.rate.truncate()).as_ivec2();
             let first = cell << level;
             let mut onward = inside.clamp(first, first + ((1 << level) - 1));
             if crossings.x == exit {
@@ -318,15 +378,18 @@ impl<'a> Traversal<'a> {
             }
             let left_parent = (if crossings.x <= crossings.y { edge.x } else { edge.y }) & (1 << level) == 0;
             if meets {
-                level -= 1;
+                walk.level -= 1;
             } else {
                 if left_parent {
-                    level = (level + 1).min(self.parameters.top_level);
+                    walk.level = (level + 1).min(self.parameters.top_level);
                 }
-                (pixel, entry, entry_depth) = (onward, exit, exit_depth);
+                (walk.pixel, walk.entry, walk.entry_depth) = (onward, exit, exit_depth);
             }
         }
-        Hit { code: Code::Unfinished, ..hit }
+    }
+
+    fn block(&self, pixel: IVec2) -> Block {
+        self.levels[0].at_clamped(pixel.x as u32, pixel.y as u32)
     }
 
     fn normal(&self, pixel: IVec2) -> Vec3 {
@@ -335,8 +398,7 @@ impl<'a> Traversal<'a> {
 
     /// `IsBehind`.
     fn is_behind(&self, ray: &Ray, entry_depth: f32, pixel: IVec2, block: Block, ahead: IVec2) -> bool {
-        let before = pixel_before(ray, pixel, ahead);
-        let before = self.levels[0].at_clamped(before.x as u32, before.y as u32);
+        let before = self.block(pixel_before(ray, pixel, ahead));
         let (d, n) = (ray.direction, self.normal(pixel));
         let thickness = block.front - block.back;
         let joined = constants::JOINED as f32 * (thickness + (before.front - before.back));
@@ -349,9 +411,19 @@ impl<'a> Traversal<'a> {
 
 /// `PixelBefore`.
 fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
-    let entries = ((pixel + 1 - ahead).as_vec2() - (ray.pixel.as_vec2() + 0.5)) * ray.inverse;
+    let entries = ((pixel + 1 - ahead).as_vec2() - ray.start) * ray.inverse;
     let back = 1 - 2 * ahead;
     pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
+}
+
+/// `Crossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
+fn crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
+    let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
+    let last = crossings.x.min(crossings.y).min(ray.end).max(walk.entry);
+    let exit_depth = ray.depth + last * ray.rate.z;
+    let (near, far) = (walk.entry_depth.max(exit_depth), walk.entry_depth.min(exit_depth));
+    let crossing = (front - ray.depth) * (1.0 / ray.rate.z);
+    if far <= front && front <= near && far < near { crossing.max(walk.entry).min(last) } else { walk.entry }
 }
 
 /// `Dot`: in this order.

@@ -12,6 +12,7 @@ mod common;
 mod architecture;
 mod area_light;
 mod billboard;
+mod captures;
 mod chains;
 mod cli;
 mod compare;

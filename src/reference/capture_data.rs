@@ -1,0 +1,54 @@
+//! A capture on the host (docs/definitions.md, "Images"): what the references follow rays in.
+
+use crate::scene::{Camera, Capture, GBufferData, Lens, Surface, sky};
+use glam::Vec3;
+
+/// Six images of the scene around a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaptureData {
+    /// Where they were made, in the world, in metres.
+    pub place: Vec3,
+    /// The faces in Vulkan's order +x −x +y −y +z −z. All have the same size and lens; normals are in the view space of
+    /// the face, and colours are the lit colour, black where the sky is seen.
+    pub faces: Vec<GBufferData>,
+}
+
+impl CaptureData {
+    /// The lens of a face: a quarter turn, from a near plane in metres as far as any scene reaches.
+    pub fn lens(near_m: f32) -> Lens {
+        Lens { fov_y_radians: std::f32::consts::FRAC_PI_2, near_m, far_m: 10_000.0 }
+    }
+
+    /// Makes one of what each texel of each face shows: `texel` says the view depth in metres, infinite for sky, the
+    /// normal in world axes and the lit colour in a direction in world axes, whose greatest component is 1.
+    pub fn of(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
+        let (side, lens) = (capture.resolution, Self::lens(capture.near_m));
+        let count = (side * side) as usize;
+        let faces = (0..6).map(|face| {
+            let camera =
+                Camera::new(capture.position, capture.position + sky::face_direction(face, 0.5, 0.5), lens, 1.0);
+            let mut data = GBufferData {
+                width: side,
+                height: side,
+                camera,
+                depth: Vec::with_capacity(count),
+                normal: Vec::with_capacity(count),
+                reflectivity: vec![0.0; count],
+                roughness: vec![0.0; count],
+                color: Vec::with_capacity(count),
+                surface: vec![Surface::Lit; count],
+            };
+            let project = data.view_to_clip();
+            for i in 0..side * side {
+                let at = [i % side, i / side].map(|v| (v as f32 + 0.5) / side as f32);
+                let (z, normal, color) = texel(sky::face_direction(face, at[0], at[1]));
+                let depth = if z.is_finite() { project.project_point3(glam::DVec3::new(0.0, 0.0, z)).z } else { 0.0 };
+                data.depth.push(depth.clamp(0.0, 1.0) as f32);
+                data.normal.push(camera.world_to_view.transform_vector3(normal));
+                data.color.push(color);
+            }
+            data
+        });
+        Self { place: capture.position, faces: faces.collect() }
+    }
+}

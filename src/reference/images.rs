@@ -1,0 +1,324 @@
+//! The oracle of images (docs/definitions.md, "Images"): finds what a reflection ray hits in the screen and in captures
+//! by examining every pixel on its path, in f64. It is slow, short and meant to be read.
+//!
+//! The screen is one image of the scene, and each face of a capture is another. In each of them the ray is a straight
+//! line over a field of blocks, as in [`super::oracle`].
+//!
+//! - **The screen** says what it says in version 2 of the oracle. It loses a ray at the first pixel whose block the ray
+//!   passes behind, or where a miss ends. A ray that was never behind anything before it hits is a sound hit, and one
+//!   that leaves through the far plane ends in the sky. Any other is followed in captures, from where it was lost; its
+//!   hit on the screen stands, if it has one, unless a capture shows something nearer.
+//! - **A capture sees a point** if the point is not behind the back of its block there, and not before the near plane.
+//!   A lost ray goes on in the nearest capture that sees the point where it was lost.
+//! - **A face is followed** while it sees the ray: until the ray leaves by a side, to the next face; through the far
+//!   plane, to the sky; through the near plane, where it is lost; or until it is behind the front of a block. Then, if it
+//!   runs the way of the normal there, it passes while it is inside the block, because it leaves that surface, and is lost
+//!   if it is behind it. If it runs against the normal, it hits if it was in front of the block where it entered the
+//!   pixel, or came through the joint to the block before, as version 2 of the oracle says; else it is lost. A ray that
+//!   begins inside the block hits it at once. So does one that comes from another face and is behind the block by no more
+//!   than the thickness of the last block there: it came through the joint of a surface that both faces show.
+//! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture
+//!   in which it did not get on is left out until it gets on in another. Where no capture is left, its end is unknown.
+
+use super::capture_data::CaptureData;
+use super::oracle::{self, Oracle, Passed};
+use super::ray::{MissReason, Segment};
+use super::thickness::DepthBlock;
+use crate::scene::GBufferData;
+use glam::{DMat3, DVec3};
+
+/// A ray must get on in a capture by more than this, in metres, for other captures to be asked again.
+const STEP_M: f64 = 1e-4;
+
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RayEnd {
+    /// On the screen: continuous pixel coordinates and reversed depth.
+    Screen(DVec3),
+    /// In a capture.
+    Capture {
+        /// The index of the capture.
+        index: usize,
+        /// Where it hits, relative to the eye, in world axes, in metres.
+        place: DVec3,
+        /// Width of a texel of the capture there, in metres.
+        texel_m: f64,
+    },
+    /// In the sky.
+    Sky,
+    /// Where no image sees it.
+    Unknown,
+}
+
+/// A ray from where the screen lost it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lost {
+    /// Relative to the eye, in world axes, in metres.
+    pub start: DVec3,
+    /// Unit, in world axes.
+    pub direction: DVec3,
+    /// The screen's hit, and its distance from the start in metres.
+    pub hit: Option<(DVec3, f64)>,
+}
+
+/// What the screen makes of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum OnScreen {
+    /// There is no ray, or it runs below the surface that it leaves.
+    Nothing,
+    /// It ends there.
+    Ends(RayEnd),
+    /// The screen loses it.
+    Loses(Lost),
+}
+
+/// The oracle of the screen and of some captures.
+#[derive(Debug, Clone)]
+pub struct Images<'a> {
+    screen: Oracle<'a>,
+    view_to_world: DMat3,
+    captures: Vec<Cube<'a>>,
+}
+
+/// A capture.
+#[derive(Debug, Clone)]
+struct Cube<'a> {
+    /// Relative to the eye.
+    place: DVec3,
+    faces: Vec<Face<'a>>,
+}
+
+/// A face of a capture.
+#[derive(Debug, Clone)]
+struct Face<'a> {
+    image: Oracle<'a>,
+    view_to_world: DMat3,
+}
+
+/// How a ray fared in a face or a capture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum How {
+    Hit,
+    Sky,
+    Lost,
+    /// It left a face.
+    On {
+        /// By a side in this direction of the capture.
+        side: DVec3,
+        /// Past a block of this thickness in reversed depth.
+        thickness: f64,
+    },
+}
+
+impl<'a> Images<'a> {
+    /// Of the screen's G-buffer and some captures.
+    pub fn new(screen: &'a GBufferData, captures: &'a [CaptureData]) -> Self {
+        let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
+        let eye = screen.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
+        let face = |data: &'a GBufferData| Face { image: Oracle::new(data), view_to_world: view_to_world(data) };
+        let cube =
+            |c: &'a CaptureData| Cube { place: c.place.as_dvec3() - eye, faces: c.faces.iter().map(face).collect() };
+        Self {
+            screen: Oracle::new(screen),
+            view_to_world: view_to_world(screen),
+            captures: captures.iter().map(cube).collect(),
+        }
+    }
+
+    /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if it runs below the surface.
+    pub fn trace(&self, x: u32, y: u32) -> Option<RayEnd> {
+        self.end(self.on_screen(x, y))
+    }
+
+    /// Where a ray ends of which the screen made this.
+    pub fn end(&self, on_screen: OnScreen) -> Option<RayEnd> {
+        match on_screen {
+            OnScreen::Nothing => None,
+            OnScreen::Ends(end) => Some(end),
+            OnScreen::Loses(lost) => Some(self.follow(&lost)),
+        }
+    }
+
+    /// The mirror direction of a pixel in view space.
+    pub fn mirror(&self, x: u32, y: u32) -> Option<DVec3> {
+        self.screen.rays.mirror(x, y)
+    }
+
+    /// What the screen makes of the mirror ray of a pixel.
+    pub fn on_screen(&self, x: u32, y: u32) -> OnScreen {
+        let rays = &self.screen.rays;
+        let direction = rays.mirror(x, y).filter(|d| rays.normal(x, y).is_some_and(|n| n.dot(*d) > 0.0));
+        direction.map_or(OnScreen::Nothing, |direction| self.on_screen_along(x, y, direction))
+    }
+
+    /// What the screen makes of a ray from a pixel's centre along a view-space direction of any length.
+    pub fn on_screen_along(&self, x: u32, y: u32, direction: DVec3) -> OnScreen {
+        let rays = &self.screen.rays;
+        let Some(segment) = rays.segment(x, y, direction) else { return OnScreen::Nothing };
+        let (mut behind, mut end, mut hit) = (None, 1.0, None);
+        for (steps, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
+            let Passed { pixel, last: Some(last), entry, exit } = passed else { continue };
+            let block = self.screen.block(pixel).unwrap_or(DepthBlock::EMPTY);
+            let along = self.screen.along_normal(pixel, &segment);
+            if steps == 1 && along > 0.0 {
+                continue;
+            }
+            if segment.depth_at(entry).max(segment.depth_at(exit)) < block.back && block != DepthBlock::EMPTY {
+                behind = behind.or(Some(entry));
+            }
+            if let Some((s, _)) = oracle::meets(&segment, block, entry, exit) {
+                let is_lost = steps > 1 && self.screen.comes_from_behind(segment.depth_at(entry), last, block, along);
+                (end, hit) = if is_lost { (entry, None) } else { (s, Some(segment.at(s))) };
+                break;
+            }
+        }
+        match hit {
+            Some(position) if behind.is_none_or(|s| s >= end) => return OnScreen::Ends(RayEnd::Screen(position)),
+            None if behind.is_none() && end == 1.0 && segment.end == MissReason::Far => {
+                return OnScreen::Ends(RayEnd::Sky);
+            }
+            _ => {}
+        }
+        let place = |position: DVec3| self.view_to_world * rays.unproject(position);
+        let start = place(segment.at(behind.map_or(end, |s: f64| s.min(end))));
+        let hit = hit.map(|position| (position, place(position).distance(start)));
+        OnScreen::Loses(Lost { start, direction: self.view_to_world * segment.direction, hit })
+    }
+
+    /// Where a ray ends that the screen lost.
+    pub fn follow(&self, lost: &Lost) -> RayEnd {
+        let (mut point, mut left_out) = (lost.start, Vec::new());
+        while let Some(index) = self.nearest_that_sees(point, &left_out) {
+            let cube = &self.captures[index];
+            let (how, at) = cube.follow(point - cube.place, lost.direction);
+            let place = at + cube.place;
+            let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
+            match lost.hit {
+                Some((position, limit)) if how == How::Sky || gone(place) >= limit => return RayEnd::Screen(position),
+                _ => {}
+            }
+            match how {
+                How::Sky => return RayEnd::Sky,
+                How::Hit => return RayEnd::Capture { index, place, texel_m: cube.texel_m(at) },
+                _ => {}
+            }
+            if gone(place) > gone(point) + STEP_M {
+                left_out.clear();
+                point = place;
+            }
+            left_out.push(index);
+        }
+        lost.hit.map_or(RayEnd::Unknown, |(position, _)| RayEnd::Screen(position))
+    }
+
+    fn nearest_that_sees(&self, point: DVec3, left_out: &[usize]) -> Option<usize> {
+        let distance = |index: &usize| self.captures[*index].place.distance(point);
+        let seeing = (0..self.captures.len()).filter(|index| !left_out.contains(index));
+        seeing
+            .filter(|index| self.captures[*index].sees(point - self.captures[*index].place))
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+}
+
+impl Cube<'_> {
+    /// The face in which a direction lies: the one along whose axis it reaches farthest.
+    fn face_of(&self, direction: DVec3) -> &Face<'_> {
+        let along = |face: &&Face| face.view_to_world.z_axis.dot(direction);
+        let farthest = self.faces.iter().max_by(|a, b| along(a).total_cmp(&along(b)));
+        farthest.unwrap_or(&self.faces[0])
+    }
+
+    /// Width of a texel at a place relative to the capture's.
+    fn texel_m(&self, at: DVec3) -> f64 {
+        2.0 * at.abs().max_element() / f64::from(self.faces[0].image.rays.gbuffer.width)
+    }
+
+    /// Whether it sees a point relative to its place.
+    fn sees(&self, point: DVec3) -> bool {
+        let face = self.face_of(point);
+        let image = &face.image;
+        let Some(position) = image.rays.project(face.to_view(point)) else { return false };
+        let side = image.rays.gbuffer.width as i32;
+        let pixel = [0, 1].map(|axis| (position[axis].floor() as i32).clamp(0, side - 1));
+        let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
+        position.z < 1.0 && (block == DepthBlock::EMPTY || position.z >= block.back)
+    }
+
+    /// Follows a ray from a point that it sees, from face to face.
+    fn follow(&self, point: DVec3, direction: DVec3) -> (How, DVec3) {
+        let (mut face, mut at, mut before) = (self.face_of(point), point, 0.0);
+        // A line crosses each of the six planes between faces once at most.
+        for _ in 0..7 {
+            let (how, reached) = face.follow(at, direction, before);
+            at = reached;
+            let How::On { side, thickness } = how else { return (how, at) };
+            (face, before) = (self.face_of(side), thickness);
+        }
+        (How::Lost, at)
+    }
+}
+
+impl Face<'_> {
+    fn to_view(&self, v: DVec3) -> DVec3 {
+        self.view_to_world.transpose() * v
+    }
+
+    /// Follows a ray over the face, from a point in it; both are in world axes, and the point is relative to the
+    /// capture's place. `before` is the thickness of the block at which it left the face before, or 0.
+    fn follow(&self, point: DVec3, direction: DVec3, before: f64) -> (How, DVec3) {
+        let (image, rays) = (&self.image, &self.image.rays);
+        let Some(segment) = rays.segment_from(self.to_view(point), self.to_view(direction)) else {
+            return (How::Lost, point);
+        };
+        if segment.start.z >= 1.0 {
+            return (How::Lost, point);
+        }
+        let place = |s: f64| self.view_to_world * rays.unproject(segment.at(s));
+        let mut thickness = 0.0;
+        for Passed { pixel, last, entry, exit } in image.pixels(&segment) {
+            let block = image.block(pixel).unwrap_or(DepthBlock::EMPTY);
+            thickness = block.thickness();
+            let (first, deepest) = (segment.depth_at(entry), segment.depth_at(entry).min(segment.depth_at(exit)));
+            if deepest > block.front {
+                continue;
+            }
+            let along = image.along_normal(pixel, &segment);
+            let is_inside = first >= block.back;
+            if along > 0.0 && is_inside {
+                continue;
+            }
+            let is_lost = match last {
+                _ if along > 0.0 => true,
+                Some(last) => image.comes_from_behind(first, last, block, along),
+                None => first < block.back - before,
+            };
+            if is_lost {
+                return (How::Lost, place(entry));
+            }
+            let s = oracle::meets(&segment, block, entry, exit).map_or(entry, |(s, _)| s);
+            return (How::Hit, place(s));
+        }
+        let how = match segment.end {
+            MissReason::LeftScreen => How::On { side: self.side_at(&segment), thickness },
+            MissReason::Far => How::Sky,
+            _ => How::Lost,
+        };
+        (how, place(1.0))
+    }
+
+    /// The direction, in world axes, of the side through which a segment leaves the face.
+    fn side_at(&self, segment: &Segment) -> DVec3 {
+        let (end, side) = (segment.at(1.0), f64::from(self.image.rays.gbuffer.width));
+        let sides = [
+            (end.x, DVec3::NEG_X, segment.delta.x < 0.0),
+            (side - end.x, DVec3::X, segment.delta.x > 0.0),
+            (end.y, DVec3::Y, segment.delta.y < 0.0),
+            (side - end.y, DVec3::NEG_Y, segment.delta.y > 0.0),
+        ];
+        let left = sides.into_iter().filter(|(.., towards)| *towards).min_by(|a, b| a.0.total_cmp(&b.0));
+        self.view_to_world * left.map_or(DVec3::X, |(_, axis, _)| axis)
+    }
+}
+
+#[cfg(test)]
+mod tests;

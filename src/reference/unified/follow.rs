@@ -1,0 +1,360 @@
+//! Twin of following rays through captures (`captures/faces.glsl`, `captures/follow.comp`, and `PushIfLost` of
+//! `captures/seen.glsl`), operation for operation; the names are the shaders', which say why. The colour that a ray sees
+//! is no part of it.
+
+use super::{Code, Hit, NEVER, Over, Ray, Traversal, Walk, crossing, dot};
+use crate::math::constants;
+use crate::reference::CaptureData;
+use crate::scene::Camera;
+use glam::{IVec2, Mat3, Vec2, Vec3};
+
+/// `SKY_DISTANCE`.
+const SKY_DISTANCE: f32 = 1e5;
+
+/// Captures as rays of one camera are followed in them.
+#[derive(Debug, Clone)]
+pub struct CubeWalk<'a> {
+    /// Face f of capture k at 6 k + f, in Vulkan's order +x −x +y −y +z −z.
+    pub faces: Vec<Traversal<'a>>,
+    /// From the camera's eye to each capture's place, in world axes, in metres.
+    pub places: Vec<Vec3>,
+    view_to_world: Mat3,
+    view_unit: f32,
+    face_unit: f32,
+}
+
+/// `LostRay`, but for its footprint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LostRay {
+    /// Relative to the eye, in world axes, in metres.
+    pub start: Vec3,
+    /// Metres to a hit on the screen that is seen only if nothing is nearer; 1e30 without such a hit.
+    pub limit: f32,
+    /// Unit, in world axes.
+    pub direction: Vec3,
+}
+
+/// How a mirror ray fared on the screen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Seen {
+    /// The pixel has no ray, or sends it below its own surface.
+    Nothing,
+    /// It ended in the sky and was never behind anything.
+    Sky,
+    /// It hit, and was never behind anything before.
+    Hit(Hit),
+    /// The screen lost it.
+    Lost(LostRay),
+}
+
+/// How a ray ended that the screen lost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// It hit in the capture of this index.
+    Capture(usize),
+    /// In the sky.
+    Sky,
+    /// Where no image sees it.
+    Unknown,
+    /// At the screen's hit: nothing was found that is nearer.
+    Screen,
+}
+
+impl Ended {
+    /// The value of `PATH_*`.
+    pub fn code(self) -> i32 {
+        match self {
+            Self::Capture(k) => constants::PATH_CAPTURE + k as i32,
+            Self::Sky => constants::PATH_SKY,
+            Self::Unknown => constants::PATH_UNKNOWN,
+            Self::Screen => constants::PATH_NONE,
+        }
+    }
+}
+
+/// `Answer`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer {
+    /// How it ended.
+    pub ended: Ended,
+    /// Relative to the eye, in world axes, in metres: where it hit, or a point far along it for the sky.
+    pub place: Vec3,
+    /// Cells looked at in all captures.
+    pub steps: i32,
+    /// Faces walked over.
+    pub faces: i32,
+    /// Whether a walk ran out of steps, which cannot be.
+    pub is_exhausted: bool,
+}
+
+/// `FOLLOW_*`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum How {
+    Hit,
+    Sky,
+    Lost,
+    On,
+}
+
+impl<'a> CubeWalk<'a> {
+    /// The most faces that a ray is followed over: seven each time that it goes on in a capture.
+    pub const MAX_FACES: i32 = 7 * 2 * constants::MAX_CAPTURES;
+
+    /// The most cells that a ray looks at.
+    pub fn max_steps(&self) -> i32 {
+        self.faces.first().map_or(0, |face| Self::MAX_FACES * face.max_face_steps())
+    }
+
+    /// Of some captures, which all have one lens and size.
+    pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
+        let faces = || captures.iter().flat_map(|c| &c.faces);
+        let unit = |camera: &Camera| camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32;
+        Self {
+            faces: faces().map(Traversal::new).collect(),
+            places: captures.iter().map(|c| c.place - camera.eye()).collect(),
+            view_to_world: Mat3::from_mat4(camera.world_to_view.as_dmat4().inverse().as_mat4()),
+            view_unit: unit(camera),
+            face_unit: faces().next().map_or(0.0, |face| unit(&face.camera)),
+        }
+    }
+
+    /// What the screen makes of the mirror ray of a pixel (`mirror.frag`); its traversal must be
+    /// [`Traversal::followed`].
+    pub fn on_screen(&self, screen: &Traversal, x: u32, y: u32) -> Seen {
+        let Some((ray, true)) = screen.mirror_ray(x, y) else { return Seen::Nothing };
+        let hit = screen.traverse(&ray);
+        if hit.code == Code::Nothing && hit.behind == NEVER && screen.ends_far(&ray) {
+            return Seen::Sky;
+        }
+        if hit.code == Code::Surface && hit.s <= hit.behind {
+            return Seen::Hit(hit);
+        }
+        Seen::Lost(self.lost(screen, &ray, &hit))
+    }
+
+    /// `PushIfLost`.
+    fn lost(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
+        let p = &screen.parameters;
+        let s = hit.s.min(hit.behind);
+        let depth = ray.depth + s * ray.rate.z;
+        let start = p.view_point(ray.start + s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
+        let off = start - p.view_point(hit.position, hit.depth) * self.view_unit;
+        let limit = if hit.code == Code::Surface { dot(off, off).sqrt() } else { NEVER };
+        let along = self.to_world(ray.direction);
+        LostRay { start: self.to_world(start), limit, direction: along * (1.0 / dot(along, along).sqrt()) }
+    }
+
+    /// `ToWorld`.
+    fn to_world(&self, v: Vec3) -> Vec3 {
+        let m = &self.view_to_world;
+        m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
+    }
+
+    /// `FollowRay`.
+    pub fn follow_ray(&self, ray: &LostRay) -> Answer {
+        let ended = if ray.limit < NEVER { Ended::Screen } else { Ended::Unknown };
+        let mut answer = Answer { ended, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
+        let (mut point, mut left_out) = (ray.start, 0_u32);
+        for _ in 0..2 * constants::MAX_CAPTURES {
+            let Some(k) = self.nearest_that_sees(point, left_out) else { break };
+            let place = self.places[k];
+            let (how, followed) = self.follow(k, point - place, ray.direction, &mut answer);
+            let there = followed + place;
+            let distance = dot(there - ray.start, ray.direction);
+            if how == How::Sky || distance >= ray.limit {
+                answer.ended = if ray.limit < NEVER { Ended::Screen } else { Ended::Sky };
+                answer.place = ray.start + SKY_DISTANCE * ray.direction;
+                break;
+            }
+            if how == How::Hit {
+                (answer.ended, answer.place) = (Ended::Capture(k), there);
+                break;
+            }
+            let has_moved = distance > dot(point - ray.start, ray.direction) + 1e-4;
+            left_out = if has_moved { 1 << k } else { left_out | 1 << k };
+            if has_moved {
+                point = there;
+            }
+        }
+        answer
+    }
+
+    /// `NearestThatSees`.
+    fn nearest_that_sees(&self, point: Vec3, left_out: u32) -> Option<usize> {
+        let (mut nearest, mut least) = (None, NEVER);
+        for (k, place) in self.places.iter().enumerate() {
+            let o = point - *place;
+            let squared = dot(o, o);
+            if left_out >> k & 1 == 0 && squared < least && self.sees(k, o) {
+                (nearest, least) = (Some(k), squared);
+            }
+        }
+        nearest
+    }
+
+    /// `Sees`.
+    fn sees(&self, capture: usize, o: Vec3) -> bool {
+        let face = face_of(o);
+        let image = &self.faces[6 * capture + face];
+        let mut q = to_face(o, face);
+        q.z = q.z.max(1e-6);
+        let depth = self.face_depth(image, q.z);
+        let block = image.block(face_position(image, q).1);
+        depth < 1.0 && (block.front < block.back || depth >= block.back)
+    }
+
+    /// `FaceDepth`.
+    fn face_depth(&self, image: &Traversal, z: f32) -> f32 {
+        self.face_unit / z - image.parameters.depth_offset
+    }
+
+    /// `FacePoint`.
+    fn face_point(&self, image: &Traversal, ray: &Ray, s: f32) -> Vec3 {
+        let depth = ray.depth + s * ray.rate.z;
+        let position = ray.start + s * ray.rate.truncate();
+        let z = self.face_unit / (depth + image.parameters.depth_offset).max(1e-12);
+        image.parameters.view_ray(position) * z
+    }
+
+    /// `FollowFace`; the side comes last.
+    fn follow_face(
+        &self,
+        image: &Traversal,
+        [q, direction]: [Vec3; 2],
+        before: &mut f32,
+        answer: &mut Answer,
+    ) -> (How, Vec3, Vec3) {
+        let (start, pixel) = face_position(image, q);
+        let depth = self.face_depth(image, q.z);
+        let side = image.parameters.size.x as f32;
+        let ndc = Vec2::new(2.0, -2.0) * (start / side - 0.5);
+        let change = direction.truncate() - ndc * direction.z;
+        let change_z = -((depth + image.parameters.depth_offset) * direction.z);
+        let ray = image.make_ray(start, pixel, depth, direction, change.extend(change_z));
+        if depth.is_nan() || depth >= 1.0 {
+            return (How::Lost, q, Vec3::ZERO);
+        }
+        let ahead = ray.ahead();
+        let mut walk = Walk { pixel, level: 0, entry: 0.0, entry_depth: depth, behind: NEVER, steps: 0 };
+        let mut passes = false;
+        answer.faces += 1;
+        let met = loop {
+            image.advance(&ray, ahead, Over::Face { passes }, &mut walk, |_| {});
+            if walk.level >= 0 {
+                break None;
+            }
+            let block = image.block(walk.pixel);
+            let along = dot(direction, image.normal(walk.pixel));
+            let in_front = walk.entry_depth >= block.front;
+            passes = along > 0.0 && walk.entry_depth >= block.back;
+            if !passes {
+                let is_behind = match (along > 0.0, in_front) {
+                    (true, _) => true,
+                    (false, true) => false,
+                    _ if walk.entry > 0.0 => image.is_behind(&ray, walk.entry_depth, walk.pixel, block, ahead),
+                    _ => walk.entry_depth < block.back - *before,
+                };
+                let s = if is_behind { walk.entry } else { crossing(&ray, &walk, ahead, block.front) };
+                let how = if is_behind { How::Lost } else { How::Hit };
+                break Some((how, self.face_point(image, &ray, s), Vec3::ZERO));
+            }
+            walk.level = 0;
+        };
+        answer.steps += walk.steps;
+        answer.is_exhausted |= walk.level >= 0 && walk.entry < ray.end;
+        met.unwrap_or_else(|| {
+            let far = ray.ahead() * image.parameters.size;
+            let sides = (far.as_vec2() - ray.start) * ray.inverse;
+            let by_side = ray.end == sides.x.min(sides.y);
+            let at_side = (ray.start + ray.end * ray.rate.truncate()).as_ivec2();
+            let block = image.block(at_side.clamp(IVec2::ZERO, image.parameters.size - 1));
+            *before = (block.front - block.back).max(0.0);
+            let how = match by_side {
+                true => How::On,
+                false if ray.rate.z < 0.0 => How::Sky,
+                false => How::Lost,
+            };
+            let side = if sides.x <= sides.y {
+                Vec3::X * if ray.inverse.x > 0.0 { 1.0 } else { -1.0 }
+            } else {
+                Vec3::Y * if ray.inverse.y > 0.0 { -1.0 } else { 1.0 }
+            };
+            (how, self.face_point(image, &ray, ray.end), side)
+        })
+    }
+
+    /// `Follow`.
+    fn follow(&self, capture: usize, o: Vec3, direction: Vec3, answer: &mut Answer) -> (How, Vec3) {
+        let (mut face, mut place, mut before) = (face_of(o), o, 0.0);
+        for _ in 0..7 {
+            let image = &self.faces[6 * capture + face];
+            let from = [place, direction].map(|v| to_face(v, face));
+            let (how, at, side) = self.follow_face(image, from, &mut before, answer);
+            place = from_face(at, face);
+            if how != How::On {
+                return (how, place);
+            }
+            face = face_of(from_face(side, face));
+        }
+        (How::Lost, place)
+    }
+}
+
+impl Traversal<'_> {
+    /// Whether a ray that hit nothing ends beyond the far plane, and before what is there (`WhyMissed`).
+    fn ends_far(&self, ray: &Ray) -> bool {
+        let inside = (ray.end * ray.rate.truncate() + 0.5).floor().as_ivec2();
+        let depth = ray.depth + ray.end * ray.rate.z;
+        let block = self.block((ray.pixel + inside).clamp(IVec2::ZERO, self.parameters.size - 1));
+        let side = ray.ahead() * self.parameters.size;
+        let sides = ((side - ray.pixel).as_vec2() - 0.5) * ray.inverse;
+        let is_behind = block.front >= block.back && depth < block.back;
+        !is_behind && ray.end != sides.x.min(sides.y) && ray.rate.z <= 0.0
+    }
+}
+
+/// `ToFace`.
+fn to_face(v: Vec3, face: usize) -> Vec3 {
+    match face {
+        0 => Vec3::new(-v.z, v.y, v.x),
+        1 => Vec3::new(v.z, v.y, -v.x),
+        2 => Vec3::new(v.x, -v.z, v.y),
+        3 => Vec3::new(v.x, v.z, -v.y),
+        4 => v,
+        _ => Vec3::new(-v.x, v.y, -v.z),
+    }
+}
+
+/// `FromFace`.
+fn from_face(v: Vec3, face: usize) -> Vec3 {
+    match face {
+        0 => Vec3::new(v.z, v.y, -v.x),
+        1 => Vec3::new(-v.z, v.y, v.x),
+        2 => Vec3::new(v.x, v.z, -v.y),
+        3 => Vec3::new(v.x, -v.z, v.y),
+        4 => v,
+        _ => Vec3::new(-v.x, v.y, -v.z),
+    }
+}
+
+/// `FaceOf`.
+fn face_of(v: Vec3) -> usize {
+    let a = v.abs();
+    let of = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
+    if a.x >= a.y && a.x >= a.z {
+        of(v.x, 0)
+    } else if a.y >= a.z {
+        of(v.y, 2)
+    } else {
+        of(v.z, 4)
+    }
+}
+
+/// `FacePosition`.
+fn face_position(image: &Traversal, q: Vec3) -> (Vec2, IVec2) {
+    let size = image.parameters.size;
+    let side = size.x as f32;
+    let ndc = q.truncate() / q.z;
+    let position = ((ndc * Vec2::new(0.5, -0.5) + 0.5) * side).max(Vec2::ZERO).min(Vec2::splat(side));
+    (position, position.as_ivec2().min(size - 1))
+}

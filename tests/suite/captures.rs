@@ -1,0 +1,413 @@
+//! Rays that the screen loses and captures find (docs/definitions.md, "Images"): the device against its twin, bit by
+//! bit, and against the oracle of images.
+
+use crate::common::{Builder, check_validation, clutter, gpu, is_gpu_assisted};
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu, Pixels};
+use ssct::math::constants::{PATH_NONE, PATH_SKY, PATH_UNKNOWN};
+use ssct::math::random::Stream;
+use ssct::methods::capture::{CaptureImages, face_camera};
+use ssct::methods::setup::CaptureCount;
+use ssct::methods::{EffectParams, SceneInput, Setup, Wants, unified};
+use ssct::passes::PathCode;
+use ssct::passes::pyramid;
+use ssct::passes::scene_data::SceneData;
+use ssct::reference::images::RayEnd;
+use ssct::reference::unified::{CubeWalk, Ended, Seen, Traversal};
+use ssct::reference::{CaptureData, Images};
+use ssct::scene::{Camera, Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+
+/// What the device drew and where its rays ended.
+struct Drawn {
+    data: GBufferData,
+    captures: Vec<CaptureData>,
+    /// What mirror.frag and follow.comp left.
+    hits: Pixels,
+    /// The reflection before fade and reflectivity.
+    reflection: Pixels,
+}
+
+/// Mirrors everywhere, with flat normals.
+fn mirrors(scene: &Scene, view: &View) -> Vec<Material> {
+    Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
+}
+
+/// The captures of a scene as the device draws them.
+fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<CaptureData> {
+    let mut context = FrameContext::new(gpu).unwrap();
+    let data = SceneData::upload(&mut context, scene).unwrap();
+    let images = CaptureImages::new(&mut context, &SceneInput { data: &data, materials }, &scene.captures).unwrap();
+    let captures = images.captures();
+    let side = scene.captures[0].resolution;
+    let near = scene.captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
+    let blocks = context.read(captures.pyramid.level(0)).unwrap();
+    let normals = context.read(captures.normal.level(0)).unwrap();
+    let colors = context.read(captures.color.level(0)).unwrap();
+    let strip = pyramid::strip([side; 2]);
+    let rows = pyramid::size([side; 2], strip)[1];
+    let texels = || (0..side * side).map(|i| (i % side, i / side));
+    let face = |place: Vec3, layer: u32| GBufferData {
+        width: side,
+        height: side,
+        camera: Camera { lens: CaptureData::lens(near), ..face_camera(place, layer as usize % 6) },
+        depth: texels()
+            .map(|(x, y)| blocks.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0].max(0.0))
+            .collect(),
+        normal: texels().map(|(x, y)| Vec3::from_slice(normals.at(x, layer * side + y))).collect(),
+        reflectivity: vec![0.0; (side * side) as usize],
+        roughness: vec![0.0; (side * side) as usize],
+        color: texels().map(|(x, y)| Vec3::from_slice(colors.at(x, layer * side + y))).collect(),
+        surface: vec![Surface::Lit; (side * side) as usize],
+    };
+    let faces = |(k, c): (usize, &Capture)| CaptureData {
+        place: c.position,
+        faces: (0..6).map(|f| face(c.position, 6 * k as u32 + f)).collect(),
+    };
+    scene.captures.iter().enumerate().map(faces).collect()
+}
+
+fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
+    let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
+    let (camera, materials) = (view.camera(scene, extent), mirrors(scene, view));
+    let captures = read_captures(gpu, scene, &materials);
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let shot = Shot::new(&mut stage, &unified::INFO, &setup, Wants::HITS, camera, materials).unwrap();
+    let (_, _, output) = stage.output_in(Mode::Plain, &shot).unwrap();
+    let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
+    let reflection = gbuffer::reflection(&mut stage.context, &output).unwrap();
+    Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), captures, hits, reflection }
+}
+
+/// A scene with captures of some resolution at some places.
+fn with_captures(mut scene: Scene, places: &[Vec3], resolution: u32) -> Scene {
+    scene.captures = places.iter().map(|p| Capture { resolution, ..Capture::at(*p) }).collect();
+    scene
+}
+
+/// How the rays of an image fared.
+#[derive(Debug, Default, Clone, Copy)]
+struct Count {
+    followed: usize,
+    in_captures: usize,
+    in_sky: usize,
+    unknown: usize,
+    /// The screen's hit stood.
+    stood: usize,
+    most_steps: i32,
+    most_faces: i32,
+}
+
+/// Holds every pixel's code and place against the twin, bit by bit.
+fn check_twin(drawn: &Drawn) -> Count {
+    let screen = Traversal::new(&drawn.data).followed();
+    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures);
+    let mut count = Count::default();
+    let mut wrong = Vec::new();
+    for (i, found) in drawn.hits.texels().enumerate() {
+        let (x, y) = (i as u32 % drawn.data.width, i as u32 / drawn.data.width);
+        let code = found[3] as i32;
+        if !drawn.data.reflects(i) {
+            assert_eq!(code, PATH_NONE);
+            continue;
+        }
+        assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
+        let seen = twin.on_screen(&screen, x, y);
+        let is_right = match seen {
+            Seen::Nothing => true,
+            Seen::Sky => code == PATH_SKY,
+            Seen::Hit(hit) => of_hit(found, &screen, &hit),
+            Seen::Lost(ray) => {
+                let answer = twin.follow_ray(&ray);
+                count.followed += 1;
+                count.most_steps = count.most_steps.max(answer.steps);
+                count.most_faces = count.most_faces.max(answer.faces);
+                assert!(!answer.is_exhausted, "({x}, {y}): {answer:?}");
+                match answer.ended {
+                    Ended::Screen => {
+                        count.stood += 1;
+                        PathCode::from_channel(found[3]) == Some(PathCode::HiZ)
+                    }
+                    Ended::Unknown => {
+                        count.unknown += 1;
+                        code == PATH_UNKNOWN && found[..3] == [-1.0; 3]
+                    }
+                    ended => {
+                        count.in_sky += usize::from(ended == Ended::Sky);
+                        count.in_captures += usize::from(ended != Ended::Sky);
+                        let bits = answer.place.to_array().map(f32::to_bits);
+                        code == ended.code() && bits == [0, 1, 2].map(|c| found[c].to_bits())
+                    }
+                }
+            }
+        };
+        if !is_right {
+            wrong.push(format!(
+                "({x}, {y}): {found:?}, {seen:?}, {:?}",
+                match seen {
+                    Seen::Lost(ray) => Some(twin.follow_ray(&ray)),
+                    _ => None,
+                }
+            ));
+        }
+    }
+    let shown = wrong[..wrong.len().min(6)].join("\n");
+    assert!(wrong.is_empty(), "{} of {} followed are not the twin's:\n{shown}", wrong.len(), count.followed);
+    count
+}
+
+fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct::reference::unified::Hit) -> bool {
+    let uv = hit.position * screen.parameters.pixel_to_clip;
+    let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
+    PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())
+}
+
+/// Whether an end is what the device says: the same code; in a capture within a texel there, on the screen within a
+/// pixel.
+fn agrees(found: &[f32], data: &GBufferData, end: Option<RayEnd>) -> bool {
+    let place = DVec3::new(found[0].into(), found[1].into(), found[2].into());
+    match (end, PathCode::from_channel(found[3])) {
+        (Some(RayEnd::Screen(position)), Some(PathCode::HiZ)) => {
+            let px = place.truncate() * DVec2::new(data.width.into(), data.height.into());
+            (px - position.truncate()).abs().max_element() <= 1.0
+        }
+        (Some(RayEnd::Capture { index, place: at, texel_m }), Some(PathCode::Capture)) => {
+            PathCode::capture(found[3]) == Some(index) && place.distance(at) <= texel_m
+        }
+        (Some(RayEnd::Sky), Some(PathCode::Sky)) | (Some(RayEnd::Unknown), Some(PathCode::Unknown)) => true,
+        _ => false,
+    }
+}
+
+/// How many rays are followed; how many of them end elsewhere by the oracle of images, but do not if they are off by
+/// rounding; and those that end elsewhere all the same.
+fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
+    let data = &drawn.data;
+    let images = Images::new(data, &drawn.captures);
+    let screen = Traversal::new(data).followed();
+    let twin = CubeWalk::new(&data.camera, &drawn.captures);
+    let check = |i: usize| {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        let found = drawn.hits.at(x, y);
+        if !data.reflects(i) || !matches!(twin.on_screen(&screen, x, y), Seen::Lost(_)) {
+            return None;
+        }
+        let on_screen = images.on_screen(x, y);
+        let truth = images.end(on_screen);
+        if agrees(found, data, truth) {
+            return Some((false, None));
+        }
+        let stream = Stream::new(i as u64, 3);
+        let direction = images.mirror(x, y)?.normalize();
+        let is_tie = (0..64).any(|n| {
+            let off = DVec3::from([0, 1, 2].map(|c| stream.uniform(3 * n + c) * 2.0 - 1.0));
+            let along = direction + 4.0 * f64::from(f32::EPSILON) * off;
+            agrees(found, data, images.end(images.on_screen_along(x, y, along)))
+        });
+        let told =
+            format!("({x}, {y}): {found:?}, {:?}, oracle: {on_screen:?}, {truth:?}", twin.on_screen(&screen, x, y));
+        Some((is_tie, (!is_tie).then_some(told)))
+    };
+    let all: Vec<_> = (0..data.depth.len()).into_par_iter().filter_map(check).collect();
+    let ties = all.iter().filter(|(is_tie, _)| *is_tie).count();
+    (all.len(), ties, all.into_iter().filter_map(|(_, wrong)| wrong).collect())
+}
+
+#[test]
+fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
+    let gpu = gpu();
+    let (mut followed, mut ties, mut wrong) = (0, 0, 0);
+    for (name, scene, view, extent) in cases().into_iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
+        let drawn = draw(&gpu, &scene, &view, extent);
+        let (all, tied, others) = check_oracle(&drawn);
+        println!("{name}: {all} followed, {tied} ties, {} wrong", others.len());
+        others.iter().take(4).for_each(|w| println!("    {w}"));
+        (followed, ties, wrong) = (followed + all, ties + tied, wrong + others.len());
+    }
+    println!("{followed} followed, {ties} ties, {wrong} wrong");
+    assert!(wrong * 10_000 <= followed, "{wrong} of {followed}");
+    check_validation(&gpu).unwrap();
+}
+
+/// Scenes with captures: their views, at awkward sizes.
+fn cases() -> Vec<(String, Scene, View, [u32; 2])> {
+    let mut all = Vec::new();
+    let rooms = library::scene("rooms").unwrap();
+    let atrium = library::scene("atrium").unwrap();
+    for (scene, view) in [(&rooms, "window"), (&rooms, "corridor"), (&atrium, "")] {
+        let view = scene.views.iter().find(|v| v.name == view).unwrap_or(&scene.views[0]).clone();
+        // Between the eye and what it looks at, and beside both.
+        let aside = (view.look_at - view.eye).cross(Vec3::Y).normalize();
+        let at = |along: f32, side: f32| view.eye.lerp(view.look_at, along) + side * aside;
+        let places = [at(0.3, 0.2), at(0.8, -0.4), view.eye, at(-0.2, 0.5)];
+        for (extent, side, count) in [([97, 61], 64, 1), ([160, 90], 128, 2), ([97, 61], 16, 4), ([64, 64], 33, 4)] {
+            let scene = with_captures(scene.clone(), &places[..count], side);
+            let name = format!("{} {} {extent:?}, {count} of {side}", scene.name, view.name);
+            all.push((name, scene, view.clone(), extent));
+        }
+    }
+    let view = View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.0, 6.0), ..View::default() };
+    let places = [Vec3::new(0.0, 1.5, 4.0), Vec3::new(-2.0, 3.0, 9.0)];
+    for side in [1, 2, 128] {
+        all.push((format!("clutter, {side}"), with_captures(clutter(), &places, side), view.clone(), [97, 61]));
+    }
+    // At the eye, on the floor, and below it, where nothing of the room is seen.
+    let hard = with_captures(clutter(), &[view.eye, Vec3::new(0.5, 0.0, 4.0), Vec3::new(0.0, -0.5, 3.0)], 33);
+    all.push(("clutter, 3 of 33 in hard places".into(), hard.clone(), view.clone(), [97, 61]));
+    for factor in [1e-3, 1e3] {
+        let mut scene = Scene { views: vec![view.clone()], ..hard.clone() };
+        scene.scale(factor);
+        let Lens { fov_y_radians, near_m, far_m } = Lens::default();
+        scene.lens = Lens { fov_y_radians, near_m: near_m * factor, far_m: far_m * factor };
+        let view = scene.views[0].clone();
+        all.push((format!("clutter times {factor}"), scene, view, [97, 61]));
+    }
+    all
+}
+
+#[test]
+fn codes_and_places_equal_their_twin_to_the_bit() {
+    let gpu = gpu();
+    let mut total = 0;
+    for (name, scene, view, extent) in cases().into_iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
+        let drawn = draw(&gpu, &scene, &view, extent);
+        let count = check_twin(&drawn);
+        println!("{name}: {count:?}");
+        total += count.followed;
+    }
+    assert!(total > 5000, "{total}");
+    check_validation(&gpu).unwrap();
+}
+
+/// A mirror floor before a wall at z = 8 that is brighter to the right in red and upwards in green, linearly, and as a
+/// checker of cells of 2 m in blue.
+fn ramp() -> Scene {
+    let mut b = Builder::new("ramp");
+    b.light(Vec3::Z);
+    let srgb = |v: f64| {
+        let v = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * v).round() as u8
+    };
+    let side = 1024_u32;
+    let at = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
+    let wall = b.picture(side, side, |x, y| {
+        let (u, v) = (at(x), 1.0 - at(y));
+        let cell = (u * WALL[0] / CELL).floor() + (v * WALL[1] / CELL).floor();
+        [srgb(u), srgb(v), if cell % 2.0 == 0.0 { 255 } else { 0 }]
+    });
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-20.0, 0.0, 0.0), Vec3::X * 40.0, Vec3::Z * 7.9, Vec3::Y);
+    let [width, height] = WALL.map(|v| v as f32);
+    b.quad(wall, Vec3::new(-20.0, 0.0, 8.0), Vec3::X * width, Vec3::Y * height, Vec3::NEG_Z);
+    b.0
+}
+
+/// Width and height of the wall, and side of a cell, in metres.
+const WALL: [f64; 2] = [40.0, 16.0];
+const CELL: f64 = 2.0;
+
+/// Steps of the wall's picture, of 16-bit floats and of the sky that is none: what colours are rounded by.
+const ROUNDING: f64 = 0.008;
+
+/// The reflections of the ramp in the floor: for each pixel the point of the wall that it shows, how its ray ended, and
+/// by how much its colour is off.
+fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<(DVec2, PathCode, f64)>>) {
+    let scene = with_captures(ramp(), &[place], resolution);
+    let view = View { eye: Vec3::new(0.0, 1.6, 0.0), look_at: Vec3::new(0.0, 0.2, 4.0), ..View::default() };
+    let extent = [160, 120];
+    let drawn = draw(gpu, &scene, &view, extent);
+    let rotation = drawn.data.camera.world_to_view.as_dmat4().inverse();
+    let tan = f64::from(drawn.data.camera.lens.fov_y_radians / 2.0).tan();
+    let shown = (0..drawn.data.depth.len()).map(|i| {
+        let (x, y) = (i as u32 % extent[0], i as u32 / extent[0]);
+        let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
+        let aspect = f64::from(extent[0]) / f64::from(extent[1]);
+        let ndc = [2.0 * at[0] / f64::from(extent[0]) - 1.0, 1.0 - 2.0 * at[1] / f64::from(extent[1])];
+        let d = rotation.transform_vector3(DVec3::new(ndc[0] * tan * aspect, ndc[1] * tan, 1.0));
+        // The mirror's eye lies below the floor.
+        let t = 8.0 / d.z;
+        let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
+        let inside = wall.x.abs() < 19.0 && wall.y > 0.3 && wall.y < WALL[1] - 0.5;
+        let code = PathCode::from_channel(drawn.hits.at(x, y)[3])?;
+        let found = drawn.reflection.at(x, y);
+        let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];
+        let off = [0, 1].map(|c| (f64::from(found[c]) - truth[c]).abs());
+        (drawn.data.reflects(i) && inside).then_some((wall, code, off[0].max(off[1])))
+    });
+    let shown = shown.collect();
+    (drawn, shown)
+}
+
+#[test]
+fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
+    let gpu = gpu();
+    for (place, resolution) in
+        [(Vec3::new(0.5, 2.0, 4.0), 128), (Vec3::new(-3.0, 1.0, 6.0), 256), (Vec3::new(0.0, 6.0, 2.0), 64)]
+    {
+        let (drawn, shown) = seams(&gpu, place, resolution);
+        let [mut seams, mut faces, mut cells] = [0; 3];
+        let mut worst: [f64; 2] = [0.0; 2];
+        let width = drawn.data.width as usize;
+        // The direction of a point of the wall from the capture, and the width of a texel there.
+        let from = |wall: DVec2| DVec3::new(wall.x, wall.y, 8.0) - place.as_dvec3();
+        let texel_m = |wall: DVec2| 2.0 * from(wall).abs().max_element() / f64::from(resolution);
+        let face = |wall: DVec2| {
+            let a = from(wall).abs();
+            if a.x > a.y.max(a.z) {
+                0
+            } else if a.y > a.z {
+                1
+            } else {
+                2
+            }
+        };
+        for (i, one) in shown.iter().enumerate() {
+            let &Some((wall, code, off)) = one else { continue };
+            assert!([PathCode::HiZ, PathCode::Capture].contains(&code), "{wall}: {code:?}");
+            // A face sees the wall at a slope, so long is a texel on it; and the footprint of a ray widens from the eye.
+            let d = from(wall);
+            let footprint_m = 2.0 * 37_f64.to_radians().tan() / f64::from(drawn.data.height)
+                * DVec3::new(wall.x, wall.y + 1.6, 8.0).length();
+            let [texel_m, slope] = match code {
+                PathCode::Capture => [texel_m(wall), d.abs().max_element() / d.z.abs()],
+                _ => [0.0, 1.0],
+            };
+            let allowed = (texel_m * slope + footprint_m) / WALL[1] + ROUNDING;
+            worst[usize::from(code == PathCode::Capture)] = worst[usize::from(code == PathCode::Capture)].max(off);
+            assert!(off <= allowed, "{wall}, {code:?}: off by {off}, {allowed} allowed");
+            let blue = f64::from(drawn.reflection.at((i % width) as u32, (i / width) as u32)[2]);
+            let place = (wall + DVec2::new(20.0, 0.0)) / CELL;
+            let edge = ((place - place.round()).abs().min_element() * CELL).abs();
+            // The coarser of two levels of the colour's chain has texels up to twice as wide as the footprint.
+            if edge > 2.0 * texel_m.max(footprint_m) * slope + 0.05 {
+                let expected = f64::from(u8::from((place.x.floor() + place.y.floor()) % 2.0 == 0.0));
+                assert!((blue - expected).abs() < 0.1, "{wall}, {code:?}: blue {blue}");
+                cells += 1;
+            }
+            // Beside it, and below.
+            for next in [i + 1, i + width] {
+                let Some(&Some((other, other_code, other_off))) = shown.get(next) else { continue };
+                if (other - wall).length() > 1.0 {
+                    continue;
+                }
+                let is_seam = code != other_code;
+                let between_faces = code == PathCode::Capture && code == other_code && face(wall) != face(other);
+                if is_seam || between_faces {
+                    let at = [i, next].map(|i| drawn.reflection.at((i % width) as u32, (i / width) as u32));
+                    let hit = [i, next].map(|i| drawn.hits.at((i % width) as u32, (i / width) as u32));
+                    assert!(
+                        off + other_off <= 2.0 * allowed,
+                        "{wall}, {other}: off by {off}, {other_off}, {at:?}, {hit:?}"
+                    );
+                }
+                seams += usize::from(is_seam);
+                faces += usize::from(between_faces);
+            }
+        }
+        println!("{place}, {resolution}: {seams} seams, {faces} between faces, {cells} in cells, worst {worst:?}");
+        assert!(seams > 50 && faces > 10 && cells > 2000, "{seams}, {faces}, {cells}");
+    }
+    check_validation(&gpu).unwrap();
+}
