@@ -324,7 +324,7 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<(DVec2, 
         // The mirror's eye lies below the floor.
         let t = 8.0 / d.z;
         let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
-        let inside = wall.x.abs() < 19.0 && wall.y > 0.3 && wall.y < WALL[1] - 0.5;
+        let inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
         let code = PathCode::from_channel(drawn.hits.at(x, y)[3])?;
         let found = drawn.reflection.at(x, y);
         let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];

@@ -61,14 +61,6 @@ impl Room {
     }
 }
 
-trait Axes {
-    const AXES: [DVec3; 3];
-}
-
-impl Axes for DVec3 {
-    const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
-}
-
 #[test]
 fn an_empty_room_shows_its_walls_where_they_are() {
     let room = Room { half: DVec3::new(3.0, 2.0, 4.0), spheres: Vec::new() };
@@ -88,7 +80,8 @@ fn an_empty_room_shows_its_walls_where_they_are() {
                 assert!(place.distance(truth) <= allowed, "{start} {direction}: {place}, {truth}");
                 walls += 1;
             }
-            (RayEnd::Sky, None) => skies += 1,
+            // Outside, the roof hides it from the capture.
+            (RayEnd::Sky | RayEnd::Unknown, None) => skies += 1,
             // At the border of the hole.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
@@ -271,4 +264,44 @@ fn rays_through_captures_agree_with_the_oracle_but_for_ties() {
     assert!(unexplained.is_empty(), "{} are no ties:\n{shown}", unexplained.len());
     assert!(plain.rays > 50_000 && plain.ties * 10_000 <= plain.rays, "{plain:?}");
     assert!(plain.hits > plain.rays / 4 && plain.unknown > plain.rays / 100, "{plain:?}");
+}
+
+#[test]
+fn a_ray_that_passes_every_pixel_of_a_face_does_not_run_out_of_steps() {
+    // Along a diagonal inside the blocks of a wall whose normals all say that the ray leaves it: it goes down to each
+    // pixel, and passes it.
+    for side in [16, 64, 128] {
+        let at = capture(Vec3::ZERO, side, 1.0);
+        let wall = CaptureData::of(&at, |_| (2.0, Vec3::new(0.8, 0.6, 0.0), Vec3::ONE));
+        let (screen, captures) = (screen(), [wall]);
+        let (images, twin) = (Images::new(&screen, &captures), CubeWalk::new(&screen.camera, &captures));
+        let start = Vec3::new(-1.99, -1.98, 2.004);
+        let direction = Vec3::new(1.0, 0.99, 0.0).normalize();
+        let found = twin.follow_ray(&LostRay { start, limit: 1e30, direction });
+        let lost = Lost { start: start.as_dvec3(), direction: direction.as_dvec3(), hit: None };
+        assert!(agrees(&found, images.follow(&lost)), "{found:?}");
+        let side = side as i32;
+        println!("{side}: {found:?}");
+        assert!(!found.is_exhausted && found.faces > 1 && found.steps > 4 * side, "{side}: {found:?}");
+    }
+}
+
+#[test]
+fn captures_that_see_nothing_leave_every_end_unknown() {
+    // Every texel shows what is nearer than anything, as inside a wall; or stands on the near plane.
+    let random = Random::new(5, 0);
+    for z in [0.051, 0.05] {
+        let blind = CaptureData::of(&capture(Vec3::ZERO, 8, 1.0), |d| (z, -d, Vec3::ONE));
+        let (screen, captures) = (screen(), [blind]);
+        let (images, twin) = (Images::new(&screen, &captures), CubeWalk::new(&screen.camera, &captures));
+        for _ in 0..200 {
+            let (start, direction) = (random.direction() + 0.5, random.direction().normalize());
+            if start.abs().max_element() < 0.1 {
+                continue;
+            }
+            assert_eq!(images.follow(&Lost { start, direction, hit: None }), RayEnd::Unknown);
+            let lost = LostRay { start: start.as_vec3(), limit: 1e30, direction: direction.as_vec3() };
+            assert_eq!(twin.follow_ray(&lost).ended, Ended::Unknown);
+        }
+    }
 }
