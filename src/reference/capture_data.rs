@@ -25,12 +25,8 @@ impl CaptureData {
         let (side, lens) = (capture.resolution, Self::lens(capture.near_m));
         let count = (side * side) as usize;
         let faces = (0..6).map(|face| {
-            let camera = Camera::new(
-                capture.position,
-                capture.position + sky::face_direction(face, 0.5, 0.5),
-                lens,
-                1.0,
-            );
+            let camera =
+                Camera::new(capture.position, capture.position + sky::face_direction(face, 0.5, 0.5), lens, 1.0);
             let mut data = GBufferData {
                 width: side,
                 height: side,

@@ -116,10 +116,8 @@ impl<'a> Images<'a> {
         let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
         let eye = screen.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
         let face = |data: &'a GBufferData| Face { image: Oracle::new(data), view_to_world: view_to_world(data) };
-        let cube = |c: &'a CaptureData| Cube {
-            place: c.place.as_dvec3() - eye,
-            faces: c.faces.iter().map(face).collect(),
-        };
+        let cube =
+            |c: &'a CaptureData| Cube { place: c.place.as_dvec3() - eye, faces: c.faces.iter().map(face).collect() };
         Self {
             screen: Oracle::new(screen),
             view_to_world: view_to_world(screen),
@@ -169,8 +167,7 @@ impl<'a> Images<'a> {
                 behind = behind.or(Some(entry));
             }
             if let Some((s, _)) = oracle::meets(&segment, block, entry, exit) {
-                let is_lost =
-                    steps > 1 && self.screen.comes_from_behind(segment.depth_at(entry), last, block, along);
+                let is_lost = steps > 1 && self.screen.comes_from_behind(segment.depth_at(entry), last, block, along);
                 (end, hit) = if is_lost { (entry, None) } else { (s, Some(segment.at(s))) };
                 break;
             }

@@ -173,12 +173,8 @@ impl<'a> RaySetup<'a> {
         let scale = t / (from.w * (from.w + t * along.w));
         let delta = (along.xyz() * from.w - from.xyz() * along.w) * scale;
         let half = DVec2::new(f64::from(self.gbuffer.width), f64::from(self.gbuffer.height)) * 0.5;
-        let segment = Segment {
-            start,
-            delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z),
-            direction,
-            end,
-        };
+        let segment =
+            Segment { start, delta: DVec3::new(half.x * delta.x, -half.y * delta.y, delta.z), direction, end };
         segment.delta.is_finite().then_some(segment)
     }
 }

@@ -345,7 +345,8 @@ impl Corridor {
     /// The method alone in a frame: its reflection, and the composite if it makes one.
     fn made(&self, context: &mut FrameContext, method: &dyn Method, gbuffer: GBuffer) -> (Pixels, Option<Pixels>) {
         let mut frame = context.begin(Mode::Plain).unwrap();
-        let output = method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None, captures: None }).unwrap();
+        let output =
+            method.record(&mut frame, &Input { gbuffer, camera: &self.camera, scene: None, captures: None }).unwrap();
         frame.finish().unwrap();
         let reflection = context.read(output.reflection.unwrap().0.all()).unwrap();
         (reflection, output.composite.map(|image| context.read(image.all()).unwrap()))
