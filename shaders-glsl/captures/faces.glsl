@@ -95,6 +95,9 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before,
     precise vec2 ndc = vec2(2.0, -2.0) * (start / float(unified.size.x) - 0.5);
     precise vec2 change = direction.xy - ndc * direction.z;
     precise float change_z = -((depth + unified.depth_offset) * direction.z);
+    // A ray straight towards the capture's place or away from it stays in its pixel: it drifts too slowly to leave it.
+    if (change == vec2(0.0))
+        change.x = 1e-20;
     Ray ray = MakeRay(start, pixel, depth, direction, vec3(change, change_z));
     side = vec3(0.0);
     if (!(depth < 1.0))

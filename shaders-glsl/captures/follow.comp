@@ -5,13 +5,17 @@
 // Follows the rays that the screen lost through the captures, a thread a ray, and puts what they see where the ray is of:
 // a mirror's pixel is finished, a glossy ray's record gets what it saw, for the pixels around it to gather.
 //
-// A ray goes on in the nearest capture that sees the point where the last image lost it.
+// A ray goes on in the nearest capture that sees the point where the last image lost it. Where none does, what is behind
+// shows (`--fallback`), or, without anything behind, what hides the point from the nearest capture: the ray most likely
+// hits that.
 
 layout(local_size_x = 64) in; // LOST_GROUP
 
 #define LOST_ACCESS readonly
 #define FACES
 #include "captures/lost.glsl"
+
+layout(constant_id = 9) const bool OVER = false; // another reflection shows where this one misses
 
 layout(binding = 1, rg32f) uniform readonly image2DArray pyramid;             // front and back depths, a layer a face
 layout(binding = 2, rgba8_snorm) uniform readonly image2DArray normal_buffer; // view space of the face
@@ -45,14 +49,24 @@ struct Answer {
     vec3 color;
 };
 
-// The nearest capture that sees a point relative to the eye, of those that are not left out; -1 if there is none.
-int NearestThatSees(vec3 point, int left_out) {
+// What a capture shows at a point relative to its place, as wide as a footprint, with the sky along the ray.
+vec3 Shown(int capture, vec3 o, float footprint, vec3 direction) {
+    vec3 a = abs(o);
+    float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
+    vec4 seen = textureLod(color_cubes, vec4(o, float(capture)), max(log2(footprint / texel), 0.0));
+    vec3 color = Sound(seen.rgb);
+    return seen.a < 1.0 ? color + (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(direction) : color;
+}
+
+// The nearest capture to a point relative to the eye, of those that are not left out and see it, or, if they need not see
+// it, of all; -1 if there is none.
+int Nearest(vec3 point, int left_out, bool must_see) {
     int nearest = -1;
     float least = NEVER;
     for (int k = 0; k < captures.count; ++k) {
         precise vec3 o = point - captures.places[k].xyz;
         float squared = Dot(o, o);
-        if ((left_out >> k & 1) == 0 && squared < least && Sees(k, o)) {
+        if (squared < least && (!must_see || ((left_out >> k & 1) == 0 && Sees(k, o)))) {
             nearest = k;
             least = squared;
         }
@@ -66,7 +80,7 @@ Answer FollowRay(LostRay ray) {
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
     for (int i = 0; i < 2 * MAX_CAPTURES; ++i) {
-        int k = NearestThatSees(point, left_out);
+        int k = Nearest(point, left_out, true);
         if (k < 0)
             break;
         vec3 place = captures.places[k].xyz;
@@ -81,16 +95,9 @@ Answer FollowRay(LostRay ray) {
             break;
         }
         if (followed.how == FOLLOW_HIT) {
-            vec3 o = followed.place;
-            vec3 a = abs(o);
-            float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
-            float level = max(log2(ray.spread * (ray.before + distance) / texel), 0.0);
-            vec4 seen = textureLod(color_cubes, vec4(o, float(k)), level);
             answer.code = PATH_CAPTURE + k;
             answer.place = there;
-            answer.color = Sound(seen.rgb);
-            if (seen.a < 1.0)
-                answer.color += (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
+            answer.color = Shown(k, followed.place, ray.spread * (ray.before + distance), ray.direction);
             break;
         }
         precise float least = Dot(point - ray.start, ray.direction) + 1e-4;
@@ -98,6 +105,11 @@ Answer FollowRay(LostRay ray) {
         left_out = has_moved ? 1 << k : left_out | 1 << k;
         if (has_moved)
             point = there;
+    }
+    if (answer.code == PATH_UNKNOWN && !OVER) {
+        int k = Nearest(point, 0, false);
+        float distance = Dot(point - ray.start, ray.direction);
+        answer.color = Shown(k, point - captures.places[k].xyz, ray.spread * (ray.before + distance), ray.direction);
     }
     return answer;
 }
@@ -109,7 +121,7 @@ void main() {
     LostRay ray = lost.rays[index];
     ivec2 pixel = ivec2(ray.pixel & 0xffffu, ray.pixel >> 16);
     Answer answer = FollowRay(ray);
-    bool has_seen = answer.code != PATH_UNKNOWN && answer.code != PATH_NONE;
+    bool has_seen = answer.code != PATH_NONE && (answer.code != PATH_UNKNOWN || !OVER);
 #ifdef MIRRORS
     if (has_seen) {
         if (COMPOSITE) {
@@ -121,7 +133,7 @@ void main() {
             imageStore(reflection_image, pixel, vec4(answer.color, 1.0));
     }
     if (HITS && answer.code != PATH_NONE)
-        imageStore(hits_image, pixel, vec4(has_seen ? answer.place : vec3(-1.0), float(answer.code)));
+        imageStore(hits_image, pixel, vec4(answer.code != PATH_UNKNOWN ? answer.place : vec3(-1.0), float(answer.code)));
 #elif defined(NARROW)
     if (has_seen) {
         uvec4 words = imageLoad(seen_image, pixel);

@@ -191,6 +191,7 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     int top_level = unified.top_level;
     int bound = MaxSteps();
     vec2 start = ray.start;
+    int border = unified.size.x - 1; // of a face, which is square
     ivec2 far_side = -ahead;     // all bits where a cell's far side is its edge
     ivec2 across = ahead - 1;    // from an edge to the pixel beyond it
     while (walk.level >= 0 && walk.entry < ray.end && walk.steps < bound) {
@@ -228,6 +229,10 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         int low = leaves_x ? first.y : first.x;
         precise float inside = (leaves_x ? start.y : start.x) + last * (leaves_x ? ray.rate.y : ray.rate.x);
         int beside = clamp(int(inside), low, low + (size - 1));
+#ifdef FACES
+        // A ray along the border of a face may be rounded beyond it before it ends, where nothing stands.
+        beside = min(beside, border);
+#endif
         ivec2 onward = ivec2(leaves_x ? edge.x + across.x : beside, leaves_y ? edge.y + across.y : beside);
         bool left_parent = ((leaves_x ? edge.x : edge.y) & size) == 0;
         walk.level = meets ? walk.level - 1 : left_parent ? min(walk.level + 1, top_level) : walk.level;

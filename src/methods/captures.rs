@@ -35,7 +35,8 @@ impl CapturesMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let extent = making.setup.extent;
-        let wants = FollowWants { composite: false, reflection: true, hits: making.hits, behind: making.behind };
+        let (hits, behind) = (making.hits, making.behind);
+        let wants = FollowWants { over: false, composite: false, reflection: true, hits, behind };
         Ok(Self {
             lost: LostRays::new(gpu, extent, true)?,
             follow: making.captures.map(|face| FollowPass::new(gpu, pyramid::strip(face), wants)).transpose()?,

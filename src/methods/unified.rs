@@ -117,7 +117,7 @@ impl UnifiedMethod {
             reflection,
             followed: making.captures.is_some(),
         };
-        let wanted = FollowWants { composite: true, reflection, hits, behind: false };
+        let wanted = FollowWants { over: parts.over, composite: true, reflection, hits, behind: false };
         let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,

@@ -106,6 +106,8 @@ pub struct FollowPass {
 /// What is written of the pixels of mirrors, and where rays begin.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FollowWants {
+    /// Another reflection shows where no image knows what a ray sees.
+    pub over: bool,
     /// The finished image.
     pub composite: bool,
     /// The reflection as an image of its own.
@@ -132,13 +134,13 @@ impl FollowPass {
     /// followed from its beginning stands behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;
-        let FollowWants { composite, reflection, hits, behind } = wanted;
-        let mirrors = programs::FollowMirrorsConstants { strip, composite, reflection, hits };
+        let FollowWants { over, composite, reflection, hits, behind } = wanted;
+        let mirrors = programs::FollowMirrorsConstants { strip, over, composite, reflection, hits };
         Ok(Self {
             begin: ComputePipeline::with(gpu, &programs::BeginInCapturesConstants { behind })?,
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
-            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip })?,
-            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip })?,
+            narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over })?,
+            wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over })?,
         })
     }
 

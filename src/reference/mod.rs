@@ -2,7 +2,8 @@
 //! the GPU's. Nothing here imports `gpu`, `passes` or `methods`, so that agreement is evidence.
 //!
 //! [`oracle`] finds what a ray hits in a G-buffer, [`hierarchy`] finds the same faster, and [`screen`] averages
-//! it over glossy lobes. [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
+//! it over glossy lobes. [`images`] goes on where the screen loses a ray, in captures of the scene ([`capture_data`]).
+//! [`world`] does the same with the scene's triangles (docs/definitions.md, "Oracle" and "Image
 //! error"). [`hi_z`], [`hi_z_ray_trace`], [`visibility`] and [`unified`] are CPU twins of GPU passes.
 
 pub mod capture_data;

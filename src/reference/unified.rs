@@ -370,6 +370,9 @@ impl<'a> Traversal<'a> {
             let inside = (start + last * ray.rate.truncate()).as_ivec2();
             let first = cell << level;
             let mut onward = inside.clamp(first, first + ((1 << level) - 1));
+            if over != Over::Screen {
+                onward = onward.min(self.parameters.size - 1);
+            }
             if crossings.x == exit {
                 onward.x = edge.x - 1 + ahead.x;
             }

@@ -227,7 +227,7 @@ fn rays_that_are_followed_end_where_the_oracle_of_images_says() {
         (followed, ties, wrong) = (followed + all, ties + tied, wrong + others.len());
     }
     println!("{followed} followed, {ties} ties, {wrong} wrong");
-    assert!(wrong * 10_000 <= followed, "{wrong} of {followed}");
+    assert!(wrong * 10_000 <= followed && ties * 10_000 <= followed, "{wrong} and {ties} of {followed}");
     check_validation(&gpu).unwrap();
 }
 
@@ -329,7 +329,7 @@ fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<(DVec2, 
         // The mirror's eye lies below the floor.
         let t = 8.0 / d.z;
         let wall = DVec2::new(t * d.x, -1.6 - t * d.y);
-        let inside = wall.x.abs() < 19.0 && wall.y > 0.3 && wall.y < WALL[1] - 0.5;
+        let inside = wall.x.abs() < 19.0 && wall.y > 1.0 && wall.y < WALL[1] - 0.5;
         let code = PathCode::from_channel(drawn.hits.at(x, y)[3])?;
         let found = drawn.reflection.at(x, y);
         let truth = [(wall.x + 20.0) / WALL[0], wall.y / WALL[1]];
@@ -407,7 +407,7 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
             }
         }
         println!("{place}, {resolution}: {seams} seams, {faces} between faces, {cells} in cells, worst {worst:?}");
-        assert!(seams > 50 && faces > 10 && cells > 2000, "{seams}, {faces}, {cells}");
+        assert!(seams > 50 && faces > 10 && cells > 1000, "{seams}, {faces}, {cells}");
     }
     check_validation(&gpu).unwrap();
 }

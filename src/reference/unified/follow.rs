@@ -229,6 +229,7 @@ impl<'a> CubeWalk<'a> {
         let side = image.parameters.size.x as f32;
         let ndc = Vec2::new(2.0, -2.0) * (start / side - 0.5);
         let change = direction.truncate() - ndc * direction.z;
+        let change = if change == Vec2::ZERO { Vec2::new(1e-20, 0.0) } else { change };
         let change_z = -((depth + image.parameters.depth_offset) * direction.z);
         let ray = image.make_ray(start, pixel, depth, direction, change.extend(change_z));
         if depth.is_nan() || depth >= 1.0 {
