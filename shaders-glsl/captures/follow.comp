@@ -75,7 +75,7 @@ int Nearest(vec3 point, int left_out, bool must_see) {
 }
 
 Answer FollowRay(LostRay ray) {
-    Answer answer = Answer(ray.limit < NEVER ? PATH_NONE : PATH_UNKNOWN, ray.start, vec3(0.0));
+    Answer answer = Answer(PATH_UNKNOWN, ray.start, vec3(0.0));
     vec3 point = ray.start;
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
