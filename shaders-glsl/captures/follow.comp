@@ -40,9 +40,6 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 
 #include "captures/faces.glsl"
 
-// How far beyond the scene the sky is put where a point stands for it, in metres.
-#define SKY_DISTANCE 1e5
-
 struct Answer {
     int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit stands
     vec3 place; // relative to the eye, world axes

@@ -8,8 +8,8 @@ use crate::reference::CaptureData;
 use crate::scene::Camera;
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
-/// `SKY_DISTANCE`.
-const SKY_DISTANCE: f32 = 1e5;
+/// How far away the sky is put, in metres.
+const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
 
 /// Captures as rays of one camera are followed in them.
 #[derive(Debug, Clone)]
