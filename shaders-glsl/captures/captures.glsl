@@ -9,7 +9,7 @@
 // Filled in by src/passes/captures.rs.
 layout(std140, binding = 16) uniform CaptureBlock {
     mat4 view_to_world;          // the camera's; a rotation
-    vec4 places[MAX_CAPTURES];   // from the eye to where each capture was made; w unused
+    vec4 places[CAPTURE_SLOTS];   // from the eye to where each capture was made; w unused
     int count;
     float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint (unified/gloss.glsl)
     float face_unit;             // the same of the faces' cameras

@@ -76,7 +76,7 @@ Answer FollowRay(LostRay ray) {
     vec3 point = ray.start;
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
-    for (int i = 0; i < 2 * MAX_CAPTURES; ++i) {
+    for (int i = 0; i < 2 * CAPTURE_SLOTS; ++i) {
         int k = Nearest(point, left_out, true);
         if (k < 0)
             break;

@@ -38,7 +38,7 @@ const int PATH_MISS_BEHIND = 11;  // `unified`: left the frustum behind geometry
 const int PATH_SKY = 12;          // With captures: ends in the sky.
 const int PATH_UNKNOWN = 13;      // With captures: goes where no image sees it.
 const int PATH_CAPTURE = 16;      // Hit in capture k: this plus k.
-const int MAX_CAPTURES = 8;       // The most captures that a frame takes.
+const int CAPTURE_SLOTS = 8;       // The most captures that a frame takes.
 const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray that captures let into the sky is put.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 

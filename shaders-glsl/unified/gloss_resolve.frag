@@ -144,15 +144,15 @@ void main() {
     if (!WHOLE && !shows)
         discard;
     vec4 reflection = vec4(0.0);
-    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    vec4 color = texelFetch(color_buffer, pixel, 0);
     if (shows) {
         reflection = Reflection(sum);
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
         float reflectivity = imageLoad(material_buffer, pixel).r;
-        color = min(color + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
+        color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
-    out_color = vec4(color, 1.0);
+    out_color = color;
 }
 
 #else
@@ -324,15 +324,15 @@ void main() {
     if (!WHOLE && (!reflects || ListOf(material) != WIDE_LIST))
         discard;
     vec4 reflection = vec4(0.0);
-    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    vec4 color = texelFetch(color_buffer, pixel, 0);
     if (reflects) {
         vec3 normal = imageLoad(normal_buffer, pixel).xyz;
         reflection = Wide(pixel, depth, normal, LobePower(material.g));
         reflection = vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0));
-        color = min(color + material.r * reflection.a * reflection.rgb, GREATEST_HALF);
+        color.rgb = min(color.rgb + material.r * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
-    out_color = vec4(color, 1.0);
+    out_color = color;
 }
 
 #endif

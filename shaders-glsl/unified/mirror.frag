@@ -29,7 +29,7 @@ void main() {
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     out_reflection = vec4(0.0);
-    out_color = vec4(texelFetch(color_buffer, pixel, 0).rgb, 1.0);
+    out_color = texelFetch(color_buffer, pixel, 0);
     if (HITS)
         out_hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
     if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))

@@ -11,7 +11,7 @@ use crate::passes::gbuffer::GBufferPass;
 use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Captures, LIT_COLOR, follow};
+use crate::passes::{Captures, LIT_COLOR, lost};
 use crate::scene::{Camera, Capture, Lens, Material, sky};
 use ash::vk;
 use glam::Vec3;
@@ -115,7 +115,7 @@ impl CaptureImages {
             frame.make_ready(normal.all(), Access::ComputeStorageRead);
             Ok(())
         })?;
-        let face_unit = follow::unit(&Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0));
+        let face_unit = lost::unit(&Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0));
         Ok(Self { pyramid, normal, color, places, face, face_unit })
     }
 

@@ -5,7 +5,8 @@
 use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
-use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
+use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
+use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, Reflection, pyramid, stored_target};
 
 /// The table's row.
@@ -60,7 +61,7 @@ impl Method for CapturesMethod {
         };
         let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
         let block = capture_block(input.camera, Some(&captures));
-        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
+        let beyond = self.lost.beyond(frame, &block, input.scene.map(|scene| scene.data.sky()))?;
         self.lost.clear(frame)?;
         follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: &self.reflection, reflection: Some(&self.reflection) };

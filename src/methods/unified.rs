@@ -63,7 +63,8 @@ use crate::gpu::{Frame, Gpu, Image};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
-use crate::passes::follow::{FollowInput, FollowPass, FollowWants, LostRays, capture_block};
+use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
+use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::UnifiedSetup;
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
@@ -190,7 +191,7 @@ impl Method for UnifiedMethod {
         let followed = self.follow.as_ref().zip(input.captures);
         parameters.sky = i32::from(self.sky && input.scene.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
-        let beyond = self.lost.beyond(&block, input.scene.map(|scene| scene.data.sky()));
+        let beyond = self.lost.beyond(frame, &block, input.scene.map(|scene| scene.data.sky()))?;
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
 
         let pyramid = self.pyramid.record(frame, &gbuffer, &parameters)?;

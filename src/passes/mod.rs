@@ -20,6 +20,7 @@ pub mod lighting;
 pub mod linear_trace;
 #[cfg(feature = "window")]
 pub mod look;
+pub mod lost;
 pub mod mask_chain;
 pub mod pccm;
 pub mod planar;
@@ -347,7 +348,7 @@ impl PathCode {
 
     /// The capture in which a ray hit, by the channel's value.
     pub fn capture(value: f32) -> Option<usize> {
-        (0..constants::MAX_CAPTURES).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
+        (0..constants::CAPTURE_SLOTS).find(|k| value == (constants::PATH_CAPTURE + k) as f32).map(|k| k as usize)
     }
 
     /// Whether the method takes the ray for a hit on the screen.

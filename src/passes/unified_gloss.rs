@@ -2,7 +2,7 @@
 //! neighbours' hits (docs/numerics.md, "Gloss"). A pixel's roughness alone decides whether its lobe is narrow, with a
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
-use super::follow::Beyond;
+use super::lost::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;

@@ -1,7 +1,7 @@
 //! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the composite in the
 //! same pass, over the tiles of a list or over the whole image.
 
-use super::follow::Beyond;
+use super::lost::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, Pyramid};
 use crate::error::Result;

@@ -32,7 +32,7 @@ const STEP_M: f64 = 1e-4;
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum RayEnd {
+pub enum EndInImages {
     /// On the screen: continuous pixel coordinates and reversed depth.
     Screen(DVec3),
     /// In a capture.
@@ -67,7 +67,7 @@ pub enum OnScreen {
     /// There is no ray, or it runs below the surface that it leaves.
     Nothing,
     /// It ends there.
-    Ends(RayEnd),
+    Ends(EndInImages),
     /// The screen loses it.
     Loses(Lost),
 }
@@ -126,12 +126,12 @@ impl<'a> Images<'a> {
     }
 
     /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if it runs below the surface.
-    pub fn trace(&self, x: u32, y: u32) -> Option<RayEnd> {
+    pub fn trace(&self, x: u32, y: u32) -> Option<EndInImages> {
         self.end(self.on_screen(x, y))
     }
 
     /// Where a ray ends of which the screen made this.
-    pub fn end(&self, on_screen: OnScreen) -> Option<RayEnd> {
+    pub fn end(&self, on_screen: OnScreen) -> Option<EndInImages> {
         match on_screen {
             OnScreen::Nothing => None,
             OnScreen::Ends(end) => Some(end),
@@ -173,9 +173,9 @@ impl<'a> Images<'a> {
             }
         }
         match hit {
-            Some(position) if behind.is_none_or(|s| s >= end) => return OnScreen::Ends(RayEnd::Screen(position)),
+            Some(position) if behind.is_none_or(|s| s >= end) => return OnScreen::Ends(EndInImages::Screen(position)),
             None if behind.is_none() && end == 1.0 && segment.end == MissReason::Far => {
-                return OnScreen::Ends(RayEnd::Sky);
+                return OnScreen::Ends(EndInImages::Sky);
             }
             _ => {}
         }
@@ -186,7 +186,7 @@ impl<'a> Images<'a> {
     }
 
     /// Where a ray ends that the screen lost.
-    pub fn follow(&self, lost: &Lost) -> RayEnd {
+    pub fn follow(&self, lost: &Lost) -> EndInImages {
         let (mut point, mut left_out) = (lost.start, Vec::new());
         while let Some(index) = self.nearest_that_sees(point, &left_out) {
             let cube = &self.captures[index];
@@ -194,12 +194,14 @@ impl<'a> Images<'a> {
             let place = at + cube.place;
             let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
             match lost.hit {
-                Some((position, limit)) if how == How::Sky || gone(place) >= limit => return RayEnd::Screen(position),
+                Some((position, limit)) if how == How::Sky || gone(place) >= limit => {
+                    return EndInImages::Screen(position);
+                }
                 _ => {}
             }
             match how {
-                How::Sky => return RayEnd::Sky,
-                How::Hit => return RayEnd::Capture { index, place, texel_m: cube.texel_m(at) },
+                How::Sky => return EndInImages::Sky,
+                How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(at) },
                 _ => {}
             }
             if gone(place) > gone(point) + STEP_M {
@@ -208,7 +210,7 @@ impl<'a> Images<'a> {
             }
             left_out.push(index);
         }
-        lost.hit.map_or(RayEnd::Unknown, |(position, _)| RayEnd::Screen(position))
+        EndInImages::Unknown
     }
 
     fn nearest_that_sees(&self, point: DVec3, left_out: &[usize]) -> Option<usize> {

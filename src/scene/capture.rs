@@ -2,10 +2,11 @@
 //! screen does not (docs/definitions.md, "Captures"). Here is only where they stand; [`super::placement`] finds
 //! places, and a scene file may name them (`[[capture]]`).
 
+use crate::math::constants;
 use glam::Vec3;
 
 /// The most captures that a scene can have.
-pub const MAX_CAPTURES: usize = 8;
+pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;

@@ -67,8 +67,8 @@ pub fn reflection(context: &mut FrameContext, output: &Output) -> Result<Pixels>
     }
 }
 
-/// Where a method takes its rays to end in the world: the places of its hits, and unknown where it misses. `hits` is the
-/// image of [`crate::passes::Hits`], of the G-buffer's size.
+/// Where a method takes its rays to end in the world: the places of its hits on the screen or in captures, the sky where
+/// captures show it, and unknown where it misses. `hits` is the image of [`crate::passes::Hits`], of the G-buffer's size.
 pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let clip_to_view = gbuffer.view_to_clip().inverse();
     let view_to_world = gbuffer.camera.world_to_view.as_dmat4().inverse();
@@ -78,7 +78,14 @@ pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     // The image has standard depth.
     let depths = hits.texels().map(|t| 1.0 - f64::from(t[2]));
     let ends = hit_positions(hits).into_iter().zip(depths).map(|(hit, depth)| hit.map(|p| place((p, depth))));
-    ends.map(|end| end.unwrap_or(RayEnd::Unknown)).collect()
+    let eye = gbuffer.camera.eye().as_dvec3();
+    // In a capture the image holds the place relative to the eye, in world axes.
+    let beyond = |t: &[f32]| match PathCode::from_channel(t[3]) {
+        Some(PathCode::Capture) => RayEnd::Place(eye + Vec3::from_slice(t).as_dvec3()),
+        Some(PathCode::Sky) => RayEnd::Sky,
+        _ => RayEnd::Unknown,
+    };
+    ends.zip(hits.texels()).map(|(end, t)| end.unwrap_or_else(|| beyond(t))).collect()
 }
 
 /// Where a method takes its rays to have hit, in continuous pixel coordinates; `None` for

@@ -30,7 +30,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 ];
 
 /// Modules of `passes` that are no pass: what several of them read.
-const SHARED_BY_PASSES: &[&str] = &["scene_data", "tiles"];
+const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles"];
 
 /// Words that only these files may contain, and do.
 const ONLY_IN: &[(&str, &[&str])] = &[

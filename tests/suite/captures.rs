@@ -14,7 +14,7 @@ use ssct::methods::{EffectParams, SceneInput, Setup, Wants, unified};
 use ssct::passes::PathCode;
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct::reference::images::RayEnd;
+use ssct::reference::images::EndInImages;
 use ssct::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct::reference::{CaptureData, Images};
 use ssct::scene::{Camera, Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
@@ -166,17 +166,17 @@ fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct::reference::unified::Hit
 
 /// Whether an end is what the device says: the same code; in a capture within a texel there, on the screen within a
 /// pixel.
-fn agrees(found: &[f32], data: &GBufferData, end: Option<RayEnd>) -> bool {
+fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
     let place = DVec3::new(found[0].into(), found[1].into(), found[2].into());
     match (end, PathCode::from_channel(found[3])) {
-        (Some(RayEnd::Screen(position)), Some(PathCode::HiZ)) => {
+        (Some(EndInImages::Screen(position)), Some(PathCode::HiZ)) => {
             let px = place.truncate() * DVec2::new(data.width.into(), data.height.into());
             (px - position.truncate()).abs().max_element() <= 1.0
         }
-        (Some(RayEnd::Capture { index, place: at, texel_m }), Some(PathCode::Capture)) => {
+        (Some(EndInImages::Capture { index, place: at, texel_m }), Some(PathCode::Capture)) => {
             PathCode::capture(found[3]) == Some(index) && place.distance(at) <= texel_m
         }
-        (Some(RayEnd::Sky), Some(PathCode::Sky)) | (Some(RayEnd::Unknown), Some(PathCode::Unknown)) => true,
+        (Some(EndInImages::Sky), Some(PathCode::Sky)) | (Some(EndInImages::Unknown), Some(PathCode::Unknown)) => true,
         _ => false,
     }
 }

@@ -10,8 +10,8 @@ use ssct::math::random::Stream;
 use ssct::methods::{self, Setup, Wants, unified};
 use ssct::passes::classify::ClassifyPass;
 use ssct::passes::color_chain::ColorChainPass;
-use ssct::passes::follow::{LostRays, capture_block};
 use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::lost::{LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
@@ -74,7 +74,7 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     };
     let lost = LostRays::new(gpu, extent, false).unwrap();
     let block = capture_block(&data.camera, None);
-    let beyond = lost.beyond(&block, None);
+    let beyond = lost.beyond(&mut frame, &block, None).unwrap();
     let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond };
     if known.narrow {
         gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();

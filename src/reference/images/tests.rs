@@ -73,7 +73,7 @@ fn an_empty_room_shows_its_walls_where_they_are() {
         let (start, direction) = (0.95 * room.half * random.direction(), random.direction().normalize());
         let end = images.follow(&Lost { start, direction, hit: None });
         match (end, room.hit(start, direction)) {
-            (RayEnd::Capture { place, texel_m, .. }, Some((t, normal))) => {
+            (EndInImages::Capture { place, texel_m, .. }, Some((t, normal))) => {
                 let truth = start + t * direction;
                 // A wall is steps of a texel; a ray that grazes it meets them a texel by the slope earlier or later.
                 let allowed = 2.0 * texel_m * (1.0 + 1.0 / normal.dot(direction).abs());
@@ -81,7 +81,7 @@ fn an_empty_room_shows_its_walls_where_they_are() {
                 walls += 1;
             }
             // Outside, the roof hides it from the capture.
-            (RayEnd::Sky | RayEnd::Unknown, None) => skies += 1,
+            (EndInImages::Sky | EndInImages::Unknown, None) => skies += 1,
             // At the border of the hole.
             (_, truth) => {
                 let t = truth.map_or_else(|| (2.0 - start.y) / direction.y, |(t, _)| t);
@@ -104,17 +104,17 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     let start = DVec3::new(1.5, 0.0, 0.5);
     let lost = Lost { start, direction: (DVec3::new(0.0, 0.3, 4.0) - start).normalize(), hit: None };
     let one = [near.clone()];
-    assert_eq!(Images::new(&screen, &one).follow(&lost), RayEnd::Unknown);
+    assert_eq!(Images::new(&screen, &one).follow(&lost), EndInImages::Unknown);
     let two = [near, beside];
-    let RayEnd::Capture { index: 1, place, texel_m } = Images::new(&screen, &two).follow(&lost) else {
+    let EndInImages::Capture { index: 1, place, texel_m } = Images::new(&screen, &two).follow(&lost) else {
         panic!("no hit")
     };
     assert!(place.distance(DVec3::new(0.0, 0.3, 4.0)) < 2.0 * texel_m, "{place}");
     // What the screen hit stands if nothing is nearer, and does not otherwise.
     let hit = |limit: f64| Lost { hit: Some((DVec3::ONE, limit)), ..lost };
-    assert_eq!(Images::new(&screen, &two).follow(&hit(1.0)), RayEnd::Screen(DVec3::ONE));
-    assert!(matches!(Images::new(&screen, &two).follow(&hit(9.0)), RayEnd::Capture { index: 1, .. }));
-    assert_eq!(Images::new(&screen, &one).follow(&hit(9.0)), RayEnd::Screen(DVec3::ONE), "nothing else is known");
+    assert_eq!(Images::new(&screen, &two).follow(&hit(1.0)), EndInImages::Screen(DVec3::ONE));
+    assert!(matches!(Images::new(&screen, &two).follow(&hit(9.0)), EndInImages::Capture { index: 1, .. }));
+    assert_eq!(Images::new(&screen, &one).follow(&hit(9.0)), EndInImages::Screen(DVec3::ONE), "nothing else is known");
 }
 
 /// How the ends of rays compare.
@@ -145,13 +145,13 @@ impl Count {
 }
 
 /// Whether the twin ends where the oracle does: by the same code, and in a capture within a texel.
-fn agrees(twin: &Answer, oracle: RayEnd) -> bool {
+fn agrees(twin: &Answer, oracle: EndInImages) -> bool {
     match (twin.ended, oracle) {
-        (Ended::Capture(k), RayEnd::Capture { index, place, texel_m }) => {
+        (Ended::Capture(k), EndInImages::Capture { index, place, texel_m }) => {
             k == index && twin.place.as_dvec3().distance(place) <= texel_m
         }
         (ended, end) => {
-            (ended == Ended::Sky && end == RayEnd::Sky) || (ended == Ended::Unknown && end == RayEnd::Unknown)
+            (ended == Ended::Sky && end == EndInImages::Sky) || (ended == Ended::Unknown && end == EndInImages::Unknown)
         }
     }
 }
@@ -246,8 +246,8 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
         let count = &mut counts[kind as usize];
         *count = count.add(Count {
             rays: 1,
-            hits: u64::from(matches!(truth, RayEnd::Capture { .. })),
-            unknown: u64::from(truth == RayEnd::Unknown),
+            hits: u64::from(matches!(truth, EndInImages::Capture { .. })),
+            unknown: u64::from(truth == EndInImages::Unknown),
             ties: u64::from(is_tie),
             wrong: u64::from(!agrees_at_once && !is_tie),
             most_steps: found.steps,
@@ -314,7 +314,7 @@ fn captures_that_see_nothing_leave_every_end_unknown() {
             if start.abs().max_element() < 0.1 {
                 continue;
             }
-            assert_eq!(images.follow(&Lost { start, direction, hit: None }), RayEnd::Unknown);
+            assert_eq!(images.follow(&Lost { start, direction, hit: None }), EndInImages::Unknown);
             let lost = LostRay { start: start.as_vec3(), limit: 1e30, direction: direction.as_vec3() };
             assert_eq!(twin.follow_ray(&lost).ended, Ended::Unknown);
         }

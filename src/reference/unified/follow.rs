@@ -98,7 +98,7 @@ enum How {
 
 impl<'a> CubeWalk<'a> {
     /// The most faces that a ray is followed over: seven each time that it goes on in a capture.
-    pub const MAX_FACES: i32 = 7 * 2 * constants::MAX_CAPTURES;
+    pub const MAX_FACES: i32 = 7 * 2 * constants::CAPTURE_SLOTS;
 
     /// The most cells that a ray looks at.
     pub fn max_steps(&self) -> i32 {
@@ -152,10 +152,9 @@ impl<'a> CubeWalk<'a> {
 
     /// `FollowRay`.
     pub fn follow_ray(&self, ray: &LostRay) -> Answer {
-        let ended = if ray.limit < NEVER { Ended::Screen } else { Ended::Unknown };
-        let mut answer = Answer { ended, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
+        let mut answer = Answer { ended: Ended::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
         let (mut point, mut left_out) = (ray.start, 0_u32);
-        for _ in 0..2 * constants::MAX_CAPTURES {
+        for _ in 0..2 * constants::CAPTURE_SLOTS {
             let Some(k) = self.nearest_that_sees(point, left_out) else { break };
             let place = self.places[k];
             let (how, followed) = self.follow(k, point - place, ray.direction, &mut answer);

@@ -1,0 +1,103 @@
+//! What the passes that trace the screen share with those that follow rays through captures: the list of rays that the
+//! screen lost, the camera among the captures, and the sky.
+
+use super::Captures;
+use super::tiles::{self, TILE};
+use crate::error::Result;
+use crate::gpu::memory::Place;
+use crate::gpu::shader::CaptureBlock;
+use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, Sampled};
+use crate::scene::Camera;
+use ash::vk;
+
+/// Bytes of a ray in the list (`LostRay` of `shaders-glsl/captures/lost.glsl`).
+const RAY_BYTES: u64 = 48;
+
+/// What the passes that trace the screen need to show the sky along a ray, and to hand on rays that the screen lost.
+pub struct LostRays {
+    counts: Buffer,
+    rays: Buffer,
+    /// In place of a scene's sky, where there is no scene: black.
+    no_sky: Image,
+}
+
+/// What those passes bind.
+#[derive(Clone, Copy)]
+pub struct Beyond<'a> {
+    /// The camera among the captures.
+    pub block: &'a CaptureBlock,
+    /// The sky in world axes.
+    pub sky: Sampled<'a>,
+    /// How many rays there are.
+    pub counts: &'a Buffer,
+    /// The rays.
+    pub rays: &'a Buffer,
+}
+
+impl LostRays {
+    /// Room for a ray of each pixel, or for none where there are no captures to follow them in.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], followed: bool) -> Result<Self> {
+        use vk::BufferUsageFlags as U;
+        // Tiles at the border overlap, so that a ray may be on the list twice.
+        let tiles: u64 = tiles::count(extent).into_iter().map(u64::from).product();
+        let count = if followed { tiles * u64::from(TILE * TILE) } else { 1 };
+        let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
+        Ok(Self {
+            counts: Buffer::new(gpu, "lost counts", 16, usage, Place::Device)?,
+            rays: Buffer::new(gpu, "lost rays", RAY_BYTES * count, U::STORAGE_BUFFER, Place::Device)?,
+            no_sky: Image::new(
+                gpu,
+                &ImageDesc {
+                    name: "no sky",
+                    format: vk::Format::R16G16B16A16_SFLOAT,
+                    extent: [1, 1],
+                    levels: 1,
+                    layers: 6,
+                    usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST,
+                },
+            )?,
+        })
+    }
+
+    /// Pass "lost/clear", where rays are followed: there are none yet.
+    pub fn clear(&self, frame: &mut Frame) -> Result<()> {
+        frame.fill("lost/clear", &self.counts, 0)
+    }
+
+    /// What a pass binds, with the scene's sky; without a scene it is black, by the pass "no sky".
+    pub fn beyond<'a>(
+        &'a self,
+        frame: &mut Frame,
+        block: &'a CaptureBlock,
+        sky: Option<&'a Image>,
+    ) -> Result<Beyond<'a>> {
+        if sky.is_none() {
+            frame.clear("no sky", self.no_sky.all(), [0.0; 4])?;
+        }
+        let sky = Sampled::trilinear(sky.unwrap_or(&self.no_sky).all());
+        Ok(Beyond { block, sky, counts: &self.counts, rays: &self.rays })
+    }
+}
+
+/// The block of a camera among captures, or without any.
+pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlock {
+    let mut block = CaptureBlock::default();
+    let mut rotation = camera.world_to_view.as_dmat4().inverse();
+    rotation.w_axis = glam::DVec4::W;
+    block.view_to_world = rotation.as_mat4().to_cols_array_2d();
+    block.view_unit = unit(camera);
+    if let Some(captures) = captures {
+        let eye = camera.eye();
+        for (place, of) in block.places.iter_mut().zip(captures.places) {
+            *place = (*of - eye).extend(0.0).to_array();
+        }
+        block.count = captures.places.len().min(block.places.len()) as i32;
+        block.face_unit = captures.face_unit;
+    }
+    block
+}
+
+/// near (1 + k) of a camera, k = near / (far - near): reversed depth plus k is this over z.
+pub fn unit(camera: &Camera) -> f32 {
+    camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32
+}
