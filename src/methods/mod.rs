@@ -39,6 +39,8 @@ pub struct Input<'a, 's> {
     pub camera: &'s Camera,
     /// The scene itself; `None` where only a G-buffer is known.
     pub scene: Option<SceneInput<'s>>,
+    /// What a surface that shows the environment shows, as a cube map in world axes, where it is known.
+    pub sky: Option<&'s Image>,
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
     /// The reflection that stands in front of what the method makes, for one that is a fallback.
@@ -48,7 +50,7 @@ pub struct Input<'a, 's> {
 impl<'a, 's> Input<'a, 's> {
     /// A G-buffer without its scene.
     pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
-        Self { gbuffer, camera, scene: None, captures: None, in_front: None }
+        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None }
     }
 
     /// The scene, for a method that can't do without.
@@ -217,7 +219,7 @@ impl MethodInfo {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
-            "captures" | "capture_side" => self.takes_captures || self.is_screen_space(),
+            "captures" | "capture_side" => self.takes_captures,
             "definitions" => true,
             _ => self.is_screen_space(),
         };

@@ -189,9 +189,9 @@ impl Method for UnifiedMethod {
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let followed = self.follow.as_ref().zip(input.captures);
-        parameters.sky = i32::from(self.sky && input.scene.is_some());
+        parameters.sky = i32::from(self.sky && input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
-        let beyond = self.lost.beyond(frame, &block, input.scene.map(|scene| scene.data.sky()))?;
+        let beyond = self.lost.beyond(frame, &block, input.sky)?;
         let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
 
         let pyramid = self.pyramid.record(frame, &gbuffer, &parameters)?;

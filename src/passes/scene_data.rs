@@ -220,8 +220,8 @@ fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
     Ok(made)
 }
 
-/// The generated sky as a cube map.
-fn environment(context: &mut FrameContext) -> Result<Image> {
+/// The generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
+pub fn environment(context: &mut FrameContext) -> Result<Image> {
     let made = Image::new(
         context.gpu(),
         &ImageDesc {

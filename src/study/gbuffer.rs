@@ -8,6 +8,7 @@ use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
 use crate::metrics::place::RayEnd;
 use crate::passes::PathCode;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::scene_data;
 use crate::scene::{GBufferData, Surface};
 use glam::Vec3;
 
@@ -49,9 +50,13 @@ pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup
     let images = GBufferImages::upload(&mut context, data)?;
     let setup = setup.at([data.width, data.height]);
     let effect = Effect::new(&mut context, method, &setup, Wants::REFLECTION, None)?;
+    // The sky of a G-buffer is that of the built-in environment.
+    let shows_sky = data.surface.contains(&Surface::Sky);
+    let sky = shows_sky.then(|| scene_data::environment(&mut context)).transpose()?;
     let mut frame = context.begin(Mode::Plain)?;
     frame.begin_effect();
-    let output = effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &data.camera))?;
+    let input = Input { sky: sky.as_ref(), ..Input::of_screen(images.gbuffer(), &data.camera) };
+    let output = effect.record(&mut frame, &input)?;
     frame.finish()?;
     Ok(Reflected {
         composite: context.read(output.composite.level(0))?,

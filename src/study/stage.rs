@@ -162,6 +162,9 @@ impl Shot {
     ) -> Result<Output<'s>> {
         let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
         let scene = SceneInput { data, materials: &self.materials };
-        self.effect.record(frame, &Input { scene: Some(scene), ..Input::of_screen(gbuffer, &of.camera) })
+        self.effect.record(
+            frame,
+            &Input { scene: Some(scene), sky: Some(data.sky()), ..Input::of_screen(gbuffer, &of.camera) },
+        )
     }
 }

@@ -262,7 +262,11 @@ fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
         match twin {
             Some((reflection, color)) => check_shown(shown, [reflection, color.extend(1.0)], way.over, count),
             // Nothing is rounded there.
-            None => count.wrong += usize::from(shown != [Vec4::ZERO, data.color[data.index(x, y)].extend(1.0)]),
+            None => {
+                let i = data.index(x, y);
+                let lit = if data.surface[i] == Surface::Lit { 1.0 } else { 0.0 };
+                count.wrong += usize::from(shown != [Vec4::ZERO, data.color[i].extend(lit)]);
+            }
         }
     }
     for cell in pixels(drawn.wide.width, drawn.wide.height) {

@@ -114,7 +114,7 @@ fn a_capture_loses_a_ray_behind_a_sphere_and_another_finds_it() {
     let hit = |limit: f64| Lost { hit: Some((DVec3::ONE, limit)), ..lost };
     assert_eq!(Images::new(&screen, &two).follow(&hit(1.0)), EndInImages::Screen(DVec3::ONE));
     assert!(matches!(Images::new(&screen, &two).follow(&hit(9.0)), EndInImages::Capture { index: 1, .. }));
-    assert_eq!(Images::new(&screen, &one).follow(&hit(9.0)), EndInImages::Screen(DVec3::ONE), "nothing else is known");
+    assert_eq!(Images::new(&screen, &one).follow(&hit(9.0)), EndInImages::Unknown, "no capture follows it that far");
 }
 
 /// How the ends of rays compare.

@@ -18,6 +18,7 @@ use crate::methods::{Effect, Input, MethodInfo, Setup, Wants, unified};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
+use crate::passes::scene_data;
 use crate::reference::first_hits::PrimaryRays;
 use crate::reference::hierarchy::Hierarchy;
 use crate::reference::screen::{Sampling, ScreenReference};
@@ -202,6 +203,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
     let mut context = FrameContext::new(spec.gpu)?;
     let effect = |m: &&'static MethodInfo| Ok((*m, Effect::new(&mut context, m, &spec.setup, Wants::HITS, None)?));
     let effects = spec.methods.iter().map(effect).collect::<Result<Vec<_>>>()?;
+    let sky = scene_data::environment(&mut context)?;
     let mut records = Vec::new();
     for storage in Storage::ladder() {
         let stored = storage.store(&truth.exact);
@@ -223,7 +225,7 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
             let images = if method.name == unified::INFO.name { &own } else { &wide };
             let mut frame = context.begin(Mode::Plain)?;
             frame.begin_effect();
-            let input = Input::of_screen(images.gbuffer(), &stored.camera);
+            let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
             let output = effect.record(&mut frame, &input)?;
             frame.finish()?;
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();

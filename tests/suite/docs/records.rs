@@ -25,6 +25,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["least-agreement"] => least_agreement(first)?,
         ["versions"] => versions(folders)?,
         ["definitions"] => definitions(folders)?,
+        ["beyond", roughness] => beyond(folders, roughness)?,
         ["noise", roughness] => noise(folders, roughness)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
         ["methods"] => methods(first)?,
@@ -345,6 +346,41 @@ fn definitions(folders: &[PathBuf]) -> Result<String> {
     rows.push(vec!["*floor of the screen*".to_owned(), none(), none(), none(), floor("0"), floor("0.1")]);
     let head = ["method", "right places, ϱ 0", "screen, ϱ 0", "screen, ϱ 0.1", "world, ϱ 0", "world, ϱ 0.1"];
     table(&head, rows)
+}
+
+/// What captures gain against the world at a roughness, a scene's views a row: medians of the errors, and `unified` over
+/// `ssct`.
+fn beyond(folders: &[PathBuf], roughness: &str) -> Result<String> {
+    let row = |folder: &PathBuf| -> Result<Vec<String>> {
+        let records = json(folder, "error.json")?;
+        let of = |method: &str, field: &str| figures(&records, method, "world", roughness, field);
+        let error = |method: &str| median(&of(method, "rmse")).map(|m| format!("{m:.3}"));
+        let over = |field: &str| -> Result<String> {
+            let (own, other) = (of("unified", field), of("ssct", field));
+            if own.len() != other.len() {
+                return Err(format!("{}: not every view has both methods", folder.display()));
+            }
+            median_and_greatest(&own.iter().zip(other).map(|(a, b)| a / b).collect::<Vec<_>>())
+        };
+        let places = of("unified", "place_agreement");
+        let right =
+            median(&places).map_or("–".to_owned(), |m| format!("{} ({})", percent(m, 1), percent(least(&places), 1)));
+        let floor = median(&of("ssct", "floor")).map_or("–".to_owned(), |m| format!("{m:.3}"));
+        let scene = names(&records, "scene").join(", ");
+        let (rmse, time) = (over("rmse")?, over("time_ms")?);
+        Ok(vec![scene, error("ssct")?, error("captures")?, error("unified")?, floor, rmse, right, time])
+    };
+    let head = [
+        "scene",
+        "`ssct`",
+        "`captures`",
+        "`unified`",
+        "floor",
+        "`unified` over `ssct`",
+        "right places",
+        "time over `ssct`",
+    ];
+    table(&head, folders.iter().map(row).collect::<Result<_>>()?)
 }
 
 /// The greatest standard error of the world reference at a roughness.

@@ -56,6 +56,9 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("fade", "off"),
         ("fallback", "environment"),
         ("oracle", "2"),
+        ("captures", "1"),
+        ("capture-side", "128"),
+        ("definitions", "1"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
@@ -76,13 +79,16 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         assert!(frame(&mut bench, info, &not_refused(info, not)) == default, "{}: what it does not read", info.name);
         for option in read {
             // In this scene, no quad is behind another one or behind anything else.
-            if info.name == "billboard" {
+            // The version of the definitions is what the references judge by.
+            if info.name == "billboard" || option.0 == "definitions" {
                 continue;
             }
             // Where distances are blurred, the chain is made.
-            let blurred = ("distance-blur", "on");
+            let (blurred, captured) = (("distance-blur", "on"), ("captures", "1"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
+                // Where there are captures, they have a side.
+                ("unified", "capture-side") => (vec![captured, option], frame(&mut bench, info, &[captured])),
                 _ => (vec![option], default.clone()),
             };
             assert!(frame(&mut bench, info, &with) != without, "{}: {option:?} changes nothing", info.name);
