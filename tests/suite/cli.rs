@@ -57,7 +57,11 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
             2,
             "only screen-space methods have a fallback, and pccm is none",
         ),
-        (aimed(&["--method", "ssct", "--fallback", "mirror"]), 2, "[possible values: none, environment, pccm, captures]"),
+        (
+            aimed(&["--method", "ssct", "--fallback", "mirror"]),
+            2,
+            "[possible values: none, environment, pccm, captures]",
+        ),
         (room(&["--view", "nowhere"]), 2, "has no view \"nowhere\"; it has: "),
         (render(&["--size", "0x10"]), 2, "has no pixels"),
         (render(&["--size", "10x0"]), 2, "has no pixels"),

@@ -6,8 +6,8 @@ use glam::Vec3;
 use rayon::prelude::*;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
-use ssct::math::OracleVersion;
 use ssct::math::random::Stream;
+use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
 use ssct::metrics::hits::HitAgreement;
 use ssct::passes::gbuffer::GBufferImages;
@@ -423,15 +423,18 @@ fn over_tiles_nothing_of_an_earlier_frame_shows() {
 #[test]
 fn every_way_to_draw_makes_the_same_image() {
     // Whole, where all that reflects does so in one way; over lists, if nothing is known; with hits beside.
+    // Alone, the method is not given the sky.
+    let v1 = DefinitionsVersion::V1;
     let gpu = gpu();
     let _compiled = compiled(&gpu);
     let corridor = Corridor::new();
     let (extent, camera) = (corridor.extent, corridor.camera);
+    let setup = || Setup::new(extent).with(|p: &mut EffectParams| p.definitions = v1);
     let mut stage = Stage::new(&gpu, &corridor.scene).unwrap();
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
         let images = |stage: &mut Stage, hits: bool, known: bool| {
-            let (setup, wants) = (Setup::new(extent), Wants { hits, reflection: true });
+            let (setup, wants) = (setup(), Wants { hits, reflection: true });
             let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
             // With hits, too, it is drawn whole: what is compared with the oracle is what is timed.
@@ -452,7 +455,7 @@ fn every_way_to_draw_makes_the_same_image() {
         }
         // Without a reflection of its own, the image is the same.
         let mut composite = |reflection: bool| {
-            let (setup, wants) = (Setup::new(extent), Wants { hits: false, reflection });
+            let (setup, wants) = (setup(), Wants { hits: false, reflection });
             let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (_, _, output) = stage.output(&shot).unwrap();
             assert_eq!(output.traced.reflection.is_some(), reflection);
