@@ -311,9 +311,11 @@ const CELL: f64 = 2.0;
 /// Steps of the wall's picture, of 16-bit floats and of the sky that is none: what colours are rounded by.
 const ROUNDING: f64 = 0.008;
 
-/// The reflections of the ramp in the floor: for each pixel the point of the wall that it shows, how its ray ended, and
-/// by how much its colour is off.
-fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<(DVec2, PathCode, f64)>>) {
+/// The point of the wall that a pixel shows, how its ray ended, and by how much its colour is off.
+type Texel = (DVec2, PathCode, f64);
+
+/// The reflections of the ramp in the floor, a texel for each pixel that shows the wall.
+fn seams(gpu: &Gpu, place: Vec3, resolution: u32) -> (Drawn, Vec<Option<Texel>>) {
     let scene = with_captures(ramp(), &[place], resolution);
     let view = View { eye: Vec3::new(0.0, 1.6, 0.0), look_at: Vec3::new(0.0, 0.2, 4.0), ..View::default() };
     let extent = [160, 120];
