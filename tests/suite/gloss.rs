@@ -5,7 +5,7 @@ use crate::common::gpu;
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::{DefinitionsVersion, OracleVersion};
-use ssct::methods::{self, Setup, Wants};
+use ssct::methods::{self, EffectParams, Setup, Wants};
 use ssct::metrics::image::masked_rmse;
 use ssct::reference::screen::{Sampling, ScreenReference};
 use ssct::scene::{GBufferData, View, library};
@@ -29,7 +29,9 @@ fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f
 }
 
 fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
-    let setup = Setup::new([data.width, data.height]);
+    // As the reference here, by version 1 of the definitions.
+    let v1 = DefinitionsVersion::V1;
+    let setup = Setup::new([data.width, data.height]).with(|p: &mut EffectParams| p.definitions = v1);
     reflect(gpu, data, methods::find(method).unwrap(), &setup).unwrap().reflection
 }
 
