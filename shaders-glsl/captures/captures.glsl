@@ -1,17 +1,17 @@
-// The captures of a scene, and the sky, as every pass knows them that has to do with either. Directions are in world
-// axes; places are relative to the camera's eye, in metres, so that large scenes lose no precision.
+// What passes know of the captures of a scene and of its sky. Directions are in world axes; places are relative to the
+// camera's eye, in metres, so that large scenes lose no precision.
 
 #ifndef CAPTURES_CAPTURES_GLSL
 #define CAPTURES_CAPTURES_GLSL
 
 #include "unified/parameters.glsl"
 
-// Filled in by src/passes/captures.rs.
+// Filled in by src/passes/lost.rs.
 layout(std140, binding = 16) uniform CaptureBlock {
     mat4 view_to_world;          // the camera's; a rotation
-    vec4 places[CAPTURE_SLOTS];   // from the eye to where each capture was made; w unused
+    vec4 places[CAPTURE_SLOTS];  // from the eye to where each capture was made; w unused
     int count;
-    float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint (unified/gloss.glsl)
+    float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint
     float face_unit;             // the same of the faces' cameras
 } captures;
 

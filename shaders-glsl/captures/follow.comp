@@ -9,11 +9,11 @@
 // shows (`--fallback`), or, without anything behind, what hides the point from the nearest capture: the ray most likely
 // hits that.
 
-layout(local_size_x = 64) in; // LOST_GROUP
-
 #define LOST_ACCESS readonly
 #define FACES
 #include "captures/lost.glsl"
+
+layout(local_size_x = LOST_GROUP) in;
 
 layout(constant_id = 9) const bool OVER = false; // another reflection shows where this one misses
 
@@ -55,8 +55,8 @@ vec3 Shown(int capture, vec3 o, float footprint, vec3 direction) {
     return seen.a < 1.0 ? color + (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(direction) : color;
 }
 
-// The nearest capture to a point relative to the eye, of those that are not left out and see it, or, if they need not see
-// it, of all; -1 if there is none.
+// The nearest capture to a point relative to the eye; -1 if there is none. It is one that sees the point and is not left
+// out, unless any will do.
 int Nearest(vec3 point, int left_out, bool must_see) {
     int nearest = -1;
     float least = NEVER;
@@ -97,7 +97,7 @@ Answer FollowRay(LostRay ray) {
             answer.color = Shown(k, followed.place, ray.spread * (ray.before + distance), ray.direction);
             break;
         }
-        precise float least = Dot(point - ray.start, ray.direction) + 1e-4;
+        precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
         bool has_moved = distance > least;
         left_out = has_moved ? 1 << k : left_out | 1 << k;
         if (has_moved)

@@ -38,8 +38,9 @@ const int PATH_MISS_BEHIND = 11;  // `unified`: left the frustum behind geometry
 const int PATH_SKY = 12;          // With captures: ends in the sky.
 const int PATH_UNKNOWN = 13;      // With captures: goes where no image sees it.
 const int PATH_CAPTURE = 16;      // Hit in capture k: this plus k.
-const int CAPTURE_SLOTS = 8;       // The most captures that a frame takes.
+const int CAPTURE_SLOTS = 8;      // The most captures that a frame takes.
 const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray that captures let into the sky is put.
+const float GETS_ON = 1e-4;       // A ray that a capture loses has got on in it if it went farther than this, in metres.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 
 // Roughness above which `unified` takes a lobe for wide. Up to this, a ray a pixel is traced; above, one for 2 x 2, of
@@ -63,7 +64,7 @@ const float WIDE_FOOTPRINTS = 25.0;   // Footprints to a wide lobe: one a ray.
 // than at this point. (A normal that a map has turned sends rays below the surface, which end in the next pixel.)
 const float NEAR_HIT = 8.0;
 const float FAR_AWAY = 1e3;           // So many times as far away the point of such a hit is put.
-const float FAR_SKY = 1e6;            // So far away, in units of ViewPoint, the point of a ray that ends in the sky is put.
+const float FAR_SKY = 1e6;            // So far away, in units of ViewPoint, the point of a ray that the screen lets into the sky is put.
 // What a ray or a cell weighs at least, so that a pixel without a fitting neighbour takes what there is.
 const float LEAST_WEIGHT = 1e-4;
 const float LOG_DENSITY_BIAS = 64.0;  // Makes the logarithm to base 2 of any lobe's density positive.

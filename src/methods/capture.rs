@@ -12,18 +12,13 @@ use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, LIT_COLOR, lost};
-use crate::scene::{Camera, Capture, Lens, Material, sky};
+use crate::scene::capture::face_camera;
+use crate::scene::{Capture, Material};
 use ash::vk;
 use glam::Vec3;
 
-/// A quarter turn, so that six images close up. Reversed depth in floats bears the range.
-const LENS: Lens = Lens { fov_y_radians: std::f32::consts::FRAC_PI_2, near_m: 0.01, far_m: 10_000.0 };
-
-/// The camera of a cube map's face, in Vulkan's order +x −x +y −y +z −z. Its image is the face as it
-/// lies in memory: [`Camera::new`] turns up and down as the faces of the poles need it.
-pub fn face_camera(position: Vec3, face: usize) -> Camera {
-    Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), LENS, 1.0)
-}
+/// Near plane of the faces of a cube map, in metres.
+const NEAR_M: f32 = 0.01;
 
 /// Draws the scene around some places, with its lighting, and filters what was drawn: one map a place.
 pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<Vec<Image>> {
@@ -35,7 +30,7 @@ pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) 
     let mut maps = Vec::with_capacity(places.len());
     for place in places {
         for face in 0..6 {
-            let camera = face_camera(*place, face);
+            let camera = face_camera(*place, face, NEAR_M);
             context.once(|frame| {
                 gbuffer.record(frame, scene.data, scene.materials, &camera)?;
                 let images = gbuffer.gbuffer();
@@ -71,7 +66,8 @@ impl CaptureImages {
         let gpu: Gpu = context.gpu().clone();
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
         let extent = [taken.first().map_or(1, |c| c.resolution); 2];
-        let lens = Lens { near_m: taken.iter().map(|c| c.near_m).fold(LENS.far_m, f32::min), ..LENS };
+        let near_m = taken.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
+        let forward = face_camera(Vec3::ZERO, 4, near_m);
         let gbuffer = GBufferPass::new(&gpu, extent)?;
         let lighting = LightingPass::without_sky(&gpu)?;
         let pyramids = PyramidPass::new(&gpu, extent)?;
@@ -90,10 +86,10 @@ impl CaptureImages {
         let pyramid = Image::array(&gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?;
         let normal = Image::array(&gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?;
         let color = Image::cubes(&gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?;
-        let face = super::unified::parameters(&Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0), extent, false);
+        let face = super::unified::parameters(&forward, extent, false);
         for (k, place) in places.iter().enumerate() {
             for f in 0..6 {
-                let camera = Camera { lens, ..face_camera(*place, f) };
+                let camera = face_camera(*place, f, near_m);
                 let layer = (6 * k + f) as u32;
                 context.once(|frame| {
                     gbuffer.record(frame, scene.data, scene.materials, &camera)?;
@@ -115,8 +111,7 @@ impl CaptureImages {
             frame.make_ready(normal.all(), Access::ComputeStorageRead);
             Ok(())
         })?;
-        let face_unit = lost::unit(&Camera::new(Vec3::ZERO, Vec3::Z, lens, 1.0));
-        Ok(Self { pyramid, normal, color, places, face, face_unit })
+        Ok(Self { pyramid, normal, color, places, face, face_unit: lost::unit(&forward) })
     }
 
     /// The captures as methods take them.
@@ -144,25 +139,4 @@ pub fn filtered_sky(context: &mut FrameContext, scene: &SceneData) -> Result<Ima
 pub fn captured_of(materials: &[Material]) -> Vec<Material> {
     let bare = |m: &Material| Material { reflectivity: 0.0, reflectivity_map: None, roughness: 0.0, ..m.clone() };
     materials.iter().map(bare).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::Vec4Swizzles;
-
-    #[test]
-    fn a_face_camera_sees_the_directions_of_its_texels() {
-        let position = Vec3::new(3.0, -1.0, 2.0);
-        for face in 0..6 {
-            let camera = face_camera(position, face);
-            for (u, v) in [(0.5, 0.5), (0.1, 0.5), (0.5, 0.1), (0.9, 0.8)] {
-                let world = position + 5.0 * sky::face_direction(face, u, v);
-                let clip = camera.view_to_clip() * camera.world_to_view * world.extend(1.0);
-                let ndc = clip.xy() / clip.w;
-                let seen = glam::Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
-                assert!(clip.w > 0.0 && seen.abs_diff_eq(glam::Vec2::new(u, v), 1e-5), "{face}: {seen}");
-            }
-        }
-    }
 }

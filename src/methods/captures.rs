@@ -7,7 +7,7 @@ use crate::error::Result;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{LostRays, capture_block};
-use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, Reflection, pyramid, stored_target};
+use crate::passes::{Canvas, HITS, Hits, LIT_COLOR, NO_HIT, Reflection, pyramid, stored_target};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -28,9 +28,6 @@ pub struct CapturesMethod {
     reflection: Image,
     hits: Option<Image>,
 }
-
-/// Where a pixel is that no ray begins in.
-const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
 
 impl CapturesMethod {
     /// Makes pipelines and images.

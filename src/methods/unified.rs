@@ -34,6 +34,11 @@
 //! the pyramid, at the pixel before. A miss is black, and a wrong hit is often a better guess than that, so that it is
 //! a choice.
 //!
+//! **Beyond the screen.** With captures (`--captures`) the screen is one image of the scene among several. A ray that the
+//! screen loses, because it leaves the screen or goes behind something, goes on through cubes of images with the same
+//! pyramid, by the same traversal ([`follow`](crate::passes::follow)). With captures the method hits only what it meets
+//! from in front, and nothing fades at the screen's border.
+//!
 //! **Only what is needed.** If no material that is drawn reflects, nothing is recorded: the lit colour is
 //! the image. Else [`classify`](crate::passes::classify) lists the tiles that hold mirrors, narrow lobes and
 //! wide ones, and each list is drawn indirectly by the passes for it, over the lit colour; where every lit
@@ -53,7 +58,7 @@
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp` and `tile.vert`; `traverse.glsl`; `mirror.frag`; `gloss.glsl`, `gloss_trace.frag` and
-//! `gloss_resolve.frag`. The pyramid, the traversal and the passes of gloss have plain twins in
+//! `gloss_resolve.frag`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. The pyramid, the traversal and the passes of gloss have plain twins in
 //! [`reference::unified`](crate::reference::unified).
 
 use super::{Fallback, Input, Making, Method, MethodInfo, Traced};

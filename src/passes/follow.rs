@@ -152,15 +152,3 @@ impl FollowPass {
         frame.compute_indirect("follow/wide", &self.wide, &program, beyond.counts)
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::math::constants::LOST_GROUP;
-
-    #[test]
-    fn a_workgroup_follows_as_many_rays_as_the_list_counts_by() {
-        use crate::gpu::program::Program;
-        assert_eq!(<programs::FollowWide as Program>::SHADER.local_size, [LOST_GROUP as u32, 1, 1]);
-    }
-}

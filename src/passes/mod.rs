@@ -51,6 +51,9 @@ pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of [`Hits`].
 pub const HITS: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
+/// What [`Hits`] hold of a pixel in which no ray begins.
+pub const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
+
 /// Format of normals, as `unified` loads them.
 pub const NORMAL: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 

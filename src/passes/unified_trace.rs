@@ -3,16 +3,13 @@
 
 use super::lost::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
-use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, Pyramid};
+use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, NO_HIT, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{Mirror, MirrorConstants};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
 use crate::math::constants::MIRROR_LIST;
 use ash::vk;
-
-/// Where a pixel is that no ray begins in.
-const NO_HIT: [f32; 4] = [-1.0, -1.0, -1.0, 0.0];
 
 /// Pipelines and images of one size.
 pub struct UnifiedTracePass {

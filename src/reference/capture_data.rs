@@ -1,6 +1,7 @@
 //! A capture on the host (docs/definitions.md, "Images"): what the references follow rays in.
 
-use crate::scene::{Camera, Capture, GBufferData, Lens, Surface, sky};
+use crate::scene::capture::face_camera;
+use crate::scene::{Capture, GBufferData, Surface, sky};
 use glam::Vec3;
 
 /// Six images of the scene around a place.
@@ -14,19 +15,13 @@ pub struct CaptureData {
 }
 
 impl CaptureData {
-    /// The lens of a face: a quarter turn, from a near plane in metres as far as any scene reaches.
-    pub fn lens(near_m: f32) -> Lens {
-        Lens { fov_y_radians: std::f32::consts::FRAC_PI_2, near_m, far_m: 10_000.0 }
-    }
-
     /// Makes one of what each texel of each face shows: `texel` says the view depth in metres, infinite for sky, the
     /// normal in world axes and the lit colour in a direction in world axes, whose greatest component is 1.
     pub fn of(capture: &Capture, mut texel: impl FnMut(Vec3) -> (f64, Vec3, Vec3)) -> Self {
-        let (side, lens) = (capture.resolution, Self::lens(capture.near_m));
+        let side = capture.resolution;
         let count = (side * side) as usize;
         let faces = (0..6).map(|face| {
-            let camera =
-                Camera::new(capture.position, capture.position + sky::face_direction(face, 0.5, 0.5), lens, 1.0);
+            let camera = face_camera(capture.position, face, capture.near_m);
             let mut data = GBufferData {
                 width: side,
                 height: side,

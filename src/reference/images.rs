@@ -24,11 +24,9 @@ use super::capture_data::CaptureData;
 use super::oracle::{self, Oracle, Passed};
 use super::ray::{MissReason, Segment};
 use super::thickness::DepthBlock;
+use crate::math::constants::GETS_ON;
 use crate::scene::GBufferData;
 use glam::{DMat3, DVec3};
-
-/// A ray must get on in a capture by more than this, in metres, for other captures to be asked again.
-const STEP_M: f64 = 1e-4;
 
 /// Where a ray ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -204,7 +202,7 @@ impl<'a> Images<'a> {
                 How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(at) },
                 _ => {}
             }
-            if gone(place) > gone(point) + STEP_M {
+            if gone(place) > gone(point) + GETS_ON {
                 left_out.clear();
                 point = place;
             }

@@ -2,14 +2,27 @@
 //! screen does not (docs/definitions.md, "Captures"). Here is only where they stand; [`super::placement`] finds
 //! places, and a scene file may name them (`[[capture]]`).
 
+use super::{Camera, Lens, sky};
 use crate::math::constants;
 use glam::Vec3;
+use std::f32::consts::FRAC_PI_2;
 
 /// The most captures that a scene can have.
 pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
+
+/// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.
+const FAR_M: f32 = 10_000.0;
+
+/// The camera of a face of a cube of images around a position, in Vulkan's order +x −x +y −y +z −z: a quarter turn, so
+/// that the six close up. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the faces of
+/// the poles need it.
+pub fn face_camera(position: Vec3, face: usize, near_m: f32) -> Camera {
+    let lens = Lens { fov_y_radians: FRAC_PI_2, near_m, far_m: FAR_M };
+    Camera::new(position, position + sky::face_direction(face, 0.5, 0.5), lens, 1.0)
+}
 
 /// A place where a cube of images of the scene is captured.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,5 +58,26 @@ impl Capture {
     pub fn to_toml(&self) -> String {
         let Self { position: Vec3 { x, y, z }, near_m, resolution } = self;
         format!("[[capture]]\nplace = [{x:?}, {y:?}, {z:?}]\nresolution = {resolution}\nnear = {near_m:?}\n")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec4Swizzles;
+
+    #[test]
+    fn a_face_camera_sees_the_directions_of_its_texels() {
+        let position = Vec3::new(3.0, -1.0, 2.0);
+        for face in 0..6 {
+            let camera = face_camera(position, face, 0.1);
+            for (u, v) in [(0.5, 0.5), (0.1, 0.5), (0.5, 0.1), (0.9, 0.8)] {
+                let world = position + 5.0 * sky::face_direction(face, u, v);
+                let clip = camera.view_to_clip() * camera.world_to_view * world.extend(1.0);
+                let ndc = clip.xy() / clip.w;
+                let seen = glam::Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y);
+                assert!(clip.w > 0.0 && seen.abs_diff_eq(glam::Vec2::new(u, v), 1e-5), "{face}: {seen}");
+            }
+        }
     }
 }

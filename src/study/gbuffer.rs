@@ -134,5 +134,13 @@ mod tests {
                 other => assert!(n % 2 == 1 && other == RayEnd::Unknown, "{n}: {other:?}"),
             }
         }
+        // Beyond the screen the image holds the place relative to the eye.
+        let from_eye = (place.as_vec3() - camera.eye()).to_array();
+        let beyond = |code: f32| [from_eye[0], from_eye[1], from_eye[2], code];
+        let last_capture = PathCode::Capture as u8 as f32 + 7.0;
+        let codes = [last_capture, PathCode::Sky as u8 as f32, PathCode::Unknown as u8 as f32];
+        let image = Pixels { width: 3, height: 1, channels: 4, values: codes.map(beyond).concat() };
+        let [RayEnd::Place(found), RayEnd::Sky, RayEnd::Unknown] = ray_ends(&image, &none)[..] else { panic!() };
+        assert!(found.distance(place) < 1e-5, "{found}");
     }
 }

@@ -8,7 +8,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::math::constants::{PATH_NONE, PATH_SKY, PATH_UNKNOWN};
 use ssct::math::random::Stream;
-use ssct::methods::capture::{CaptureImages, face_camera};
+use ssct::methods::capture::CaptureImages;
 use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, SceneInput, Setup, Wants, unified};
 use ssct::passes::PathCode;
@@ -17,7 +17,8 @@ use ssct::passes::scene_data::SceneData;
 use ssct::reference::images::EndInImages;
 use ssct::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct::reference::{CaptureData, Images};
-use ssct::scene::{Camera, Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
+use ssct::scene::capture::face_camera;
+use ssct::scene::{Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
 use ssct::study::{Globals, Shot, Stage, gbuffer};
 
 /// What the device drew and where its rays ended.
@@ -52,7 +53,7 @@ fn read_captures(gpu: &Gpu, scene: &Scene, materials: &[Material]) -> Vec<Captur
     let face = |place: Vec3, layer: u32| GBufferData {
         width: side,
         height: side,
-        camera: Camera { lens: CaptureData::lens(near), ..face_camera(place, layer as usize % 6) },
+        camera: face_camera(place, layer as usize % 6, near),
         depth: texels()
             .map(|(x, y)| blocks.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0].max(0.0))
             .collect(),

@@ -15,8 +15,18 @@ impl Frame<'_> {
 
     /// Scales one level into one layer of another, or converts its format.
     pub fn blit_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
-        assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
-        self.blit_between(name, from, to, layers(&to).base_array_layer(layer).layer_count(1))
+        self.blit_between(name, from, to, one_layer(name, &from, &to, layer))
+    }
+
+    /// A pass whose one command reads an image and writes another.
+    fn transfer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, command: impl FnOnce(&Frame)) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_image(to, Access::TransferWrite);
+            frame.flush();
+            command(frame);
+            Ok(())
+        })
     }
 
     fn blit_between(
@@ -26,10 +36,7 @@ impl Frame<'_> {
         to: ImageSlice,
         target: vk::ImageSubresourceLayers,
     ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_image(to, Access::TransferWrite);
-            frame.flush();
+        self.transfer(name, from, to, |frame| {
             let side = |s: &ImageSlice| {
                 let [w, h] = s.extent();
                 [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
@@ -49,7 +56,6 @@ impl Frame<'_> {
                 .filter(vk::Filter::LINEAR);
             // SAFETY: both levels are in the layouts named, by the barriers above.
             unsafe { frame.device().cmd_blit_image2(frame.context.commands, &info) };
-            Ok(())
         })
     }
 
@@ -68,10 +74,7 @@ impl Frame<'_> {
         to: ImageSlice,
         target: vk::ImageSubresourceLayers,
     ) -> Result<()> {
-        self.pass(name, |frame| {
-            frame.use_image(from, Access::TransferRead);
-            frame.use_image(to, Access::TransferWrite);
-            frame.flush();
+        self.transfer(name, from, to, |frame| {
             let regions = [vk::ImageCopy2::default()
                 .src_subresource(layers(&from))
                 .src_offset(offset(&from))
@@ -86,7 +89,6 @@ impl Frame<'_> {
                 .regions(&regions);
             // SAFETY: both levels are in the layouts named, by the barriers above.
             unsafe { frame.device().cmd_copy_image2(frame.context.commands, &info) };
-            Ok(())
         })
     }
 
@@ -94,9 +96,7 @@ impl Frame<'_> {
     /// Vulkan's order.
     pub fn copy_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
         assert_eq!(from.extent(), to.extent(), "{name}: a copy does not scale");
-        assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
-        let target = layers(&to).base_array_layer(layer).layer_count(1);
-        self.copy_between(name, from, to, target)
+        self.copy_between(name, from, to, one_layer(name, &from, &to, layer))
     }
 
     /// Fills a colour image's levels with one value.
@@ -189,6 +189,12 @@ impl Frame<'_> {
             Ok(())
         })
     }
+}
+
+/// A layer of an image, for what an image of one layer is brought to.
+fn one_layer(name: &str, from: &ImageSlice, to: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
+    assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
+    layers(to).base_array_layer(layer).layer_count(1)
 }
 
 fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {

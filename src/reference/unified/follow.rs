@@ -10,6 +10,7 @@ use glam::{IVec2, Mat3, Vec2, Vec3};
 
 /// How far away the sky is put, in metres.
 const SKY_DISTANCE: f32 = constants::SKY_DISTANCE as f32;
+const GETS_ON: f32 = constants::GETS_ON as f32;
 
 /// Captures as rays of one camera are followed in them.
 #[derive(Debug, Clone)]
@@ -169,7 +170,7 @@ impl<'a> CubeWalk<'a> {
                 (answer.ended, answer.place) = (Ended::Capture(k), there);
                 break;
             }
-            let has_moved = distance > dot(point - ray.start, ray.direction) + 1e-4;
+            let has_moved = distance > dot(point - ray.start, ray.direction) + GETS_ON;
             left_out = if has_moved { 1 << k } else { left_out | 1 << k };
             if has_moved {
                 point = there;
