@@ -34,6 +34,6 @@ void main() {
     // A mirror's footprint is the pixel's, which has widened since the eye; a lobe's is the thesis's cone (4.2.4).
     float pixel_side = 2.0 * unified.pixel_to_view.y;
     bool is_mirror = material.y <= 0.0;
-    Push(uvec2(pixel), point, direction, NEVER, is_mirror ? length(point) : 0.0,
+    Push(uvec2(pixel), point, direction, is_mirror ? length(point) : 0.0,
          is_mirror ? pixel_side : 2.0 * tan(0.5 * material.y));
 }

@@ -103,45 +103,46 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before,
     if (!(depth < 1.0))
         return Followed(FOLLOW_LOST, q);
     ivec2 ahead = Ahead(ray);
-    Walk walk = Walk(pixel, 0, 0.0, depth, NEVER, 0);
+    Walk walk = Walk(pixel, 0, 0.0, depth, 0);
     bool passes = false;
-    Followed result = Followed(FOLLOW_ON, q);
-    while (result.how == FOLLOW_ON) {
+    int how = FOLLOW_ON;
+    float s = ray.end;
+    while (how == FOLLOW_ON) {
         Advance(ray, ahead, passes, walk);
         if (walk.level >= 0)
             break;
         // Behind the front of a block. A surface that the ray runs away from is the one it leaves, if the ray is
         // inside the block still; any other is met from in front, or through the joint to the block before.
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
-        float along = Dot(direction, NORMAL_AT(walk.pixel));
+        vec3 normal = NORMAL_AT(walk.pixel);
+        float along = Dot(direction, normal);
         bool in_front = walk.entry_depth >= block.x;
         passes = along > 0.0 && walk.entry_depth >= block.y;
         if (!passes) {
             bool is_behind = along > 0.0;
             precise float deepest = block.y - before;
             if (!in_front && along <= 0.0)
-                is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)
+                is_behind = walk.entry > 0.0 ? IsBehind(ray, walk.entry_depth, walk.pixel, block, normal, ahead)
                                              : walk.entry_depth < deepest;
-            float s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
-            result = Followed(is_behind ? FOLLOW_LOST : FOLLOW_HIT, FacePoint(ray, s));
+            s = is_behind ? walk.entry : Crossing(ray, walk, ahead, block.x);
+            how = is_behind ? FOLLOW_LOST : FOLLOW_HIT;
         }
         walk.level = 0;
     }
     steps += walk.steps;
-    if (result.how == FOLLOW_ON) {
-        ivec2 far = ivec2(greaterThan(ray.inverse, vec2(0.0))) * unified.size;
+    if (how == FOLLOW_ON) {
+        ivec2 far = ahead * unified.size;
         precise vec2 sides = (vec2(far) - ray.start) * ray.inverse;
         bool by_side = ray.end == min(sides.x, sides.y);
-        result.place = FacePoint(ray, ray.end);
         precise vec2 at_side = ray.start + ray.end * ray.rate.xy;
         vec2 block = BLOCK_AT(PixelTexel(clamp(ivec2(at_side), ivec2(0), unified.size - 1)));
         before = max(block.x - block.y, 0.0);
-        result.how = by_side ? FOLLOW_ON : ray.rate.z < 0.0 ? FOLLOW_SKY : FOLLOW_LOST;
+        how = by_side ? FOLLOW_ON : ray.rate.z < 0.0 ? FOLLOW_SKY : FOLLOW_LOST;
         // Image y runs down.
         side = sides.x <= sides.y ? vec3(ray.inverse.x > 0.0 ? 1.0 : -1.0, 0.0, 0.0)
                                   : vec3(0.0, ray.inverse.y > 0.0 ? -1.0 : 1.0, 0.0);
     }
-    return result;
+    return Followed(how, FacePoint(ray, s));
 }
 
 // Through a capture, from a point relative to its place that it sees, along a unit direction.

@@ -40,75 +40,75 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 
 #include "captures/faces.glsl"
 
+// How a ray ended.
 struct Answer {
-    int code;   // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_NONE if the screen's hit stands
-    vec3 place; // relative to the eye, world axes
-    vec3 color;
+    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k
+    vec3 place;     // where it hit or was lost, relative to the eye, world axes
+    int capture;    // that shows what the ray sees there: for an unknown end, what most likely hides it
+    float distance; // from the start to the place
 };
 
-// What a capture shows at a point relative to its place, as wide as a footprint, with the sky along the ray.
-vec3 Shown(int capture, vec3 o, float footprint, vec3 direction) {
-    vec3 a = abs(o);
-    float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
-    vec4 seen = textureLod(color_cubes, vec4(o, float(capture)), max(log2(footprint / texel), 0.0));
-    vec3 color = Sound(seen.rgb);
-    return seen.a < 1.0 ? color + (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(direction) : color;
-}
-
-// The nearest capture to a point relative to the eye; -1 if there is none. It is one that sees the point and is not left
-// out, unless any will do.
-int Nearest(vec3 point, int left_out, bool must_see) {
+// The nearest capture to a point relative to the eye of those that are not left out; -1 if there is none.
+int Nearest(vec3 point, int left_out) {
     int nearest = -1;
     float least = NEVER;
     for (int k = 0; k < captures.count; ++k) {
         precise vec3 o = point - captures.places[k].xyz;
-        float squared = Dot(o, o);
-        if (squared < least && (!must_see || ((left_out >> k & 1) == 0 && Sees(k, o)))) {
-            nearest = k;
-            least = squared;
-        }
+        float squared = (left_out >> k & 1) == 0 ? Dot(o, o) : NEVER;
+        nearest = squared < least ? k : nearest;
+        least = min(squared, least);
     }
     return nearest;
 }
 
+// The nearest one of them that sees the point; -1 if none does.
+int NearestThatSees(vec3 point, int left_out) {
+    int k = Nearest(point, left_out);
+    while (k >= 0 && !Sees(k, point - captures.places[k].xyz)) {
+        left_out |= 1 << k;
+        k = Nearest(point, left_out);
+    }
+    return k;
+}
+
 Answer FollowRay(LostRay ray) {
-    Answer answer = Answer(PATH_UNKNOWN, ray.start, vec3(0.0));
+    Answer answer = Answer(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
     int left_out = 0, steps = 0;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
-    for (int i = 0; i < 2 * CAPTURE_SLOTS; ++i) {
-        int k = Nearest(point, left_out, true);
+    for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
+        int k = NearestThatSees(point, left_out);
         if (k < 0)
             break;
         vec3 place = captures.places[k].xyz;
         Followed followed = Follow(k, point - place, ray.direction, steps);
         precise vec3 there = followed.place + place;
         float distance = Dot(there - ray.start, ray.direction);
-        if (followed.how == FOLLOW_SKY || distance >= ray.limit) {
-            answer.code = ray.limit < NEVER ? PATH_NONE : PATH_SKY;
-            precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
-            answer.place = far;
-            answer.color = Sky(ray.direction);
-            break;
-        }
-        if (followed.how == FOLLOW_HIT) {
-            answer.code = PATH_CAPTURE + k;
-            answer.place = there;
-            answer.color = Shown(k, followed.place, ray.spread * (ray.before + distance), ray.direction);
-            break;
-        }
         precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
         bool has_moved = distance > least;
+        bool has_ended = followed.how == FOLLOW_HIT || followed.how == FOLLOW_SKY;
         left_out = has_moved ? 1 << k : left_out | 1 << k;
-        if (has_moved)
-            point = there;
+        point = has_moved || has_ended ? there : point;
+        answer.code = followed.how == FOLLOW_HIT ? PATH_CAPTURE + k
+                    : followed.how == FOLLOW_SKY ? PATH_SKY
+                                                 : PATH_UNKNOWN;
     }
-    if (answer.code == PATH_UNKNOWN && !OVER) {
-        int k = Nearest(point, 0, false);
-        float distance = Dot(point - ray.start, ray.direction);
-        answer.color = Shown(k, point - captures.places[k].xyz, ray.spread * (ray.before + distance), ray.direction);
-    }
+    answer.place = point;
+    answer.distance = Dot(point - ray.start, ray.direction);
+    answer.capture = answer.code >= PATH_CAPTURE ? answer.code - PATH_CAPTURE : max(Nearest(point, 0), 0);
     return answer;
+}
+
+// What a ray sees: the capture's lit colour there, as wide as the ray's footprint, with the sky along the ray. One look
+// for every end, since a device may take both ways of a branch.
+vec3 Shown(Answer answer, LostRay ray) {
+    vec3 o = answer.place - captures.places[answer.capture].xyz;
+    vec3 a = abs(o);
+    float texel = 2.0 * max(max(a.x, a.y), a.z) / float(unified.size.x);
+    float footprint = ray.spread * (ray.before + answer.distance);
+    vec4 seen = textureLod(color_cubes, vec4(o, float(answer.capture)), max(log2(footprint / texel), 0.0));
+    seen = answer.code == PATH_SKY ? vec4(0.0) : seen;
+    return Sound(seen.rgb) + (1.0 - clamp(seen.a, 0.0, 1.0)) * Sky(ray.direction);
 }
 
 void main() {
@@ -116,34 +116,38 @@ void main() {
     if (index >= lost_counts.count)
         return;
     LostRay ray = lost.rays[index];
-    ivec2 pixel = ivec2(ray.pixel & 0xffffu, ray.pixel >> 16);
+    ivec2 pixel = ivec2(ray.pixel.xy);
     Answer answer = FollowRay(ray);
-    bool has_seen = answer.code != PATH_NONE && (answer.code != PATH_UNKNOWN || !OVER);
+    bool has_seen = answer.code != PATH_UNKNOWN || !OVER;
+    vec3 color = Shown(answer, ray);
+    // A point far along the ray stands for the sky.
+    precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
+    vec3 place = answer.code == PATH_SKY ? far : answer.place;
 #ifdef MIRRORS
     if (has_seen) {
         if (COMPOSITE) {
             float reflectivity = imageLoad(material_buffer, pixel).x;
-            vec3 color = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * answer.color;
-            imageStore(composite_image, pixel, vec4(min(color, GREATEST_HALF), 1.0));
+            vec3 finished = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * color;
+            imageStore(composite_image, pixel, vec4(min(finished, GREATEST_HALF), 1.0));
         }
         if (REFLECTION)
-            imageStore(reflection_image, pixel, vec4(answer.color, 1.0));
+            imageStore(reflection_image, pixel, vec4(color, 1.0));
     }
-    if (HITS && answer.code != PATH_NONE)
-        imageStore(hits_image, pixel, vec4(answer.code != PATH_UNKNOWN ? answer.place : vec3(-1.0), float(answer.code)));
+    if (HITS)
+        imageStore(hits_image, pixel, vec4(answer.code != PATH_UNKNOWN ? place : vec3(-1.0), float(answer.code)));
 #elif defined(NARROW)
     if (has_seen) {
         uvec4 words = imageLoad(seen_image, pixel);
         words.y &= 0x7fffffffu; // the sign says that it missed
-        words.z = packHalf2x16(answer.color.rg);
-        words.w = packHalf2x16(vec2(answer.color.b, 1.0));
+        words.z = packHalf2x16(color.rg);
+        words.w = packHalf2x16(vec2(color.b, 1.0));
         imageStore(seen_image, pixel, words);
     }
 #else
     if (has_seen) {
         float density = abs(imageLoad(place_image, pixel).w);
-        imageStore(place_image, pixel, vec4(ToView(answer.place) / captures.view_unit, density));
-        imageStore(seen_image, pixel, vec4(answer.color, 1.0));
+        imageStore(place_image, pixel, vec4(ToView(place) / captures.view_unit, density));
+        imageStore(seen_image, pixel, vec4(color, 1.0));
     }
 #endif
 }

@@ -8,13 +8,10 @@
 // A ray from where the screen lost it.
 struct LostRay {
     vec3 start;     // relative to the eye, world axes, metres
-    float limit;    // metres to a hit on the screen that is seen only if nothing is nearer; NEVER without such a hit
-    vec3 direction; // unit, world axes
     float before;   // metres that its footprint has widened up to the start
+    vec3 direction; // unit, world axes
     float spread;   // width of its footprint for each metre
-    uint pixel;     // or cell that it is of: x | y << 16
-    uint unused_x;
-    uint unused_y;
+    uvec4 pixel;    // or cell that it is of: x, y; z and w unused
 };
 
 layout(std430, binding = 18) LOST_ACCESS buffer LostCounts {

@@ -19,25 +19,21 @@ vec3 ColorSeen(vec2 position, float level, vec3 direction) {
     return color;
 }
 
-// Whether a ray that hit nothing ended in the sky, without having been behind anything.
+// Whether a ray that hit nothing ended in the sky.
 bool EndsInSky(Ray ray, Hit hit) {
-    return FOLLOWED && hit.code == PATH_MISS && hit.behind == NEVER && WhyMissed(ray) == PATH_MISS_SKY;
+    return FOLLOWED && hit.code == PATH_MISS && WhyMissed(ray) == PATH_MISS_SKY;
 }
 
-// Hands on a ray of a pixel or cell if the screen lost it: it missed, or it was behind something before it hit. `before`
-// says how far the footprint has widened where the ray begins, `spread` by how much it widens with each metre.
+// Hands on a ray of a pixel or cell if the screen lost it. `before` says how far the footprint has widened where the ray
+// begins, `spread` by how much it widens with each metre.
 void PushIfLost(uvec2 pixel, Ray ray, Hit hit, float before, float spread) {
-    bool is_hit = hit.code == PATH_HI_Z;
-    if (!FOLLOWED || (is_hit && !(hit.behind < hit.s)))
+    if (!FOLLOWED || hit.code == PATH_HI_Z)
         return;
-    float s = min(hit.s, hit.behind);
-    precise float depth = ray.depth + s * ray.rate.z;
-    precise vec2 at = ray.start + s * ray.rate.xy;
+    precise float depth = ray.depth + hit.s * ray.rate.z;
+    precise vec2 at = ray.start + hit.s * ray.rate.xy;
     precise vec3 begin = ViewPoint(ray.start, ray.depth) * captures.view_unit;
     precise vec3 start = ViewPoint(at, max(depth, 0.0)) * captures.view_unit;
-    precise vec3 off = start - ViewPoint(hit.position, hit.depth) * captures.view_unit;
-    float limit = is_hit ? sqrt(Dot(off, off)) : NEVER;
-    Push(pixel, start, ray.direction, limit, before + distance(begin, start), spread);
+    Push(pixel, start, ray.direction, before + distance(begin, start), spread);
 }
 
 #endif

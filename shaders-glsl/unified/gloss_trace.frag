@@ -19,7 +19,7 @@ layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with 
 // `at` is the pixel or cell whose record the ray is for.
 Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footprints, float common_part,
           out Hit hit) {
-    hit = Hit(PATH_NONE, pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
+    hit = Hit(PATH_NONE, pixel, vec2(0.0), 0.0, 0, 0.0);
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;

@@ -8,13 +8,14 @@
 #include "unified/pyramid.glsl"
 
 #ifdef FACES
+#define FOLLOWED true
 #define BLOCK_AT(texel) imageLoad(pyramid, ivec3(texel, face_layer)).xy
 #define NORMAL_AT(pixel) imageLoad(normal_buffer, ivec3(pixel, face_layer)).xyz
 #else
 #define BLOCK_AT(texel) imageLoad(pyramid, texel).xy
 #define NORMAL_AT(pixel) imageLoad(normal_buffer, pixel).xyz
 
-layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle says what is hit
+layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle says what is hit; 2 with FOLLOWED
 layout(constant_id = 5) const bool FOLLOWED = false; // rays that the screen loses go on in captures
 #endif
 
@@ -126,7 +127,6 @@ struct Hit {
     float depth;     // reversed, of the ray there
     int steps;       // cells looked at
     float s;         // of the hit, or of where a miss ends
-    float behind;    // s from which the ray was behind something, if FOLLOWED; NEVER if it never was
 };
 
 // Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also once for each pixel that
@@ -155,9 +155,8 @@ ivec2 PixelBefore(Ray ray, ivec2 pixel, ivec2 ahead) {
 // What version 2 of the oracle asks (reference::oracle): whether a ray that enters a pixel behind its block's front has
 // come behind the block. It has behind the pixel before; and beside an edge, if it is deeper in the block than
 // the thickness times the cosine by which it runs against the normal. Beside sky, whose span is negative, is an edge.
-bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, ivec2 ahead) {
+bool IsBehind(Ray ray, float entry_depth, ivec2 pixel, vec2 block, vec3 normal, ivec2 ahead) {
     vec2 before = BLOCK_AT(PixelTexel(PixelBefore(ray, pixel, ahead)));
-    vec3 normal = NORMAL_AT(pixel);
     precise float thickness = block.x - block.y;
     precise float joined = JOINED * (thickness + (before.x - before.y));
     precise float gap = block.x - before.x;
@@ -175,11 +174,11 @@ struct Walk {
     int level;         // of the cell that is looked at next; below 0 the pixel's block is met
     float entry;       // s at which the ray enters the pixel
     float entry_depth; // reversed depth there
-    float behind;      // s at which the ray enters the first pixel behind whose block it is; NEVER before that
     int steps;         // cells looked at
 };
 
-// Walks on until a block is met or the ray ends. `passes` lets the ray through the pixel that it begins in.
+// Walks on until a block is met or the ray ends. A ray that goes on in captures is followed only as long as the image sees
+// it: it meets a block as soon as it is behind its front, and `passes` lets it through the pixel that it begins in.
 //
 // The loop holds nothing but the walk, and no branch but its end: threads that walk together wait for each other in
 // every branch that one of them takes. Parameters are read before it, the block that was met after it: what is read or
@@ -209,20 +208,8 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
         precise float exit_depth = ray.depth + last * ray.rate.z;
         float deepest = recedes ? exit_depth : walk.entry_depth;
         float nearest = recedes ? walk.entry_depth : exit_depth;
-#ifdef FACES
-        // A face is followed only as long as it sees the ray.
-        bool meets = deepest <= block.x && !passes;
+        bool meets = deepest <= block.x && (FOLLOWED ? !passes : nearest >= block.y);
         passes = false;
-#else
-        bool meets = deepest <= block.x && nearest >= block.y;
-        if (FOLLOWED) {
-            // A cell may hold sky as well, so that only a pixel says that the ray is behind something; the pixel that
-            // it leaves says nothing.
-            bool is_behind = nearest < min(block.x, block.y) && abs(walk.entry_depth) < NEVER;
-            meets = meets || (is_behind && walk.behind == NEVER && walk.level > 0);
-            walk.behind = is_behind && walk.level == 0 ? min(walk.behind, walk.entry) : walk.behind;
-        }
-#endif
 
         // Onward: across the side that is nearer, exactly; along the other axis, to the pixel that the ray
         // is in there, which is in the same cell.
@@ -243,11 +230,16 @@ void Advance(Ray ray, ivec2 ahead, bool passes, inout Walk w) {
     w = walk;
 }
 
+// Where a ray leaves the pixel that it is in, or ends there: s.
+float Exit(Ray ray, Walk walk, ivec2 ahead) {
+    precise vec2 crossings = (vec2(walk.pixel + ahead) - ray.start) * ray.inverse;
+    return max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
+}
+
 // The crossing of the ray with the front of the pixel that it is in, if that lies inside the pixel, else the point
 // of entry: s.
 float Crossing(Ray ray, Walk walk, ivec2 ahead, float front) {
-    precise vec2 crossings = (vec2(walk.pixel + ahead) - ray.start) * ray.inverse;
-    float last = max(min(min(crossings.x, crossings.y), ray.end), walk.entry);
+    float last = Exit(ray, walk, ahead);
     precise float exit_depth = ray.depth + last * ray.rate.z;
     float near = max(walk.entry_depth, exit_depth), far = min(walk.entry_depth, exit_depth);
     precise float crossing = (front - ray.depth) * (1.0 / ray.rate.z);
@@ -262,7 +254,7 @@ ivec2 Ahead(Ray ray) {
 #ifndef FACES
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0, NEVER);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0);
     ivec2 ahead = Ahead(ray);
 
     // The first step leaves the starting pixel unseen.
@@ -275,14 +267,14 @@ Hit Traverse(Ray ray) {
                         sides.y == entry ? ray.pixel.y + 2 * ahead.y - 1 : int(at_side.y));
     precise float entry_depth = ray.depth + entry * ray.rate.z;
     // By version 2, the first pixel's surface may be the one that it leaves: from a depth beyond all, it meets nothing.
-    if (ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0)
+    bool leaves = ORACLE == 2 && Dot(ray.direction, NORMAL_AT(pixel)) > 0.0;
+    if (leaves && !FOLLOWED)
         entry_depth = ray.rate.z < 0.0 ? -NEVER : NEVER;
-    Walk walk = Walk(pixel, 0, entry, entry_depth, NEVER, 0);
-    Advance(ray, ahead, false, walk);
+    Walk walk = Walk(pixel, 0, entry, entry_depth, 0);
+    Advance(ray, ahead, leaves, walk);
     hit.steps = walk.steps;
     hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
     hit.s = ray.end;
-    hit.behind = walk.behind;
     if (walk.level < 0) {
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
         float s = Crossing(ray, walk, ahead, block.x);
@@ -294,8 +286,11 @@ Hit Traverse(Ray ray) {
         hit.position = vec2(ray.pixel) + clamp(offset, low, low + 1.0);
         hit.depth = depth;
         hit.s = s;
-        if (ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
-            && IsBehind(ray, walk.entry_depth, walk.pixel, block, ahead)) {
+        bool is_behind = ORACLE == 2 && hit.steps > 1 && walk.entry_depth < block.x
+            && IsBehind(ray, walk.entry_depth, walk.pixel, block, NORMAL_AT(walk.pixel), ahead);
+        // Behind the block as a whole a ray that is not followed would go on.
+        precise float exit_depth = ray.depth + Exit(ray, walk, ahead) * ray.rate.z;
+        if (is_behind || (FOLLOWED && max(walk.entry_depth, exit_depth) < block.y)) {
             hit.code = PATH_MISS_BEHIND;
             hit.s = walk.entry;
         }

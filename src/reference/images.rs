@@ -4,10 +4,9 @@
 //! The screen is one image of the scene, and each face of a capture is another. In each of them the ray is a straight
 //! line over a field of blocks, as in [`super::oracle`].
 //!
-//! - **The screen** says what it says in version 2 of the oracle. It loses a ray at the first pixel whose block the ray
-//!   passes behind, or where a miss ends. A ray that was never behind anything before it hits is a sound hit, and one
-//!   that leaves through the far plane ends in the sky. Any other is followed in captures, from where it was lost; its
-//!   hit on the screen stands, if it has one, unless a capture shows something nearer.
+//! - **The screen** says what it says in version 2 of the oracle, as long as it sees the ray: it loses it at the first
+//!   pixel whose block the ray passes behind, or where a miss ends. A ray that leaves through the far plane ends in the
+//!   sky. Any other that hits nothing is followed in captures, from where it was lost.
 //! - **A capture sees a point** if the point is not behind the back of its block there, and not before the near plane.
 //!   A lost ray goes on in the nearest capture that sees the point where it was lost.
 //! - **A face is followed** while it sees the ray: until the ray leaves by a side, to the next face; through the far
@@ -55,8 +54,6 @@ pub struct Lost {
     pub start: DVec3,
     /// Unit, in world axes.
     pub direction: DVec3,
-    /// The screen's hit, and its distance from the start in metres.
-    pub hit: Option<(DVec3, f64)>,
 }
 
 /// What the screen makes of a ray.
@@ -153,7 +150,7 @@ impl<'a> Images<'a> {
     pub fn on_screen_along(&self, x: u32, y: u32, direction: DVec3) -> OnScreen {
         let rays = &self.screen.rays;
         let Some(segment) = rays.segment(x, y, direction) else { return OnScreen::Nothing };
-        let (mut behind, mut end, mut hit) = (None, 1.0, None);
+        let mut lost_at = None;
         for (steps, passed) in self.screen.pixels(&segment).enumerate().skip(1) {
             let Passed { pixel, last: Some(last), entry, exit } = passed else { continue };
             let block = self.screen.block(pixel).unwrap_or(DepthBlock::EMPTY);
@@ -161,26 +158,22 @@ impl<'a> Images<'a> {
             if steps == 1 && along > 0.0 {
                 continue;
             }
-            if segment.depth_at(entry).max(segment.depth_at(exit)) < block.back && block != DepthBlock::EMPTY {
-                behind = behind.or(Some(entry));
-            }
-            if let Some((s, _)) = oracle::meets(&segment, block, entry, exit) {
-                let is_lost = steps > 1 && self.screen.comes_from_behind(segment.depth_at(entry), last, block, along);
-                (end, hit) = if is_lost { (entry, None) } else { (s, Some(segment.at(s))) };
+            let [first, nearest] = [segment.depth_at(entry), segment.depth_at(entry).max(segment.depth_at(exit))];
+            let is_behind = nearest < block.back && block != DepthBlock::EMPTY;
+            let met = oracle::meets(&segment, block, entry, exit);
+            if is_behind || met.is_some() && steps > 1 && self.screen.comes_from_behind(first, last, block, along) {
+                lost_at = Some(entry);
                 break;
             }
-        }
-        match hit {
-            Some(position) if behind.is_none_or(|s| s >= end) => return OnScreen::Ends(EndInImages::Screen(position)),
-            None if behind.is_none() && end == 1.0 && segment.end == MissReason::Far => {
-                return OnScreen::Ends(EndInImages::Sky);
+            if let Some((s, _)) = met {
+                return OnScreen::Ends(EndInImages::Screen(segment.at(s)));
             }
-            _ => {}
         }
-        let place = |position: DVec3| self.view_to_world * rays.unproject(position);
-        let start = place(segment.at(behind.map_or(end, |s: f64| s.min(end))));
-        let hit = hit.map(|position| (position, place(position).distance(start)));
-        OnScreen::Loses(Lost { start, direction: self.view_to_world * segment.direction, hit })
+        if lost_at.is_none() && segment.end == MissReason::Far {
+            return OnScreen::Ends(EndInImages::Sky);
+        }
+        let start = self.view_to_world * rays.unproject(segment.at(lost_at.unwrap_or(1.0)));
+        OnScreen::Loses(Lost { start, direction: self.view_to_world * segment.direction })
     }
 
     /// Where a ray ends that the screen lost.
@@ -191,12 +184,6 @@ impl<'a> Images<'a> {
             let (how, at) = cube.follow(point - cube.place, lost.direction);
             let place = at + cube.place;
             let gone = |to: DVec3| (to - lost.start).dot(lost.direction);
-            match lost.hit {
-                Some((position, limit)) if how == How::Sky || gone(place) >= limit => {
-                    return EndInImages::Screen(position);
-                }
-                _ => {}
-            }
             match how {
                 How::Sky => return EndInImages::Sky,
                 How::Hit => return EndInImages::Capture { index, place, texel_m: cube.texel_m(at) },

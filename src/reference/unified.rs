@@ -127,9 +127,6 @@ pub struct Hit {
     pub steps: i32,
     /// s of the hit, or of where a miss ends.
     pub s: f32,
-    /// s at which the ray enters the first pixel behind whose block it is; 1e30 if it never was behind any, or if rays
-    /// are not followed.
-    pub behind: f32,
 }
 
 /// `Walk` of `traverse.glsl`: where a walk is.
@@ -140,18 +137,17 @@ struct Walk {
     level: i32,
     entry: f32,
     entry_depth: f32,
-    behind: f32,
     steps: i32,
 }
 
-/// The image that is walked over.
+/// How an image is walked over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Over {
-    /// The screen, where a ray goes on behind what it does not meet.
-    Screen,
-    /// A face of a capture, which is followed only as long as it sees the ray. `passes` lets the ray through the pixel
-    /// that it begins in.
-    Face { passes: bool },
+    /// A ray goes on behind what it does not meet.
+    All,
+    /// A ray is followed only as long as the image sees it. `passes` lets it through the pixel that it begins in;
+    /// `border` is the last pixel of a face.
+    Seen { passes: bool, border: IVec2 },
 }
 
 /// A cell that a ray looked at.
@@ -213,8 +209,7 @@ impl<'a> Traversal<'a> {
         Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
     }
 
-    /// The same for rays that go on in captures where the screen loses them (`FOLLOWED`): by version 2 of the oracle,
-    /// and with [`Hit::behind`].
+    /// The same for rays that go on in captures where the screen loses them (`FOLLOWED`), by version 2 of the oracle.
     pub fn followed(self) -> Self {
         Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
@@ -297,7 +292,7 @@ impl<'a> Traversal<'a> {
     /// The same, telling every cell that is looked at.
     pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
         let (pixel, position) = (ray.pixel, Vec2::ZERO);
-        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: 0.0, behind: NEVER };
+        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: 0.0 };
         let ahead = ray.ahead();
 
         let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
@@ -312,22 +307,26 @@ impl<'a> Traversal<'a> {
             if sides.y == entry { onward.y } else { beside.y },
         );
         let mut entry_depth = ray.depth + entry * ray.rate.z;
+        let leaves = self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0;
         // A depth beyond all meets nothing.
-        if self.version == OracleVersion::V2 && dot(ray.direction, self.normal(pixel)) > 0.0 {
+        if leaves && !self.is_followed {
             entry_depth = if ray.rate.z < 0.0 { -NEVER } else { NEVER };
         }
-        let mut walk = Walk { pixel, level: 0, entry, entry_depth, behind: NEVER, steps: 0 };
-        self.advance(ray, ahead, Over::Screen, &mut walk, visit);
-        let hit = Hit { steps: walk.steps, behind: walk.behind, s: ray.end, ..hit };
+        let mut walk = Walk { pixel, level: 0, entry, entry_depth, steps: 0 };
+        let border = IVec2::MAX;
+        let over = if self.is_followed { Over::Seen { passes: leaves, border } } else { Over::All };
+        self.advance(ray, ahead, over, &mut walk, visit);
+        let hit = Hit { steps: walk.steps, s: ray.end, ..hit };
         if walk.level >= 0 {
             return Hit { code: if walk.entry < ray.end { Code::Unfinished } else { Code::Nothing }, ..hit };
         }
         let (block, entry_depth) = (self.block(walk.pixel), walk.entry_depth);
-        if self.version == OracleVersion::V2
+        let is_behind = self.version == OracleVersion::V2
             && hit.steps > 1
             && entry_depth < block.front
-            && self.is_behind(ray, entry_depth, walk.pixel, block, ahead)
-        {
+            && self.is_behind(ray, entry_depth, walk.pixel, block, ahead);
+        let exit_depth = ray.depth + exit(ray, &walk, ahead) * ray.rate.z;
+        if is_behind || self.is_followed && entry_depth.max(exit_depth) < block.back {
             return Hit { code: Code::Behind, s: walk.entry, ..hit };
         }
         let s = crossing(ray, &walk, ahead, block.front);
@@ -340,8 +339,11 @@ impl<'a> Traversal<'a> {
     /// `Advance`: walks on until a block is met or the ray ends.
     fn advance(&self, ray: &Ray, ahead: IVec2, over: Over, walk: &mut Walk, mut visit: impl FnMut(Visit)) {
         let (start, recedes) = (ray.start, ray.rate.z < 0.0);
-        let bound = if over == Over::Screen { self.max_steps() } else { self.max_face_steps() };
-        let mut passes = over == Over::Face { passes: true };
+        let (mut passes, border, is_followed) = match over {
+            Over::All => (false, IVec2::MAX, false),
+            Over::Seen { passes, border } => (passes, border, true),
+        };
+        let bound = if border == IVec2::MAX { self.max_steps() } else { self.max_face_steps() };
         while walk.level >= 0 && walk.entry < ray.end && walk.steps < bound {
             walk.steps += 1;
             let level = walk.level;
@@ -354,25 +356,12 @@ impl<'a> Traversal<'a> {
             let last = exit.min(ray.end);
             let exit_depth = ray.depth + last * ray.rate.z;
             let (near, far) = if recedes { (walk.entry_depth, exit_depth) } else { (exit_depth, walk.entry_depth) };
-            let meets = match over {
-                Over::Screen => {
-                    let is_behind = near < block.front.min(block.back) && walk.entry_depth.abs() < NEVER;
-                    let looks = self.is_followed && is_behind && walk.behind == NEVER && level > 0;
-                    if self.is_followed && is_behind && level == 0 {
-                        walk.behind = walk.behind.min(walk.entry);
-                    }
-                    far <= block.front && near >= block.back || looks
-                }
-                Over::Face { .. } => far <= block.front && !passes,
-            };
+            let meets = far <= block.front && if is_followed { !passes } else { near >= block.back };
             passes = false;
             visit(Visit { level: level as u32, cell, block, meets, span: [walk.entry, last] });
             let inside = (start + last * ray.rate.truncate()).as_ivec2();
             let first = cell << level;
-            let mut onward = inside.clamp(first, first + ((1 << level) - 1));
-            if over != Over::Screen {
-                onward = onward.min(self.parameters.size - 1);
-            }
+            let mut onward = inside.clamp(first, first + ((1 << level) - 1)).min(border);
             if crossings.x == exit {
                 onward.x = edge.x - 1 + ahead.x;
             }
@@ -419,10 +408,15 @@ fn pixel_before(ray: &Ray, pixel: IVec2, ahead: IVec2) -> IVec2 {
     pixel + IVec2::new(if entries.x >= entries.y { back.x } else { 0 }, if entries.y >= entries.x { back.y } else { 0 })
 }
 
+/// `Exit`: where a ray leaves the pixel that the walk is in, or ends there: s.
+fn exit(ray: &Ray, walk: &Walk, ahead: IVec2) -> f32 {
+    let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
+    crossings.x.min(crossings.y).min(ray.end).max(walk.entry)
+}
+
 /// `Crossing`: of the ray with a front, if that lies inside the pixel that the walk is in, else the point of entry: s.
 fn crossing(ray: &Ray, walk: &Walk, ahead: IVec2, front: f32) -> f32 {
-    let crossings = ((walk.pixel + ahead).as_vec2() - ray.start) * ray.inverse;
-    let last = crossings.x.min(crossings.y).min(ray.end).max(walk.entry);
+    let last = exit(ray, walk, ahead);
     let exit_depth = ray.depth + last * ray.rate.z;
     let (near, far) = (walk.entry_depth.max(exit_depth), walk.entry_depth.min(exit_depth));
     let crossing = (front - ray.depth) * (1.0 / ray.rate.z);

@@ -95,8 +95,6 @@ struct Count {
     in_captures: usize,
     in_sky: usize,
     unknown: usize,
-    /// The screen's hit stood.
-    stood: usize,
     most_steps: i32,
     most_faces: i32,
 }
@@ -127,10 +125,6 @@ fn check_twin(drawn: &Drawn) -> Count {
                 count.most_faces = count.most_faces.max(answer.faces);
                 assert!(!answer.is_exhausted, "({x}, {y}): {answer:?}");
                 match answer.ended {
-                    Ended::Screen => {
-                        count.stood += 1;
-                        PathCode::from_channel(found[3]) == Some(PathCode::HiZ)
-                    }
                     Ended::Unknown => {
                         count.unknown += 1;
                         code == PATH_UNKNOWN && found[..3] == [-1.0; 3]

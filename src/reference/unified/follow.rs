@@ -29,8 +29,6 @@ pub struct CubeWalk<'a> {
 pub struct LostRay {
     /// Relative to the eye, in world axes, in metres.
     pub start: Vec3,
-    /// Metres to a hit on the screen that is seen only if nothing is nearer; 1e30 without such a hit.
-    pub limit: f32,
     /// Unit, in world axes.
     pub direction: Vec3,
 }
@@ -40,9 +38,9 @@ pub struct LostRay {
 pub enum Seen {
     /// The pixel has no ray, or sends it below its own surface.
     Nothing,
-    /// It ended in the sky and was never behind anything.
+    /// It ended in the sky.
     Sky,
-    /// It hit, and was never behind anything before.
+    /// It hit.
     Hit(Hit),
     /// The screen lost it.
     Lost(LostRay),
@@ -57,8 +55,6 @@ pub enum Ended {
     Sky,
     /// Where no image sees it.
     Unknown,
-    /// At the screen's hit: nothing was found that is nearer.
-    Screen,
 }
 
 impl Ended {
@@ -68,7 +64,6 @@ impl Ended {
             Self::Capture(k) => constants::PATH_CAPTURE + k as i32,
             Self::Sky => constants::PATH_SKY,
             Self::Unknown => constants::PATH_UNKNOWN,
-            Self::Screen => constants::PATH_NONE,
         }
     }
 }
@@ -124,25 +119,20 @@ impl<'a> CubeWalk<'a> {
     pub fn on_screen(&self, screen: &Traversal, x: u32, y: u32) -> Seen {
         let Some((ray, true)) = screen.mirror_ray(x, y) else { return Seen::Nothing };
         let hit = screen.traverse(&ray);
-        if hit.code == Code::Nothing && hit.behind == NEVER && screen.ends_far(&ray) {
-            return Seen::Sky;
+        match hit.code {
+            Code::Nothing if screen.ends_far(&ray) => Seen::Sky,
+            Code::Surface => Seen::Hit(hit),
+            _ => Seen::Lost(self.lost(screen, &ray, &hit)),
         }
-        if hit.code == Code::Surface && hit.s <= hit.behind {
-            return Seen::Hit(hit);
-        }
-        Seen::Lost(self.lost(screen, &ray, &hit))
     }
 
     /// `PushIfLost`.
     fn lost(&self, screen: &Traversal, ray: &Ray, hit: &Hit) -> LostRay {
         let p = &screen.parameters;
-        let s = hit.s.min(hit.behind);
-        let depth = ray.depth + s * ray.rate.z;
-        let start = p.view_point(ray.start + s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
-        let off = start - p.view_point(hit.position, hit.depth) * self.view_unit;
-        let limit = if hit.code == Code::Surface { dot(off, off).sqrt() } else { NEVER };
+        let depth = ray.depth + hit.s * ray.rate.z;
+        let start = p.view_point(ray.start + hit.s * ray.rate.truncate(), depth.max(0.0)) * self.view_unit;
         let along = self.to_world(ray.direction);
-        LostRay { start: self.to_world(start), limit, direction: along * (1.0 / dot(along, along).sqrt()) }
+        LostRay { start: self.to_world(start), direction: along * (1.0 / dot(along, along).sqrt()) }
     }
 
     /// `ToWorld`.
@@ -160,17 +150,19 @@ impl<'a> CubeWalk<'a> {
             let place = self.places[k];
             let (how, followed) = self.follow(k, point - place, ray.direction, &mut answer);
             let there = followed + place;
-            let distance = dot(there - ray.start, ray.direction);
-            if how == How::Sky || distance >= ray.limit {
-                answer.ended = if ray.limit < NEVER { Ended::Screen } else { Ended::Sky };
-                answer.place = ray.start + SKY_DISTANCE * ray.direction;
-                break;
+            match how {
+                How::Sky => {
+                    answer.ended = Ended::Sky;
+                    answer.place = ray.start + SKY_DISTANCE * ray.direction;
+                    break;
+                }
+                How::Hit => {
+                    (answer.ended, answer.place) = (Ended::Capture(k), there);
+                    break;
+                }
+                How::Lost | How::On => {}
             }
-            if how == How::Hit {
-                (answer.ended, answer.place) = (Ended::Capture(k), there);
-                break;
-            }
-            let has_moved = distance > dot(point - ray.start, ray.direction) + GETS_ON;
+            let has_moved = dot(there - ray.start, ray.direction) > dot(point - ray.start, ray.direction) + GETS_ON;
             left_out = if has_moved { 1 << k } else { left_out | 1 << k };
             if has_moved {
                 point = there;
@@ -236,11 +228,11 @@ impl<'a> CubeWalk<'a> {
             return (How::Lost, q, Vec3::ZERO);
         }
         let ahead = ray.ahead();
-        let mut walk = Walk { pixel, level: 0, entry: 0.0, entry_depth: depth, behind: NEVER, steps: 0 };
+        let mut walk = Walk { pixel, level: 0, entry: 0.0, entry_depth: depth, steps: 0 };
         let mut passes = false;
         answer.faces += 1;
         let met = loop {
-            image.advance(&ray, ahead, Over::Face { passes }, &mut walk, |_| {});
+            image.advance(&ray, ahead, Over::Seen { passes, border: image.parameters.size - 1 }, &mut walk, |_| {});
             if walk.level >= 0 {
                 break None;
             }
