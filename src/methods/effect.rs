@@ -132,6 +132,12 @@ impl Effect {
         self.method.prepare(context, scene)
     }
 
+    /// Faces of the captures that the method looks into; 0 without captures.
+    pub fn capture_faces(&self) -> u32 {
+        let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
+        images.map_or(0, CaptureImages::faces)
+    }
+
     /// Moves the captures, in their order, to other places, and draws the scene around these; places beyond the number of
     /// captures are left out, and captures without a place stay. Not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {

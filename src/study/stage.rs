@@ -144,6 +144,11 @@ impl Shot {
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
     }
 
+    /// Faces of the captures that the method looks into; 0 without captures.
+    pub fn capture_faces(&self) -> u32 {
+        self.effect.capture_faces()
+    }
+
     /// Moves the method's captures of the scene, as many as it has, and draws them anew there.
     pub fn move_captures(&mut self, stage: &mut Stage, places: &[Vec3]) -> Result<()> {
         let Stage { context, data } = stage;

@@ -83,6 +83,17 @@ impl CaptureCase {
         (self.resolution, self.places[0].len(), self.offset.to_bits())
     }
 
+    /// The scene of each frame, moved and with the captures where they stand then.
+    pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
+        let at = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
+        let of = |places: &Vec<Vec3>| {
+            let mut scene = Scene { captures: places.iter().map(at).collect(), ..scene.clone() };
+            scene.translate(Vec3::splat(self.offset));
+            scene
+        };
+        self.places.iter().map(of).collect()
+    }
+
     /// The line-up of methods with as many captures of the case's size.
     ///
     /// # Errors
@@ -94,11 +105,8 @@ impl CaptureCase {
         extent: [u32; 2],
         methods: &[&'static MethodInfo],
     ) -> Result<SceneLineup> {
-        let at = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
-        let mut scene = Scene { captures: self.places[0].iter().map(at).collect(), ..scene.clone() };
-        scene.translate(Vec3::splat(self.offset));
         let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
-        SceneLineup::with_hits(gpu, scene, &setup, methods)
+        SceneLineup::with_hits(gpu, self.scenes(scene).remove(0), &setup, methods)
     }
 }
 
