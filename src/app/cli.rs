@@ -2,6 +2,7 @@
 
 use super::parameters::{MethodOptions, choice};
 use crate::report::figures::Figure;
+use crate::scene::capture::MAX_CAPTURES;
 use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -179,6 +180,32 @@ pub struct ErrorOptions {
     /// format after another.
     #[arg(long, conflicts_with = "no_sweep")]
     pub precision: bool,
+    /// Error over the age of captures instead of run time: meshes move a step each frame, captures are renewed by so
+    /// many faces a frame, and each of FRAMES is held against the world as it then is.
+    #[arg(
+        long,
+        value_name = "FRAMES",
+        value_parser = clap::value_parser!(u32).range(1..=100_000),
+        requires_all = ["moving", "step"],
+        conflicts_with_all = ["precision", "no_sweep", "quick", "samples"]
+    )]
+    pub age: Option<u32>,
+    /// For --age: the meshes that move, by name.
+    #[arg(long, value_name = "MESH", value_delimiter = ',', requires = "age")]
+    pub moving: Vec<String>,
+    /// For --age: by how much they move from one frame to the next, in metres along the world's axes.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "age")]
+    pub step: Option<Vec3>,
+    /// For --age: faces of captures that are renewed in each frame.
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        default_values_t = [0, 1, 2, 6, 24],
+        requires = "age",
+        value_parser = clap::value_parser!(u32).range(0..=6 * MAX_CAPTURES as i64)
+    )]
+    pub faces: Vec<u32>,
     /// Frames that count, for each variant.
     #[arg(long, default_value_t = 5)]
     pub samples: usize,
@@ -219,6 +246,34 @@ pub struct StressOptions {
     pub json: bool,
     #[command(flatten)]
     pub device: DeviceOptions,
+}
+
+/// Options of `ssct motion`.
+#[derive(Debug, Args)]
+pub struct MotionOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// The methods; without it, all of them.
+    #[arg(long, value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Width and height in pixels.
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
+    pub size: [u32; 2],
+    /// Frames of each motion of the camera.
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    pub frames: u32,
+    /// Rays a pixel of the screen and the world reference.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=65536))]
+    pub rays: u32,
+    /// Write motion.json and motion.txt into a folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long, requires = "output")]
+    pub resume: bool,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// The subcommands of `ssct gbuffer`.

@@ -3,8 +3,8 @@
 
 use super::captures::CapturesOptions;
 use super::cli::{
-    DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, RenderOptions, StressOptions, StudyOptions,
-    TimeOptions,
+    DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, MotionOptions, RenderOptions, StressOptions,
+    StudyOptions, TimeOptions,
 };
 use super::compare::CompareOptions;
 use super::truth::TruthOptions;
@@ -33,6 +33,8 @@ pub enum Command {
     Error(ErrorOptions),
     /// Try every method on G-buffers and cameras that break renderers.
     Stress(StressOptions),
+    /// Measure how much reflections change while the camera moves.
+    Motion(MotionOptions),
     /// Write a G-buffer to a file, or run a method on one from any renderer.
     #[command(subcommand, name = "gbuffer")]
     GBuffer(GBufferCommand),

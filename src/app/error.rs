@@ -3,7 +3,7 @@
 use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::run::Run;
-use super::{precision, progress, resolve};
+use super::{error_age, precision, progress, resolve};
 use crate::error::Result;
 use crate::methods;
 use crate::report::{error_report, files};
@@ -16,6 +16,9 @@ use std::io::Write;
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     if options.precision {
         return precision::run(options);
+    }
+    if let Some(frames) = options.age {
+        return error_age::run(options, frames);
     }
     let gpu = resolve::gpu(&options.common.device)?;
     let plan = plan(options)?;

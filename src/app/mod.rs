@@ -6,9 +6,11 @@ mod command;
 mod compare;
 mod devices;
 mod error;
+mod error_age;
 mod error_cells;
 mod figures;
 mod gbuffer;
+mod motion;
 mod parameters;
 mod precision;
 mod progress;
@@ -58,6 +60,7 @@ pub fn run() -> ExitCode {
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
         Command::Stress(options) => stress::run(options),
+        Command::Motion(options) => motion::run(options),
         Command::Study(options) => study::run(options),
         Command::Figures(options) => figures::run(options),
         Command::Captures(options) => captures::run(options),

@@ -1,11 +1,12 @@
 //! Cube maps made at run time: the scene around a place, drawn by the scene passes, or the sky alone;
-//! both filtered by roughness. Not part of any frame's time.
+//! both filtered by roughness; and captures that rays are followed in. Not part of any frame's time, unless captures are
+//! renewed in frames ([`Renewal`]).
 
 use super::SceneInput;
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::sync::Access;
-use crate::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
+use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::passes::cube_filter::{CubeFilterPass, FACE_SIZE};
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::lighting::LightingPass;
@@ -16,6 +17,7 @@ use crate::scene::capture::face_camera;
 use crate::scene::{Capture, Material};
 use ash::vk;
 use glam::Vec3;
+use std::cell::Cell;
 
 /// Near plane of the faces of a cube map, in metres.
 const NEAR_M: f32 = 0.01;
@@ -62,15 +64,26 @@ impl CaptureImages {
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
     pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
+        let passes = FacePasses::new(context.gpu(), taken)?;
+        let made = Self::without_content(context.gpu(), taken)?;
+        // A frame for each face, so that none is long enough for a driver to take it for hung.
+        for face in 0..made.faces() {
+            context.once(|frame| passes.record(frame, scene, &made, face))?;
+        }
+        context.once(|frame| {
+            frame.make_ready(made.color.all(), Access::ComputeSampled);
+            frame.make_ready(made.pyramid.all(), Access::ComputeStorageRead);
+            frame.make_ready(made.normal.all(), Access::ComputeStorageRead);
+            Ok(())
+        })?;
+        Ok(made)
+    }
+
+    fn without_content(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
-        let gpu: Gpu = context.gpu().clone();
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
-        let extent = [taken.first().map_or(1, |c| c.resolution); 2];
-        let near_m = taken.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
-        let forward = face_camera(Vec3::ZERO, 4, near_m);
-        let gbuffer = GBufferPass::new(&gpu, extent)?;
-        let lighting = LightingPass::without_sky(&gpu)?;
-        let pyramids = PyramidPass::new(&gpu, extent)?;
+        let extent = face_extent(taken);
+        let forward = face_camera(Vec3::ZERO, 4, near_m(taken));
         let desc = |name, format, extent, levels, usage| ImageDesc {
             name,
             format,
@@ -83,41 +96,108 @@ impl CaptureImages {
         let snorm = vk::Format::R8G8B8A8_SNORM;
         let strips = pyramid::size(extent, pyramid::strip(extent));
         let levels = image::full_chain(extent);
-        let pyramid = Image::array(&gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?;
-        let normal = Image::array(&gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?;
-        let color = Image::cubes(&gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?;
-        let face = super::unified::parameters(&forward, extent, false);
-        for (k, place) in places.iter().enumerate() {
-            for f in 0..6 {
-                let camera = face_camera(*place, f, near_m);
-                let layer = (6 * k + f) as u32;
-                context.once(|frame| {
-                    gbuffer.record(frame, scene.data, scene.materials, &camera)?;
-                    let images = gbuffer.gbuffer();
-                    lighting.record(frame, &images, gbuffer.albedo(), scene.data, &camera)?;
-                    let blocks = pyramids.record(frame, &images, &face)?;
-                    frame.copy_to_layer("pyramid", blocks.0.level(0), pyramid.level(0), layer)?;
-                    frame.blit_to_layer("normal", images.normal.level(0), normal.level(0), layer)?;
-                    frame.copy_to_layer("color", images.color.level(0), color.level(0), layer)
-                })?;
-            }
-        }
-        context.once(|frame| {
-            for level in 1..color.levels() {
-                frame.blit(&format!("color/{level}"), color.level(level - 1), color.level(level))?;
-            }
-            frame.make_ready(color.all(), Access::ComputeSampled);
-            frame.make_ready(pyramid.all(), Access::ComputeStorageRead);
-            frame.make_ready(normal.all(), Access::ComputeStorageRead);
-            Ok(())
-        })?;
-        Ok(Self { pyramid, normal, color, places, face, face_unit: lost::unit(&forward) })
+        Ok(Self {
+            pyramid: Image::array(gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?,
+            normal: Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
+            color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
+            face: super::unified::parameters(&forward, extent, false),
+            face_unit: lost::unit(&forward),
+            places,
+        })
+    }
+
+    /// How many faces there are: six of each capture.
+    pub fn faces(&self) -> u32 {
+        6 * self.places.len() as u32
     }
 
     /// The captures as methods take them.
     pub fn captures(&self) -> Captures<'_> {
         let Self { pyramid, normal, color, places, face, face_unit } = self;
         Captures { pyramid, normal, color, places, face, face_unit: *face_unit }
+    }
+}
+
+/// Width and height of the faces of some captures.
+fn face_extent(taken: &[Capture]) -> [u32; 2] {
+    [taken.first().map_or(1, |c| c.resolution); 2]
+}
+
+/// The near plane that the faces of some captures have in common, in metres.
+fn near_m(taken: &[Capture]) -> f32 {
+    taken.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
+}
+
+/// What draws one face of a capture: the scene passes and the pyramid, with the images of one face.
+struct FacePasses {
+    gbuffer: GBufferPass,
+    lighting: LightingPass,
+    pyramid: PyramidPass,
+    near_m: f32,
+}
+
+impl FacePasses {
+    fn new(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
+        let extent = face_extent(taken);
+        Ok(Self {
+            gbuffer: GBufferPass::new(gpu, extent)?.labelled("capture/g-buffer"),
+            lighting: LightingPass::without_sky(gpu)?.labelled("capture/lighting"),
+            pyramid: PyramidPass::new(gpu, extent)?.labelled("capture/pyramid"),
+            near_m: near_m(taken),
+        })
+    }
+
+    /// Draws a face (face f of capture k is number 6 k + f) and its part of the colour's chain. No other face changes:
+    /// the chain is made of each face alone.
+    fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, face: u32) -> Result<()> {
+        let CaptureImages { pyramid, normal, color, places, face: block, .. } = into;
+        let camera = face_camera(places[face as usize / 6], face as usize % 6, self.near_m);
+        self.gbuffer.record(frame, scene.data, scene.materials, &camera)?;
+        let images = self.gbuffer.gbuffer();
+        self.lighting.record(frame, &images, self.gbuffer.albedo(), scene.data, &camera)?;
+        let blocks = self.pyramid.record(frame, &images, block)?;
+        frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), face)?;
+        frame.blit_to_layer("capture/keep normal", images.normal.level(0), normal.level(0), face)?;
+        frame.copy_to_layer("capture/keep color", images.color.level(0), color.level(0), face)?;
+        for level in 1..color.levels() {
+            frame.blit_layer("capture/color", color.level(level - 1), color.level(level), face)?;
+        }
+        Ok(())
+    }
+}
+
+/// Renews captures while frames are drawn: so many faces a frame, in turn over all faces of all captures, so that
+/// what moves is seen in them, if late. A face is at most as old as there are faces over those of a frame, rounded up.
+pub struct Renewal {
+    passes: FacePasses,
+    faces_per_frame: u32,
+    /// The face that comes next.
+    next: Cell<u32>,
+}
+
+impl Renewal {
+    /// What renews the captures of [`CaptureImages::new`] of the same places, by so many faces a frame, of which none
+    /// is renewed twice in one.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn new(gpu: &Gpu, taken: &[Capture], faces_per_frame: u32) -> Result<Self> {
+        Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
+    }
+
+    /// Passes "capture/…", for each face that it is the turn of: scene passes, pyramid, copies and colour chain.
+    /// Draws `scene` as it is now.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages) -> Result<()> {
+        let all = into.faces();
+        for _ in 0..self.faces_per_frame.min(all) {
+            let face = self.next.get() % all;
+            self.passes.record(frame, scene, into, face)?;
+            self.next.set(face + 1);
+        }
+        Ok(())
     }
 }
 

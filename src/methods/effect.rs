@@ -1,6 +1,6 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
-use super::capture::{CaptureImages, captured_of};
+use super::capture::{CaptureImages, Renewal, captured_of};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -9,6 +9,7 @@ use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::scene::placement::Wanted;
 use crate::scene::{Capture, Material};
+use glam::Vec3;
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -33,6 +34,8 @@ struct Captured {
     places: Vec<Capture>,
     images: Option<CaptureImages>,
     of: Vec<Material>,
+    /// `None` where the captures stay as they are.
+    renewal: Option<Renewal>,
 }
 
 impl Effect {
@@ -98,12 +101,15 @@ impl Effect {
             inner.setup.extent = resolution::divided(extent, divisor);
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
+        let renewed = (effect.captures_per_frame > 0 && !captured.is_empty())
+            .then(|| Renewal::new(&gpu, &captured, effect.captures_per_frame))
+            .transpose()?;
         let mut effect = Self {
             method: (info.create)(&gpu, &inner)?,
             scaled,
             fallback: fallback.transpose()?,
             composite: CompositePass::new(&gpu, extent)?,
-            captures: face.map(|_| Captured { places: captured, images: None, of: Vec::new() }),
+            captures: face.map(|_| Captured { places: captured, images: None, of: Vec::new(), renewal: renewed }),
         };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
@@ -126,9 +132,34 @@ impl Effect {
         self.method.prepare(context, scene)
     }
 
-    /// Records every pass after lighting.
+    /// Faces of the captures that the method looks into; 0 without captures.
+    pub fn capture_faces(&self) -> u32 {
+        let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
+        images.map_or(0, CaptureImages::faces)
+    }
+
+    /// Moves the captures, in their order, to other places, and draws the scene around these; places beyond the number of
+    /// captures are left out, and captures without a place stay. Not part of any frame's time.
+    pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
+        if let Some(captured) = &mut self.captures {
+            for (capture, place) in captured.places.iter_mut().zip(places) {
+                capture.position = *place;
+            }
+            captured.images = None;
+        }
+        self.prepare(context, scene)
+    }
+
+    /// Records every pass after lighting; first of them those that renew captures, if some are renewed in each frame.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
-        let captures = self.captures.as_ref().and_then(|c| c.images.as_ref()).map(CaptureImages::captures);
+        let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
+        if let (Some(Captured { renewal: Some(renewal), .. }), Some(images)) = (&self.captures, images) {
+            renewal.record(frame, &input.scene()?, images)?;
+        }
+        let captures = images.map(CaptureImages::captures);
         let input = &Input { captures, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,

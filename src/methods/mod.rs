@@ -219,7 +219,7 @@ impl MethodInfo {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
-            "captures" | "capture_side" => self.takes_captures,
+            "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
             _ => self.is_screen_space(),
         };

@@ -3,6 +3,7 @@
 use super::{MethodInfo, captures, environment, pccm};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
+use crate::scene::capture::MAX_CAPTURES;
 use crate::scene::placement::Wanted;
 use serde_json::{Map, Value as Json};
 
@@ -112,6 +113,10 @@ parameters! {
         captures: CaptureCount = Parameter::new(CaptureCount::None).source("this project"),
         /// Width and height of the faces of captures.
         capture_side: CaptureSide = Parameter::new(CaptureSide::Scene).unit("texels").source("this project"),
+        /// Faces of captures that each frame draws anew, in turn over all faces of all captures, so that what moves is
+        /// seen in them: at most all of them. Passes of the frame, which count. With 0 captures stay as they are.
+        captures_per_frame: u32 =
+            Parameter::new(0).within(0, 6 * MAX_CAPTURES as u32).unit("faces").source("this project"),
         /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the
         /// older one.
         definitions: DefinitionsVersion = Parameter::new(DefinitionsVersion::V2).source("this project"),

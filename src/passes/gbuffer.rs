@@ -14,7 +14,7 @@ use crate::math::constants::{ALPHA_MASK, NORMAL_MAP};
 use crate::math::frustum::Frustum;
 use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 use std::mem::offset_of;
 
 /// The images that [`GBuffer`] borrows, all of one size.
@@ -205,7 +205,7 @@ impl GBufferPass {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
         let (seen, culled): (Vec<&MeshData>, Vec<_>) =
-            scene.meshes.iter().partition(|m| frustum.may_see(m.bounds.min, m.bounds.max));
+            scene.meshes.iter().partition(|m| frustum.may_see(m.bounds.min + m.offset, m.bounds.max + m.offset));
         let camera = camera_block(camera, extent);
         let targets = [
             Target::cleared(self.albedo.all(), [0.0; 4]),
@@ -226,13 +226,14 @@ impl GBufferPass {
             |raster| {
                 let mut bound = None;
                 for mesh in seen {
-                    if bound != Some(mesh.material) {
+                    if bound != Some((mesh.material, mesh.offset)) {
                         let material = &materials[mesh.material];
                         let map = |index: Option<usize>| {
                             let image = index.map_or(&scene.white, |i| &scene.textures[i]);
                             Sampled(image.all(), Sampler::Material)
                         };
-                        let block = draw_block(material, world_to_clip.as_mat4().to_cols_array_2d());
+                        let placed = world_to_clip * DMat4::from_translation(mesh.offset.as_dvec3());
+                        let block = draw_block(material, placed.as_mat4().to_cols_array_2d());
                         let fragment = GBufferFragment {
                             camera: &camera,
                             albedo_map: map(material.albedo_map),
@@ -242,7 +243,7 @@ impl GBufferPass {
                             draw: &block,
                         };
                         raster.bind(&fragment, &GBufferVertex { camera: &camera, draw: &block })?;
-                        bound = Some(mesh.material);
+                        bound = Some((mesh.material, mesh.offset));
                     }
                     raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
                 }

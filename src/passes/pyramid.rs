@@ -19,6 +19,7 @@ pub const COARSEST: u32 = TILE.ilog2();
 pub struct PyramidPass {
     pipeline: ComputePipeline<programs::Pyramid<'static>>,
     image: Image,
+    label: &'static str,
 }
 
 /// The coarsest level that rays in an image of some pixels can use: the first of one cell, at most
@@ -67,7 +68,13 @@ impl PyramidPass {
                     usage: U::STORAGE | U::SAMPLED | U::TRANSFER_SRC,
                 },
             )?,
+            label: "pyramid",
         })
+    }
+
+    /// Under another name, for another image than the screen.
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// Pass "pyramid".
@@ -86,7 +93,7 @@ impl PyramidPass {
         };
         let threads = <programs::Pyramid as Program>::SHADER.local_size;
         let threads = [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * threads[i]));
-        frame.compute("pyramid", &self.pipeline, &program, threads)?;
+        frame.compute(self.label, &self.pipeline, &program, threads)?;
         Ok(Pyramid(&self.image))
     }
 }

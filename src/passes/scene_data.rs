@@ -43,6 +43,9 @@ pub(super) struct MeshData {
     pub index_count: u32,
     pub material: usize,
     pub bounds: Aabb,
+    name: String,
+    /// How far it stands from where it was uploaded, in metres along the world's axes.
+    pub offset: Vec3,
 }
 
 impl SceneData {
@@ -52,10 +55,7 @@ impl SceneData {
     /// [`Error::Usage`] for a scene with more lights than are drawn, or a mesh with more vertices or indices than the
     /// device can draw; [`Error::Memory`] without memory.
     pub fn upload(context: &mut FrameContext, scene: &Scene) -> Result<Self> {
-        if scene.lights.len() > MAX_LIGHTS {
-            let (name, count) = (&scene.name, scene.lights.len());
-            return Err(Error::Usage(format!("scene {name} has {count} lights; at most {MAX_LIGHTS} can be drawn")));
-        }
+        check_lights(&format!("scene {}", scene.name), &scene.lights)?;
         let mut meshes = Vec::with_capacity(scene.meshes.len());
         for mesh in scene.meshes.iter().filter(|m| !m.indices.is_empty()) {
             meshes.push(MeshData {
@@ -74,6 +74,8 @@ impl SceneData {
                 index_count: index_count(mesh, context.gpu().max_vertices())?,
                 material: mesh.material,
                 bounds: mesh.bounds,
+                name: mesh.name.clone(),
+                offset: Vec3::ZERO,
             });
         }
         // Neighbouring draws of one material save descriptor pushes.
@@ -113,10 +115,50 @@ impl SceneData {
         captures
     }
 
+    /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for more lights than are drawn.
+    pub fn set_lights(&mut self, lights: &[Light]) -> Result<()> {
+        check_lights("the scene", lights)?;
+        self.lights = lights.to_vec();
+        Ok(())
+    }
+
+    /// Places the meshes of a name so far from where they were uploaded, in metres along the world's axes. What was
+    /// captured of the scene shows them where they stood until it is captured again; places of captures, and the planes
+    /// that mirror, stay those of the scene that was uploaded.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for an offset that is not finite, and if no mesh has the name.
+    pub fn place_meshes(&mut self, name: &str, offset: Vec3) -> Result<()> {
+        if !offset.is_finite() {
+            return Err(Error::Usage(format!("mesh {name} cannot be placed at {offset}: numbers must be finite")));
+        }
+        let mut placed = 0;
+        for mesh in self.meshes.iter_mut().filter(|m| m.name == name) {
+            mesh.offset = offset;
+            placed += 1;
+        }
+        if placed == 0 {
+            return Err(Error::Usage(format!("the scene has no mesh {name:?}")));
+        }
+        Ok(())
+    }
+
     /// Where cube maps are captured; never empty.
     pub fn probes(&self) -> &[Probe] {
         &self.probes
     }
+}
+
+/// Whether no more lights are given than are drawn.
+fn check_lights(of: &str, lights: &[Light]) -> Result<()> {
+    let count = lights.len();
+    if count > MAX_LIGHTS {
+        return Err(Error::Usage(format!("{of} has {count} lights; at most {MAX_LIGHTS} can be drawn")));
+    }
+    Ok(())
 }
 
 /// How many indices a mesh has, where a device that can tell so many vertices apart can draw it.

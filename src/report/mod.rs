@@ -1,5 +1,6 @@
 //! Records and images become files. A file is written whole or not at all.
 
+pub mod age_report;
 pub mod captures;
 pub mod compare;
 pub mod diagrams;

@@ -1,9 +1,8 @@
 //! Frames per second along a path as CSV, text and a plot.
 
-use super::plot::{STAGE_COLORS, TEXT, WIDTH};
+use super::plot::{self, Line};
 use super::tables::{aligned, roughness};
 use crate::study::path::PathRecord;
-use plotters::prelude::*;
 
 /// One row a frame.
 pub fn frames_csv(records: &[PathRecord]) -> String {
@@ -59,44 +58,9 @@ pub fn text(records: &[PathRecord]) -> String {
 
 /// Frames per second over the frames, a line for each method and size.
 pub fn plot(records: &[PathRecord]) -> Result<String, String> {
-    let names: Vec<String> = records.iter().map(|r| name(r, records)).collect();
-    let columns = legend_columns(&names);
-    let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
-    let last = records.iter().map(|r| r.frames.len()).max().unwrap_or(0).saturating_sub(1).max(1);
-    let most = records.iter().flat_map(|r| &r.frames).map(|f| f.fps).fold(1e-6, f64::max);
-    let mut svg = String::new();
-    {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH, 360 + legend)).into_drawing_area();
-        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
-        root.fill(&WHITE).map_err(failed)?;
-        let mut chart = ChartBuilder::on(&root)
-            .margin(10)
-            .margin_top(legend)
-            .margin_right(24)
-            .x_label_area_size(44)
-            .y_label_area_size(60)
-            .build_cartesian_2d(0.0..last as f64, 0.0..most * 1.05)
-            .map_err(failed)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .x_label_formatter(&|x| format!("{x:.0}"))
-            .x_desc("frame along the path")
-            .y_desc("frames per second, whole frame on the device")
-            .label_style(("sans-serif", TEXT))
-            .draw()
-            .map_err(failed)?;
-        for (n, (record, name)) in records.iter().zip(&names).enumerate() {
-            let color = STAGE_COLORS[n % STAGE_COLORS.len()];
-            let points = record.frames.iter().enumerate().map(|(i, f)| (i as f64, f.fps));
-            chart.draw_series(LineSeries::new(points, color.stroke_width(2))).map_err(failed)?;
-            let (x, y) = (12 + (n % columns) as i32 * legend_width(&names), 10 + 20 * (n / columns) as i32);
-            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
-            root.draw(&Text::new(name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
-        }
-        root.present().map_err(failed)?;
-    }
-    Ok(svg)
+    let line = |r: &PathRecord| Line { name: name(r, records), values: r.frames.iter().map(|f| f.fps).collect() };
+    let lines: Vec<Line> = records.iter().map(line).collect();
+    plot::lines(&lines, ["frame along the path", "frames per second, whole frame on the device"])
 }
 
 /// The method, and its size where there are several.
@@ -106,12 +70,4 @@ fn name(record: &PathRecord, all: &[PathRecord]) -> String {
         return record.head.method.clone();
     }
     format!("{} {} × {}", record.head.method, record.head.width, record.head.height)
-}
-
-fn legend_width(names: &[String]) -> i32 {
-    36 + 8 * names.iter().map(|n| n.chars().count()).max().unwrap_or(0) as i32
-}
-
-fn legend_columns(names: &[String]) -> usize {
-    (((WIDTH - 20) as i32 / legend_width(names)) as usize).max(1)
 }

@@ -220,6 +220,64 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
     if coarse.len() >= 3 { coarse } else { inside(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]) }
 }
 
+/// A line of [`lines`].
+pub struct Line {
+    /// What the legend calls it.
+    pub name: String,
+    /// A value for each frame, ≥ 0.
+    pub values: Vec<f64>,
+}
+
+/// Values over frames, from 0 up, a line each; `axes` names the frames and the values.
+pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
+    let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
+    let columns = legend_columns(&names);
+    let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
+    let last = lines.iter().map(|l| l.values.len()).max().unwrap_or(0).saturating_sub(1).max(1);
+    let most = lines.iter().flat_map(|l| &l.values).copied().fold(1e-6, f64::max);
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, 360 + legend)).into_drawing_area();
+        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        root.fill(&WHITE).map_err(failed)?;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(10)
+            .margin_top(legend)
+            .margin_right(24)
+            .x_label_area_size(44)
+            .y_label_area_size(60)
+            .build_cartesian_2d(0.0..last as f64, 0.0..most * 1.05)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_label_formatter(&|x| format!("{x:.0}"))
+            .x_desc(x_axis)
+            .y_desc(y_axis)
+            .label_style(("sans-serif", TEXT))
+            .draw()
+            .map_err(failed)?;
+        for (n, line) in lines.iter().enumerate() {
+            let color = STAGE_COLORS[n % STAGE_COLORS.len()];
+            let points = line.values.iter().enumerate().map(|(i, v)| (i as f64, *v));
+            chart.draw_series(LineSeries::new(points, color.stroke_width(2))).map_err(failed)?;
+            let (x, y) = (12 + (n % columns) as i32 * legend_width(&names), 10 + 20 * (n / columns) as i32);
+            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
+            root.draw(&Text::new(line.name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+fn legend_width(names: &[&str]) -> i32 {
+    36 + 8 * names.iter().map(|n| n.chars().count()).max().unwrap_or(0) as i32
+}
+
+fn legend_columns(names: &[&str]) -> usize {
+    (((WIDTH - 20) as i32 / legend_width(names)) as usize).max(1)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

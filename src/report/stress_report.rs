@@ -20,35 +20,46 @@ pub fn text(records: &[StressRecord], motions: &[MotionRecord]) -> String {
     let mut text = tables::aligned(&methods(records));
     let failures = failures(records);
     if failures.len() > 1 {
-        text += &format!("\nCases that {JUDGED} does not pass:\n{}", tables::aligned(&failures));
+        text += &format!("\nCases that are not passed and must be:\n{}", tables::aligned(&failures));
     }
     if !motions.is_empty() {
-        text += &format!("\nFlicker over the screen reference's own:\n{}", tables::aligned(&motion(motions)));
+        text += &format!("\n{}", motion_text(motions));
+    }
+    text
+}
+
+/// The tables of motions for a terminal.
+pub fn motion_text(motions: &[MotionRecord]) -> String {
+    let against_screen = motion(motions, |r| r.ratio.zip(r.deviation));
+    let mut text = format!("Flicker over the screen reference's own:\n{}", tables::aligned(&against_screen));
+    if motions.iter().any(|r| r.world.is_some()) {
+        let against_world = motion(motions, |r| r.world.and_then(|w| w.ratio.zip(w.deviation)));
+        text += &format!("\nFlicker over the world reference's own:\n{}", tables::aligned(&against_world));
     }
     text
 }
 
 /// Methods × motions and roughness: the median over the views of the flicker over the reference's own, and how far it is
 /// off the reference's (0 for the truth, 1 for a method that shows nothing).
-pub fn motion(records: &[MotionRecord]) -> Vec<Vec<String>> {
+pub fn motion(records: &[MotionRecord], of: impl Fn(&MotionRecord) -> Option<(f64, f64)>) -> Vec<Vec<String>> {
     let mut columns: Vec<(Motion, f32)> = Vec::new();
-    let mut methods: Vec<&str> = Vec::new();
+    let mut methods: Vec<String> = Vec::new();
     for r in records {
         if !columns.contains(&(r.motion, r.roughness)) {
             columns.push((r.motion, r.roughness));
         }
-        if !methods.contains(&r.method.as_str()) {
-            methods.push(&r.method);
+        if !methods.contains(&r.variant()) {
+            methods.push(r.variant());
         }
     }
     let title = |(motion, roughness): &(Motion, f32)| format!("{} {roughness}", motion.name());
     let mut rows = vec![std::iter::once("method".to_owned()).chain(columns.iter().map(title)).collect::<Vec<_>>()];
     for method in methods {
-        let mut row = vec![method.to_owned()];
+        let mut row = vec![method.clone()];
         row.extend(columns.iter().map(|(motion, roughness)| {
             let here =
-                records.iter().filter(|r| r.method == method && r.motion == *motion && r.roughness == *roughness);
-            let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.filter_map(|r| r.ratio.zip(r.deviation)).unzip();
+                records.iter().filter(|r| r.variant() == method && r.motion == *motion && r.roughness == *roughness);
+            let (ratios, deviations): (Vec<f64>, Vec<f64>) = here.filter_map(&of).unzip();
             let median = |mut values: Vec<f64>| {
                 values.sort_by(f64::total_cmp);
                 percentile(&values, 0.5)
@@ -98,13 +109,14 @@ pub fn methods(records: &[StressRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// The judged method's violations, a row each.
+/// What must pass and does not, a row each.
 pub fn failures(records: &[StressRecord]) -> Vec<Vec<String>> {
-    let header = ["case", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
+    let header = ["method", "case", "size", "NaN", "infinite", "negative", "exhausted", "agreement %", "ties", "ms"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
-    for r in records.iter().filter(|r| r.method == JUDGED && !r.pass) {
+    for r in records.iter().filter(|r| r.judged && !r.pass) {
         let or_dash = |v: Option<usize>| v.map_or("-".into(), |v| v.to_string());
         rows.push(vec![
+            r.method.clone(),
             r.case.clone(),
             format!("{}x{}", r.width, r.height),
             r.nan.to_string(),
@@ -173,7 +185,7 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
          there are more. {JUDGED} passes a case with no such pixel and {} % of the hits \
          (disagreements that vanish when the ray's direction, its first depth or where it crosses the sides of pixels \
          changes by up to 16 units in the last place of an f32 are ties; each corner that it then passes is a choice of \
-         its own); the published methods need only survive, and their counts are findings.",
+         its own); so do the methods that follow rays in captures, where captures stand in hard places; the published methods need only survive, and their counts are findings.",
         100.0 * AGREEMENT
     );
     html::tables_page(
@@ -184,10 +196,10 @@ fn page(records: &[StressRecord], motions: &[MotionRecord], command: &str) -> St
             ("Method × failure", &rule, &methods(records)),
             (
                 "Violations",
-                "Cases that the judged method does not pass. A frame that takes seconds counts as runaway, and does not pass either.",
+                "Cases that are not passed and must be. A frame that takes seconds counts as runaway, and does not pass either.",
                 &failures(records),
             ),
-            ("Stability in motion", MOTION_RULE, &motion(motions)),
+            ("Stability in motion", MOTION_RULE, &motion(motions, |r| r.ratio.zip(r.deviation))),
             ("Every case", CASES_RULE, &cases(records)),
         ],
     )

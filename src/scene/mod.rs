@@ -102,6 +102,14 @@ pub struct Mesh {
     pub bounds: Aabb,
 }
 
+impl Mesh {
+    /// Moves the mesh by an offset in metres.
+    pub fn translate(&mut self, offset: Vec3) {
+        self.vertices.iter_mut().for_each(|v| v.position = (Vec3::from(v.position) + offset).to_array());
+        self.bounds = Aabb::of(&self.vertices);
+    }
+}
+
 /// How a surface takes part in reflections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Surface {

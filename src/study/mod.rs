@@ -1,5 +1,6 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
+pub mod age;
 pub mod captions;
 pub mod compare;
 pub mod error;

@@ -9,6 +9,7 @@ use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
 use crate::scene::{Camera, Material, Scene, View};
+use glam::Vec3;
 
 /// The global factors of the command line; they replace or scale every material's values
 /// (docs/definitions.md, "Surfaces").
@@ -54,6 +55,11 @@ impl Stage {
         let mut context = FrameContext::new(gpu)?;
         let data = SceneData::upload(&mut context, scene)?;
         Ok(Self { context, data })
+    }
+
+    /// The scene on the device, to change what moves in it between frames.
+    pub fn scene_mut(&mut self) -> &mut SceneData {
+        &mut self.data
     }
 
     /// Runs one frame of a shot.
@@ -136,6 +142,17 @@ impl Shot {
         self.materials = materials;
         let Stage { context, data } = stage;
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
+    }
+
+    /// Faces of the captures that the method looks into; 0 without captures.
+    pub fn capture_faces(&self) -> u32 {
+        self.effect.capture_faces()
+    }
+
+    /// Moves the method's captures of the scene, as many as it has, and draws them anew there.
+    pub fn move_captures(&mut self, stage: &mut Stage, places: &[Vec3]) -> Result<()> {
+        let Stage { context, data } = stage;
+        self.effect.move_captures(context, &SceneInput { data, materials: &self.materials }, places)
     }
 
     /// The scene passes.

@@ -19,7 +19,7 @@ use ssct::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct::reference::{CaptureData, Images};
 use ssct::scene::capture::face_camera;
 use ssct::scene::{Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct::study::{Globals, Shot, Stage, gbuffer, stress};
 
 /// What the device drew and where its rays ended.
 struct Drawn {
@@ -273,6 +273,25 @@ fn codes_and_places_equal_their_twin_to_the_bit() {
         total += count.followed;
     }
     assert!(total > 5000, "{total}");
+    check_validation(&gpu).unwrap();
+}
+
+/// The captures of the stress suite: their rays end as the twin's do, of which none runs out of steps.
+#[test]
+fn no_ray_is_exhausted_in_captures_that_stand_in_hard_places() {
+    let gpu = gpu();
+    let rooms = library::scene("rooms").unwrap();
+    let mut total = Count::default();
+    for case in stress::captures::cases(&rooms).iter().take(if is_gpu_assisted() { 1 } else { usize::MAX }) {
+        for scene in case.scenes(&rooms) {
+            let count = check_twin(&draw(&gpu, &scene, &scene.views[0], [97, 61]));
+            println!("{}: {count:?}", case.name);
+            total.followed += count.followed;
+            total.in_captures += count.in_captures;
+            total.unknown += count.unknown;
+        }
+    }
+    assert!(total.followed > 5000 && total.in_captures > 500 && total.unknown > 500, "{total:?}");
     check_validation(&gpu).unwrap();
 }
 

@@ -36,6 +36,7 @@ mod oracle_rooms;
 mod page;
 mod planar;
 mod precision;
+mod renewal;
 mod resolution;
 mod same;
 mod scene_loading;

@@ -21,6 +21,20 @@ fn every_method_survives_and_the_judged_one_passes() {
     for what in ["nan", "inf", "negative", "exhausted"] {
         assert!(sum("ssct", what) > 0, "no {what} in ssct");
     }
+    // Captures inside a wall, on a surface, of one texel a face, moved each frame: no pixel is wrong, no ray exhausted.
+    let captured = records.iter().filter(|r| r["case"].as_str().unwrap().contains(": captures ")).collect::<Vec<_>>();
+    for words in ["inside a wall", "on a surface", "1x1", "moved each frame"] {
+        for method in ["unified", "captures"] {
+            let here = captured.iter().filter(|r| r["method"] == method && r["case"].as_str().unwrap().contains(words));
+            assert!(here.count() >= 3, "{method}: {words}");
+        }
+    }
+    for r in captured {
+        assert_eq!((&r["pass"], &r["judged"]), (&true.into(), &true.into()), "{r}");
+        assert_eq!([&r["nan"], &r["inf"], &r["negative"]], [0, 0, 0].map(|n: u32| Value::from(n)).each_ref(), "{r}");
+        assert_eq!(r["exhausted"], 0, "{r}");
+        assert_ne!(r["setup"]["captures"], "none", "{r}");
+    }
     let page = folder.text("index.html");
     assert!(page.contains("Method × failure") && page.contains("rays through the corners of cells"));
 }

@@ -10,12 +10,17 @@ use ash::vk;
 impl Frame<'_> {
     /// Scales one level into another with a linear filter: one step of a hardware mip chain.
     pub fn blit(&mut self, name: &str, from: ImageSlice, to: ImageSlice) -> Result<()> {
-        self.blit_between(name, from, to, layers(&to))
+        self.blit_between(name, from, to, [layers(&from), layers(&to)])
+    }
+
+    /// Scales one layer of a level into the same layer of another: a step of the mip chain of one face of a cube map.
+    pub fn blit_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
+        self.blit_between(name, from, to, [layer_of(name, &from, layer), layer_of(name, &to, layer)])
     }
 
     /// Scales one level into one layer of another, or converts its format.
     pub fn blit_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
-        self.blit_between(name, from, to, one_layer(name, &from, &to, layer))
+        self.blit_between(name, from, to, [layers(&from), one_layer(name, &from, &to, layer)])
     }
 
     /// A pass whose one command reads an image and writes another.
@@ -34,7 +39,7 @@ impl Frame<'_> {
         name: &str,
         from: ImageSlice,
         to: ImageSlice,
-        target: vk::ImageSubresourceLayers,
+        [source, target]: [vk::ImageSubresourceLayers; 2],
     ) -> Result<()> {
         self.transfer(name, from, to, |frame| {
             let side = |s: &ImageSlice| {
@@ -42,7 +47,7 @@ impl Frame<'_> {
                 [vk::Offset3D::default(), vk::Offset3D { x: w as i32, y: h as i32, z: 1 }]
             };
             let region = vk::ImageBlit2::default()
-                .src_subresource(layers(&from))
+                .src_subresource(source)
                 .src_offsets(side(&from))
                 .dst_subresource(target)
                 .dst_offsets(side(&to));
@@ -193,8 +198,14 @@ impl Frame<'_> {
 
 /// A layer of an image, for what an image of one layer is brought to.
 fn one_layer(name: &str, from: &ImageSlice, to: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
-    assert!(from.image().layers() == 1 && layer < to.image().layers(), "{name}: no layer {layer}");
-    layers(to).base_array_layer(layer).layer_count(1)
+    assert_eq!(from.image().layers(), 1, "{name}: a layer is brought from an image of one");
+    layer_of(name, to, layer)
+}
+
+/// A layer of a level.
+fn layer_of(name: &str, slice: &ImageSlice, layer: u32) -> vk::ImageSubresourceLayers {
+    assert!(layer < slice.image().layers(), "{name}: no layer {layer}");
+    layers(slice).base_array_layer(layer).layer_count(1)
 }
 
 fn layers(slice: &ImageSlice) -> vk::ImageSubresourceLayers {

@@ -10,6 +10,7 @@ use crate::passes::gbuffer::Drawn;
 use crate::scene::{Camera, GBufferData, Material, Scene};
 use crate::study::gbuffer::{self, reflection};
 use crate::study::{Shot, Stage};
+use glam::Vec3;
 
 /// What a frame left.
 pub(super) struct Made {
@@ -75,6 +76,8 @@ pub struct SceneLineup {
     pub scene: Scene,
     /// Width and height in pixels.
     pub extent: [u32; 2],
+    /// How the methods are set up.
+    pub(super) setup: Setup,
     stage: Stage,
     shots: Vec<(&'static MethodInfo, Shot)>,
     /// What the first shot drew.
@@ -83,26 +86,26 @@ pub struct SceneLineup {
 
 impl SceneLineup {
     /// Makes methods that show hits beside their reflection, where they have them.
-    pub fn with_hits(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, extent, Wants::HITS, methods)
+    pub fn with_hits(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
+        Self::with(gpu, scene, setup, Wants::HITS, methods)
     }
 
     /// Makes methods as they are shown.
-    pub fn new(gpu: &Gpu, scene: Scene, extent: [u32; 2], methods: &[&'static MethodInfo]) -> Result<Self> {
-        Self::with(gpu, scene, extent, Wants::REFLECTION, methods)
+    pub fn new(gpu: &Gpu, scene: Scene, setup: &Setup, methods: &[&'static MethodInfo]) -> Result<Self> {
+        Self::with(gpu, scene, setup, Wants::REFLECTION, methods)
     }
 
-    fn with(gpu: &Gpu, scene: Scene, extent: [u32; 2], wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
-        let setup = Setup::new(extent);
+    fn with(gpu: &Gpu, scene: Scene, setup: &Setup, wants: Wants, methods: &[&'static MethodInfo]) -> Result<Self> {
+        let extent = setup.extent;
         let mut stage = Stage::new(gpu, &scene)?;
         let view = scene.views.first().cloned().unwrap_or_default();
         let camera = view.camera(&scene, extent);
         let materials = scene.materials_in(&view);
         let mut shots = Vec::new();
         for method in methods {
-            shots.push((*method, Shot::new(&mut stage, method, &setup, wants, camera, materials.clone())?));
+            shots.push((*method, Shot::new(&mut stage, method, setup, wants, camera, materials.clone())?));
         }
-        Ok(Self { scene, extent, stage, shots, drawn: Drawn::default() })
+        Ok(Self { scene, extent, setup: setup.clone(), stage, shots, drawn: Drawn::default() })
     }
 
     /// The methods, in order.
@@ -113,6 +116,11 @@ impl SceneLineup {
     /// Replaces the materials.
     pub(super) fn set_materials(&mut self, materials: &[Material]) -> Result<()> {
         self.shots.iter_mut().try_for_each(|(_, shot)| shot.set_materials(&mut self.stage, materials.to_vec()))
+    }
+
+    /// Moves every method's captures.
+    pub(super) fn move_captures(&mut self, places: &[Vec3]) -> Result<()> {
+        self.shots.iter_mut().try_for_each(|(_, shot)| shot.move_captures(&mut self.stage, places))
     }
 
     /// Draws what a camera sees, which the methods then reflect. `None` if there are no methods.

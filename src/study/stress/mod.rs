@@ -1,6 +1,7 @@
 //! Numerical stability: every method on adversarial G-buffers and cameras, its pixels counted on the
 //! host's bits, its hits held against the oracle's.
 
+pub mod captures;
 pub mod cases;
 pub mod lineup;
 pub mod motion;
@@ -73,6 +74,10 @@ pub struct StressRecord {
     pub ties: Option<usize>,
     /// The method's time.
     pub time_ms: f64,
+    /// Whether it must pass: [`JUDGED`] everywhere, and where captures are tried whatever follows rays in them. The
+    /// published methods need only survive.
+    #[serde(default)]
+    pub judged: bool,
     /// No NaN, infinity, negative or exhausted pixel, agreement (ties apart) of [`AGREEMENT`], and a
     /// bounded time.
     pub pass: bool,
@@ -126,7 +131,9 @@ pub fn run(gpu: &Gpu, case: &Case, lineup: &mut ScreenLineup) -> Result<Vec<Stre
     let mut records = Vec::new();
     for n in 0..lineup.len() {
         let (method, made) = lineup.reflect(n, &images.gbuffer(), &data.camera)?;
-        records.push(made.judge(gpu, &case.name, method, &data, &Globals::default(), truth.as_ref()));
+        let setup = Setup::new(case.extent());
+        let judged = Judged { case: &case.name, setup: &setup, globals: &Globals::default(), must_pass: false };
+        records.push(made.judge(gpu, &judged, method, &data, truth.as_ref()));
     }
     Ok(records)
 }
@@ -180,14 +187,22 @@ impl<'a> Truth<'a> {
     }
 }
 
+/// What a frame was made of.
+struct Judged<'a> {
+    case: &'a str,
+    setup: &'a Setup,
+    globals: &'a Globals,
+    /// Whether every method must pass, and not [`JUDGED`] alone.
+    must_pass: bool,
+}
+
 impl Made {
     fn judge(
         &self,
         gpu: &Gpu,
-        case: &str,
+        &Judged { case, setup, globals, must_pass }: &Judged,
         method: &MethodInfo,
         data: &GBufferData,
-        globals: &Globals,
         truth: Option<&Truth>,
     ) -> StressRecord {
         let sound = |i: usize| data.color[i].to_array().iter().all(|v| kind(v.to_bits()).is_none());
@@ -210,7 +225,7 @@ impl Made {
             method: method.name.to_owned(),
             width: data.width,
             height: data.height,
-            setup: recorded(&Setup::new([data.width, data.height]), Some(method), &data.camera.lens, globals),
+            setup: recorded(setup, Some(method), &data.camera.lens, globals),
             pixels,
             nan: wrong.nan,
             inf: wrong.inf,
@@ -220,6 +235,7 @@ impl Made {
             hit_agreement: compared.and_then(|(n, agree, _)| (n > 0).then(|| agree as f64 / n as f64)),
             ties: compared.and_then(|(.., ties)| ties),
             time_ms,
+            judged: must_pass || method.name == JUDGED,
             pass: wrong == Wrong::default()
                 && exhausted.is_none_or(|n| n == 0)
                 && agrees
@@ -292,9 +308,8 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let Some(data) = lineup.draw(camera)? else { continue };
         let made = lineup.made()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
-        let judged =
-            lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &name, m, &data, &globals, truth.as_ref()));
-        records.extend(judged);
+        let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
+        records.extend(lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &judged, m, &data, truth.as_ref())));
     }
     Ok(records)
 }

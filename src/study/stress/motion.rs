@@ -4,11 +4,15 @@
 use super::lineup::SceneLineup;
 use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::methods::{EffectParams, MethodInfo, Setup};
+use crate::math::DefinitionsVersion;
+use crate::methods::{EffectParams, MethodInfo};
+use crate::reference::first_hits::FirstHits;
 use crate::reference::screen::{Sampling, ScreenReference};
+use crate::reference::surface::World;
+use crate::reference::world::{Escape, WorldReference};
 use crate::scene::{Camera, GBufferData, Scene, View};
 use crate::study::Globals;
-use crate::study::record::{Provenance, RecordedSetup, recorded};
+use crate::study::record::{Provenance, RecordedSetup, cell, recorded};
 use glam::{DMat4, DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -88,6 +92,32 @@ pub struct MotionRecord {
     /// Mean absolute difference of the method's change and the reference's, over the reference's own
     /// flicker: 0 for the reference, 1 for a method that shows nothing.
     pub deviation: Option<f64>,
+    /// The same against the world reference, where that was asked for.
+    #[serde(default)]
+    pub world: Option<WorldMotion>,
+}
+
+/// A method's change beside that of the world reference.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WorldMotion {
+    /// The world reference's own flicker, as [`MotionRecord::flicker`].
+    pub reference_flicker: f64,
+    /// The method's flicker over it; null where the reference stands still.
+    pub ratio: Option<f64>,
+    /// As [`MotionRecord::deviation`], against the world reference.
+    pub deviation: Option<f64>,
+}
+
+impl MotionRecord {
+    /// The method, with its captures where it has some.
+    pub fn variant(&self) -> String {
+        let of = |name: &str| self.setup.get(name).map(cell).unwrap_or_default();
+        let named = |name: &str, words: &str| match of(name).as_str() {
+            "" | "none" => String::new(),
+            value => format!(" + {words}{value}"),
+        };
+        format!("{}{}{}", self.method, named("fallback", ""), named("captures", "captures "))
+    }
 }
 
 /// What is moved through, in the scene of a line-up.
@@ -100,14 +130,17 @@ pub struct MotionSpec<'a> {
     pub roughness: f32,
     /// Frames, ≥ 2.
     pub frames: u32,
-    /// Rays a pixel of the reference.
+    /// Rays a pixel of the references.
     pub rays: u32,
+    /// Whether the change is held against the world reference's own, too.
+    pub against_world: bool,
 }
 
-/// Moves the camera past methods, and past the screen reference.
+/// Moves the camera past methods, and past the references.
 pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineup) -> Result<Vec<MotionRecord>> {
     let globals = Globals { roughness: Some(spec.roughness), ..Globals::default() };
-    lineup.set_materials(&globals.materials(&lineup.scene, spec.view))?;
+    let materials = globals.materials(&lineup.scene, spec.view);
+    lineup.set_materials(&materials)?;
     let extent = spec.extent;
     let cameras: Vec<Camera> = (0..spec.frames)
         .map(|n| motion.view(&lineup.scene, spec.view, n, extent[1]).camera(&lineup.scene, extent))
@@ -122,19 +155,30 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         }
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
-    let EffectParams { oracle, definitions, .. } = Setup::new(extent).effect();
+    let EffectParams { oracle, definitions, .. } = lineup.setup.effect();
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
     let expected = changes(&pairs, &reference, extent);
     let reference_flicker = mean(&expected, |_, change| change);
+    let world = spec.against_world.then(|| {
+        let world = World::new(&lineup.scene, &materials);
+        let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, definitions, spec.rays)).collect();
+        changes(&pairs, &images, extent)
+    });
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
     let record = |(method, made): (&&MethodInfo, &Vec<Vec<Vec3>>)| {
         let made = changes(&pairs, made, extent);
         let flicker = mean(&made, |_, change| change);
         let off = mean(&made, |n, change| change - expected[n]);
-        let over_reference = |v: f64| (reference_flicker > 0.0).then(|| v / reference_flicker);
+        let over = |v: f64, flicker: f64| (flicker > 0.0).then(|| v / flicker);
+        let against_world = |expected: &Vec<Vec3>| {
+            let reference_flicker = mean(expected, |_, change| change);
+            let off = mean(&made, |n, change| change - expected[n]);
+            let (ratio, deviation) = (over(flicker, reference_flicker), over(off, reference_flicker));
+            WorldMotion { reference_flicker, ratio, deviation }
+        };
         MotionRecord {
             kind: "motion".to_owned(),
             program: Provenance::on(gpu),
@@ -145,15 +189,26 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
             width: extent[0],
             height: extent[1],
             roughness: spec.roughness,
-            setup: recorded(&Setup::new(extent), Some(method), &lens, &globals),
+            setup: recorded(&lineup.setup, Some(method), &lens, &globals),
             pairs: made.len(),
             flicker,
             reference_flicker,
-            ratio: over_reference(flicker),
-            deviation: over_reference(off),
+            ratio: over(flicker, reference_flicker),
+            deviation: over(off, reference_flicker),
+            world: world.as_ref().map(against_world),
         }
     };
     Ok(methods.iter().zip(&images).map(record).collect())
+}
+
+/// The world reference of a G-buffer, with one seed as the screen's. By version 1 of the definitions, a ray that escapes
+/// is black.
+fn world_image(world: &World, screen: &GBufferData, definitions: DefinitionsVersion, rays: u32) -> Vec<Vec3> {
+    let first_hits = FirstHits::from_gbuffer(screen);
+    let reference = WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Black, 3);
+    let mut state = reference.start();
+    reference.add(&mut state, rays);
+    reference.image(&state).reflection
 }
 
 /// What is no colour is shown as none.

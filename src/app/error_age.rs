@@ -1,0 +1,93 @@
+//! `ssct error --age`: error over the age of captures, while things move.
+
+use super::cli::ErrorOptions;
+use super::run::{Run, go_on};
+use super::{progress, resolve};
+use crate::error::{Error, Result};
+use crate::methods;
+use crate::report::{age_report, files};
+use crate::scene::Scene;
+use crate::study::age::{AgeRecord, AgeSpec, measure};
+use crate::study::journal::{digest, scene_digest};
+use crate::study::stress::JUDGED;
+use glam::Vec3;
+use serde_json::json;
+use std::io::Write;
+
+/// Measures for every size and roughness what the journal lacks, writes and prints.
+pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
+    let common = &options.common;
+    let scene = resolve::scene(&common.place, "museum")?;
+    let view = resolve::view(&scene, &common.place, None)?;
+    let globals = resolve::globals(&common.place)?;
+    let sizes = if options.size.is_empty() { vec![[480, 270]] } else { options.size.clone() };
+    let setup = common.method_options.setup(sizes[0]);
+    let names = if options.method.is_empty() { vec![JUDGED.to_owned()] } else { options.method.clone() };
+    let methods = methods::choose(&names, &setup)?;
+    if setup.values.given().any(|name| name == "captures_per_frame") {
+        let message = "--age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
+        return Err(Error::Usage(message.into()).into());
+    }
+    if options.rays < 2 {
+        return Err(Error::Usage("--rays must be at least 2".into()).into());
+    }
+    let step_m = options.step.unwrap_or(Vec3::ZERO);
+    check_moving(&scene, &options.moving)?;
+    let gpu = resolve::gpu(&common.device)?;
+    let mut cells = Vec::new();
+    for &method in &methods {
+        for &size in &sizes {
+            cells.extend(globals.iter().map(|&g| (method, size, g)));
+        }
+    }
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let bar = progress::bar("age", cells.len());
+    let mut records: Vec<AgeRecord> = Vec::new();
+    let mut outcome = Ok(());
+    let scene_digest = scene_digest(&scene);
+    for (method, size, globals) in cells {
+        let (moving, faces) = (&options.moving[..], &options.faces[..]);
+        let (setup, rays, gpu, scene, view) = (setup.at(size), options.rays, &gpu, &scene, &view);
+        let spec = AgeSpec { gpu, scene, view, globals, method, setup, moving, step_m, faces, frames, rays };
+        let set = json!([method.name, spec.setup.recorded(Some(method)), globals, format!("{view:?}")]);
+        let moves = json!([moving, step_m.to_array(), faces, frames, rays]);
+        let key = format!("age {} {} {}", scene.name, view.name, digest(gpu, &json!([scene_digest, set, moves])));
+        // What ended the measurement does not end the report of what the journal has.
+        if outcome.is_ok() {
+            let measured = run.journal.get_or(&key, |_| measure(&spec, &mut go_on));
+            outcome = measured.map(drop).and_then(|()| progress::step(&bar));
+        }
+        records.extend(run.journal.get::<Vec<AgeRecord>>(&key).into_iter().flatten());
+    }
+    bar.finish_and_clear();
+    let wrote = write(options, &records);
+    run.ended(outcome)?;
+    wrote?;
+    run.finish()?;
+    gpu.check_validation()?;
+    Ok(())
+}
+
+/// Refuses names that no mesh has, with those that there are.
+fn check_moving(scene: &Scene, moving: &[String]) -> Result<()> {
+    let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    match moving.iter().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => Err(Error::Usage(format!(
+            "--moving {name}: scene {} has no mesh of this name; it has: {}",
+            scene.name,
+            names.join(", ")
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn write(options: &ErrorOptions, records: &[AgeRecord]) -> anyhow::Result<()> {
+    if let Some(folder) = &options.output {
+        age_report::write(folder, records)?;
+    }
+    let shown = if options.json { files::json(records) } else { age_report::text(records) };
+    std::io::stdout().lock().write_all(shown.as_bytes())?;
+    Ok(())
+}

@@ -1,0 +1,139 @@
+//! Captures where no capture should be: inside a wall, on a surface, with faces of one texel, moved each frame. What
+//! follows rays in them must show a number in every pixel, and end every ray.
+
+use super::lineup::SceneLineup;
+use super::{Judged, StressRecord};
+use crate::error::Result;
+use crate::gpu::Gpu;
+use crate::methods::setup::CaptureCount;
+use crate::methods::{EffectParams, METHODS, MethodInfo, Setup};
+use crate::reference::surface::World;
+use crate::scene::bvh::WorldRay;
+use crate::scene::{Capture, Scene, View};
+use crate::study::Globals;
+use glam::Vec3;
+
+/// Roughness values: a mirror, a narrow lobe and a wide one.
+const ROUGHNESS: [f32; 3] = [0.0, 0.05, 0.3];
+
+/// Texels along a side of a face where nothing else is tried: odd, so that no level of the pyramid halves exactly.
+const SIDE: u32 = 61;
+
+/// Captures, and how they move.
+pub struct CaptureCase {
+    /// What it tries, as records name it.
+    pub name: String,
+    /// By how much the whole scene is moved along each axis, metres.
+    offset: f32,
+    view: View,
+    /// Where the captures stand in each frame, in the scene that is not moved, metres; as many in each frame.
+    places: Vec<Vec<Vec3>>,
+    resolution: u32,
+}
+
+/// What must pass: the methods that follow rays in captures.
+pub fn methods() -> Vec<&'static MethodInfo> {
+    METHODS.iter().filter(|m| m.takes_captures).collect()
+}
+
+/// Every case of a scene whose first view looks at something.
+pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
+    let Some(view) = scene.views.first() else { return Vec::new() };
+    let (eye, ahead) = (view.eye, (view.look_at - view.eye).normalize_or(Vec3::Z));
+    let bounds = scene.bounds();
+    let materials = scene.materials_in(view);
+    let ray =
+        WorldRay { origin: eye.as_dvec3(), direction: ahead.as_dvec3(), t_min: 1e-3, t_max: f64::INFINITY };
+    // Where nothing is ahead, the far corner of the bounds stands for the wall.
+    let wall = World::new(scene, &materials).closest(&ray).map_or(bounds.max, |hit| ray.at(hit.t).as_vec3());
+    let case = |name: &str, resolution: u32, offset: f32, places: Vec<Vec<Vec3>>| CaptureCase {
+        name: format!("{}: captures {name}", scene.name),
+        offset,
+        view: view.clone(),
+        places,
+        resolution,
+    };
+    let still = |name: &str, resolution: u32, place: Vec3| case(name, resolution, 0.0, vec![vec![place]]);
+    let floor = Vec3::new(eye.x, bounds.min.y, eye.z);
+    let through = |n: u16| eye.lerp(wall + 0.5 * ahead, f32::from(n) / 7.0);
+    vec![
+        still("at the eye", SIDE, eye),
+        still("on a surface", SIDE, wall),
+        still("a hair before a surface", SIDE, wall - 1e-4 * ahead),
+        still("inside a wall", SIDE, wall + 0.05 * ahead),
+        still("on the floor", SIDE, floor),
+        still("below the floor", SIDE, floor - 0.1 * Vec3::Y),
+        still("in a corner of the bounds", SIDE, bounds.min),
+        still("outside", SIDE, bounds.max + 10.0),
+        case("moved each frame, through a wall", SIDE, 0.0, (0..8).map(|n| vec![through(n)]).collect()),
+        case("two in one place", SIDE, 0.0, vec![vec![eye - 0.2 * ahead; 2]]),
+        case("before and inside a wall", SIDE, 0.0, vec![vec![wall - 0.5 * ahead, wall + 0.05 * ahead]]),
+        still("with faces of 1x1, at the eye", 1, eye),
+        still("with faces of 1x1, on a surface", 1, wall),
+        still("with faces of 2x2", 2, eye),
+        still("with faces of 3x3", 3, eye),
+        case("a kilometre from the origin", SIDE, 1e3, vec![vec![eye - 0.2 * ahead]]),
+        case("1000 km from the origin", SIDE, 1e6, vec![vec![eye - 0.2 * ahead]]),
+    ]
+}
+
+impl CaptureCase {
+    /// What a line-up is made for: cases that agree in it share one.
+    pub fn key(&self) -> (u32, usize, u32) {
+        (self.resolution, self.places[0].len(), self.offset.to_bits())
+    }
+
+    /// The scene of each frame, moved and with the captures where they stand then.
+    pub fn scenes(&self, scene: &Scene) -> Vec<Scene> {
+        let at = |place: &Vec3| Capture { resolution: self.resolution, ..Capture::at(*place) };
+        let of = |places: &Vec<Vec3>| {
+            let mut scene = Scene { captures: places.iter().map(at).collect(), ..scene.clone() };
+            scene.translate(Vec3::splat(self.offset));
+            scene
+        };
+        self.places.iter().map(of).collect()
+    }
+
+    /// The line-up of methods with as many captures of the case's size.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn lineup(
+        &self,
+        gpu: &Gpu,
+        scene: &Scene,
+        extent: [u32; 2],
+        methods: &[&'static MethodInfo],
+    ) -> Result<SceneLineup> {
+        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
+        SceneLineup::with_hits(gpu, self.scenes(scene).remove(0), &setup, methods)
+    }
+}
+
+/// Runs the methods of the case's line-up, as mirrors and as gloss, frame by frame: a record of each. Hits are not
+/// compared, since the screen's oracle does not know what captures show.
+///
+/// # Errors
+/// Those of the device.
+pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
+    let mut view = case.view.clone();
+    view.eye += case.offset;
+    view.look_at += case.offset;
+    let camera = view.camera(&lineup.scene, lineup.extent);
+    let mut records = Vec::new();
+    for roughness in ROUGHNESS {
+        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+        lineup.set_materials(&globals.materials(&lineup.scene, &view))?;
+        for (n, places) in case.places.iter().enumerate() {
+            let places: Vec<Vec3> = places.iter().map(|p| *p + case.offset).collect();
+            lineup.move_captures(&places)?;
+            let Some(data) = lineup.draw(camera)? else { continue };
+            let made = lineup.made()?;
+            let frame = if case.places.len() > 1 { format!(", frame {n}") } else { String::new() };
+            let name = format!("{}, roughness {roughness}{frame}", case.name);
+            let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: true };
+            records.extend(lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &judged, m, &data, None)));
+        }
+    }
+    Ok(records)
+}

@@ -1,0 +1,264 @@
+//! Captures that frames renew, and their error over age: what is renewed equals what is made anew, to the bit; the
+//! passes are counted; and what moves is seen in captures as late as they are old.
+
+use crate::common::{Builder, check_validation, gpu};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, FrameContext, Gpu, Pixels, Watch};
+use ssct::methods::capture::{CaptureImages, Renewal};
+use ssct::methods::setup::CaptureCount;
+use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants, captures, ssct as thesis, unified};
+use ssct::passes::scene_data::SceneData;
+use ssct::scene::{Capture, Light, Scene, View, library};
+use ssct::study::age::{self, AgeSpec};
+use ssct::study::{Globals, Shot, Stage, gbuffer};
+use std::sync::Arc;
+
+/// A mirror floor, a lit wall, and a red screen behind the eye that reflections of the floor and the mirror wall show.
+fn scene() -> Scene {
+    let mut b = Builder::new("moving");
+    b.light(Vec3::new(0.2, -0.5, 1.0));
+    let (mirror, wall, red) =
+        (b.mirror(), b.matt(Vec3::new(0.2, 0.5, 0.7)), b.matt(Vec3::new(0.9, 0.1, 0.1)));
+    b.quad(mirror, Vec3::new(-6.0, 0.0, -6.0), Vec3::X * 12.0, Vec3::Z * 12.0, Vec3::Y);
+    b.quad(mirror, Vec3::new(-3.0, 0.0, 5.0), Vec3::X * 6.0, Vec3::Y * 3.0, Vec3::NEG_Z);
+    b.quad(wall, Vec3::new(-6.0, 0.0, -6.0), Vec3::X * 12.0, Vec3::Y * 4.0, Vec3::Z);
+    b.quad(red, Vec3::new(-2.5, 0.2, -3.0), Vec3::X * 1.5, Vec3::Y * 2.0, Vec3::Z);
+    b.0.meshes.last_mut().unwrap().name = MOVING.into();
+    b.light(Vec3::new(0.1, -0.3, -1.0));
+    b.0.views =
+        vec![View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.2, 5.0), ..View::default() }];
+    b.0.captures = [Vec3::new(0.0, 1.5, 1.0), Vec3::new(-1.5, 1.0, 2.5)]
+        .map(|place| Capture { resolution: 33, ..Capture::at(place) })
+        .to_vec();
+    b.0
+}
+
+const MOVING: &str = "red";
+
+/// The lights as they become, and where what moves comes to stand.
+fn changed(data: &mut SceneData) {
+    let lights = [Light::Point { position: Vec3::new(1.0, 3.0, -1.0), energy: 4.0 }];
+    data.set_lights(&lights).unwrap();
+    data.place_meshes(MOVING, Vec3::new(2.25, 0.5, -0.25)).unwrap();
+}
+
+/// Every bit of some captures: pyramids, normals, and each level of the colour.
+fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
+    let captures = images.captures();
+    let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
+    let all = [captures.pyramid.level(0), captures.normal.level(0)].into_iter().chain(levels);
+    let of = |pixels: Pixels| pixels.values.iter().map(|v| v.to_bits()).collect();
+    all.map(|slice| of(context.read(slice).unwrap())).collect()
+}
+
+#[test]
+fn captures_that_were_renewed_in_turn_equal_captures_made_anew() {
+    let gpu = gpu();
+    let scene = scene();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    for per_frame in [1, 5, 6, 12, 48] {
+        let mut data = SceneData::upload(&mut context, &scene).unwrap();
+        let materials = &scene.materials;
+        let old = CaptureImages::new(&mut context, &SceneInput { data: &data, materials }, &scene.captures).unwrap();
+        let renewal = Renewal::new(&gpu, &scene.captures, per_frame).unwrap();
+        let before = bits(&mut context, &old);
+        changed(&mut data);
+        let input = SceneInput { data: &data, materials };
+        let fresh = CaptureImages::new(&mut context, &input, &scene.captures).unwrap();
+        let fresh = bits(&mut context, &fresh);
+        assert!(before.iter().zip(&fresh).filter(|(a, b)| a != b).count() > 3, "the change shows");
+        assert_eq!(old.faces(), 12);
+        let frames = 12_u32.div_ceil(per_frame);
+        for frame in 0..frames {
+            assert!(frame == 0 || bits(&mut context, &old) != fresh, "{per_frame} a frame: done after {frame}");
+            context.once(|frame| renewal.record(frame, &input, &old)).unwrap();
+        }
+        let renewed = bits(&mut context, &old);
+        for (n, (renewed, fresh)) in renewed.iter().zip(&fresh).enumerate() {
+            let differ = renewed.iter().zip(fresh).filter(|(a, b)| a != b).count();
+            assert_eq!(differ, 0, "{per_frame} a frame: image {n}");
+        }
+    }
+    check_validation(&gpu).unwrap();
+}
+
+fn shot(stage: &mut Stage, scene: &Scene, method: &MethodInfo, per_frame: u32) -> Shot {
+    let setup = Setup::new([80, 45]).with(|p: &mut EffectParams| {
+        (p.captures, p.captures_per_frame) = (CaptureCount::Auto, per_frame);
+        if method.name == thesis::INFO.name {
+            p.fallback = Fallback::Captures;
+        }
+    });
+    let camera = scene.views[0].camera(scene, setup.extent);
+    Shot::new(stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap()
+}
+
+/// The bits of what a frame of a shot reflects, and the labels of its passes with whether they count.
+fn frame(stage: &mut Stage, shot: &Shot) -> (Vec<u32>, Vec<(String, bool)>) {
+    let (report, _, output) = stage.output_in(Mode::Timed, shot).unwrap();
+    let pixels = gbuffer::reflection(&mut stage.context, &output).unwrap();
+    let bits = pixels.values.iter().map(|v| v.to_bits()).collect();
+    (bits, report.passes.into_iter().map(|p| (p.name, p.counted)).collect())
+}
+
+#[test]
+fn frames_renew_captures_by_passes_that_count_and_then_show_what_changed() {
+    let gpu = gpu();
+    let scene = scene();
+    for method in [&unified::INFO, &captures::INFO, &thesis::INFO] {
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        let old = shot(&mut stage, &scene, method, 0);
+        let renewed = shot(&mut stage, &scene, method, 5);
+        let (before, passes) = frame(&mut stage, &old);
+        assert!(!passes.iter().any(|(name, _)| name.starts_with("capture/")), "{}: {passes:?}", method.name);
+        let others = |all: &[(String, bool)]| {
+            all.iter().filter(|(name, _)| !name.starts_with("capture/")).cloned().collect::<Vec<_>>()
+        };
+        changed(stage.scene_mut());
+        let fresh = shot(&mut stage, &scene, method, 0);
+        let truth = frame(&mut stage, &fresh).0;
+        for n in 0..3 {
+            let (made, all) = frame(&mut stage, &renewed);
+            // Levels of a chain from 33 texels down to 1.
+            let per_face = [
+                ("capture/g-buffer", 1),
+                ("capture/lighting", 1),
+                ("capture/pyramid", 1),
+                ("capture/keep pyramid", 1),
+                ("capture/keep normal", 1),
+                ("capture/keep color", 1),
+                ("capture/color", 5),
+            ];
+            for (name, count) in per_face {
+                let recorded = all.iter().filter(|(of, _)| of == name).count();
+                assert_eq!(recorded, 5 * count, "{}: {name}", method.name);
+            }
+            let added: usize = per_face.iter().map(|(_, count)| 5 * count).sum();
+            assert_eq!(all.len(), passes.len() + added, "{}", method.name);
+            assert!(all.iter().all(|(name, counted)| !name.starts_with("capture/") || *counted));
+            assert_eq!(others(&all), others(&passes), "{}: other passes change", method.name);
+            assert_eq!(made == truth, n == 2, "{}: after {} of 3 frames", method.name, n + 1);
+        }
+        assert_ne!(frame(&mut stage, &old).0, truth, "{}: captures that nothing renews stay old", method.name);
+        assert_ne!(before, truth, "{}", method.name);
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn renewal_makes_no_object_in_the_steady_state() {
+    let watch = Arc::<Watch>::default();
+    let gpu = Gpu::open(&DeviceQuery { watch: Some(Arc::clone(&watch)), ..DeviceQuery::default() }).unwrap();
+    let scene = scene();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let renewed = shot(&mut stage, &scene, &unified::INFO, 12);
+    // Queries and uniform memory grow to what a frame needs.
+    frame(&mut stage, &renewed);
+    watch.arm(None);
+    for n in 0..4 {
+        stage.scene_mut().place_meshes(MOVING, Vec3::X * 0.1 * n as f32).unwrap();
+        stage.run(&renewed, Mode::Timed).unwrap();
+    }
+    assert_eq!(watch.calls()[0], 0, "allocations");
+}
+
+#[test]
+fn what_moves_or_lights_a_scene_is_checked() {
+    let gpu = gpu();
+    let mut context = FrameContext::new(&gpu).unwrap();
+    let mut data = SceneData::upload(&mut context, &scene()).unwrap();
+    let said = data.place_meshes("green", Vec3::ZERO).unwrap_err().to_string();
+    assert!(said.contains("no mesh \"green\""), "{said}");
+    let said = data.place_meshes(MOVING, Vec3::NAN).unwrap_err().to_string();
+    assert!(said.contains("finite"), "{said}");
+    let many = vec![Light::Directional { direction: Vec3::X, energy: 1.0 }; 1000];
+    let said = data.set_lights(&many).unwrap_err().to_string();
+    assert!(said.contains("1000 lights"), "{said}");
+}
+
+/// A mesh that the device draws at an offset is what the references see there: the G-buffers are the same but for
+/// rounding at edges.
+#[test]
+fn a_mesh_that_is_placed_is_drawn_where_the_moved_scene_has_it() {
+    let gpu = gpu();
+    let offset = Vec3::new(1.25, 0.5, 0.25);
+    let mut moved = scene();
+    moved.meshes.iter_mut().filter(|m| m.name == MOVING).for_each(|m| m.translate(offset));
+    let camera = View { eye: Vec3::new(0.0, 1.4, 3.0), look_at: Vec3::new(0.0, 1.0, -5.0), ..View::default() }
+        .camera(&moved, [80, 45]);
+    let depth = |scene: &Scene, offset: Option<Vec3>| {
+        let mut stage = Stage::new(&gpu, scene).unwrap();
+        if let Some(offset) = offset {
+            stage.scene_mut().place_meshes(MOVING, offset).unwrap();
+        }
+        let setup = Setup::new([80, 45]);
+        let shot =
+            Shot::new(&mut stage, &unified::INFO, &setup, Wants::IMAGE, camera, scene.materials.clone()).unwrap();
+        stage.draw(&shot).unwrap();
+        gbuffer::read(&mut stage.context, &shot).unwrap().depth
+    };
+    let (still, placed, truth) = (depth(&scene(), None), depth(&scene(), Some(offset)), depth(&moved, None));
+    let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-5 * b.abs()).count();
+    assert!(differ(&still, &truth) > 200, "{}", differ(&still, &truth));
+    assert!(differ(&placed, &truth) <= 8, "{}", differ(&placed, &truth));
+}
+
+#[test]
+fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
+    let gpu = gpu();
+    let scene = scene();
+    let setup = Setup::new([96, 54]).with(|p: &mut EffectParams| p.captures = CaptureCount::Auto);
+    let moving = [MOVING.to_owned()];
+    let spec = AgeSpec {
+        gpu: &gpu,
+        scene: &scene,
+        view: &scene.views[0],
+        globals: Globals { roughness: Some(0.0), ..Globals::default() },
+        method: &unified::INFO,
+        setup,
+        moving: &moving,
+        step_m: Vec3::X * 0.25,
+        faces: &[0, 1, 4, 12],
+        frames: 9,
+        rays: 16,
+    };
+    let records = age::measure(&spec, &mut || Ok(())).unwrap();
+    let rmse = |row: usize, frame: usize| records[row].frames[frame].rmse;
+    for (record, faces) in records.iter().zip(spec.faces) {
+        assert_eq!((record.faces, record.faces_per_frame, record.frames.len()), (12, *faces, 9));
+        assert_eq!(record.head.setup["captures_per_frame"], *faces);
+        for (n, f) in record.frames.iter().enumerate() {
+            assert!((f.moved_m - 0.25 * n as f32).abs() < 1e-6);
+            assert_eq!(f.age_frames, age::mean_age(12, *faces, n as u32));
+            assert!(f.rmse.is_finite() && f.standard_error.is_finite());
+            assert_eq!(f.capture_ms > 0.0, *faces > 0);
+            assert!(f.capture_ms < f.effect_ms);
+        }
+    }
+    // At the beginning all captures are of the scene as it stands.
+    assert!((1..4).all(|row| rmse(row, 0) == rmse(0, 0)), "{:?}", (0..4).map(|row| rmse(row, 0)).collect::<Vec<_>>());
+    let last = |row: usize| rmse(row, 8);
+    println!("{:?}, then {:?}", rmse(0, 0), [0, 1, 2, 3].map(last));
+    assert!(last(0) > 1.2 * last(3), "{:?}", [0, 1, 2, 3].map(last));
+    assert!(last(2) < last(0) && last(3) <= last(2), "{:?}", [0, 1, 2, 3].map(last));
+    let refused = |spec: AgeSpec| age::measure(&spec, &mut || Ok(())).unwrap_err().to_string();
+    let said = refused(AgeSpec { setup: Setup::new([96, 54]), ..spec });
+    assert!(said.contains("unified has no captures"), "{said}");
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn captures_are_renewed_in_a_scene_of_many_meshes() {
+    let gpu = gpu();
+    let mut scene = library::scene("rooms").unwrap();
+    scene.captures = vec![Capture { resolution: 64, ..Capture::at(scene.views[0].eye) }];
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let (still, renewed) = (shot(&mut stage, &scene, &unified::INFO, 0), shot(&mut stage, &scene, &unified::INFO, 2));
+    let truth = frame(&mut stage, &still).0;
+    // Nothing moves, so that what is renewed shows what it showed.
+    for _ in 0..4 {
+        assert_eq!(frame(&mut stage, &renewed).0, truth);
+    }
+    check_validation(&gpu).unwrap();
+}
