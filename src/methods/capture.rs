@@ -5,15 +5,15 @@ use super::SceneInput;
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::sync::Access;
-use crate::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
+use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::passes::cube_filter::{CubeFilterPass, FACE_SIZE};
-use crate::passes::gbuffer::GBufferPass;
+use crate::passes::gbuffer::{GBufferImages, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Captures, LIT_COLOR, lost};
+use crate::passes::{Captures, GBuffer, LIT_COLOR, lost};
 use crate::scene::capture::face_camera;
-use crate::scene::{Capture, Material};
+use crate::scene::{Camera, Capture, GBufferData, Material};
 use ash::vk;
 use glam::Vec3;
 
@@ -45,6 +45,39 @@ pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) 
     Ok(maps)
 }
 
+/// Draws faces of captures by the scene passes, one after the other into the same images.
+pub struct CaptureFacePass {
+    gbuffer: GBufferPass,
+    lighting: LightingPass,
+}
+
+impl CaptureFacePass {
+    /// For faces of some texels a side.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Usage`] for a size that the device does not have.
+    pub fn new(gpu: &Gpu, side: u32) -> Result<Self> {
+        Ok(Self { gbuffer: GBufferPass::new(gpu, [side; 2])?, lighting: LightingPass::without_sky(gpu)? })
+    }
+
+    /// Draws what a camera sees ([`face_camera`]), black where it sees the sky.
+    pub fn record(&self, frame: &mut Frame, scene: &SceneInput, camera: &Camera) -> Result<()> {
+        self.gbuffer.record(frame, scene.data, scene.materials, camera)?;
+        let images = self.gbuffer.gbuffer();
+        self.lighting.record(frame, &images, self.gbuffer.albedo(), scene.data, camera)
+    }
+
+    /// The images that were drawn.
+    pub fn drawn(&self) -> &GBufferPass {
+        &self.gbuffer
+    }
+}
+
+/// The near plane of the faces of some captures, which have one in common: the nearest of all.
+pub fn common_near_m(captures: &[Capture]) -> f32 {
+    captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
+}
+
 /// Captures of a scene with all that rays are followed by in them (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
@@ -62,15 +95,54 @@ impl CaptureImages {
     /// # Errors
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
     pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
         let gpu: Gpu = context.gpu().clone();
+        let made = Self::empty(&gpu, taken)?;
+        let near_m = common_near_m(taken);
+        let side = made.color.extent()[0];
+        let faces = CaptureFacePass::new(&gpu, side)?;
+        let pyramids = PyramidPass::new(&gpu, [side; 2])?;
+        for (k, capture) in taken.iter().enumerate() {
+            for f in 0..6 {
+                let camera = face_camera(capture.position, f, near_m);
+                context.once(|frame| {
+                    faces.record(frame, scene, &camera)?;
+                    made.take_face(frame, &pyramids, &faces.drawn().gbuffer(), 6 * k + f)
+                })?;
+            }
+        }
+        made.finish(context)?;
+        Ok(made)
+    }
+
+    /// The same of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
+    /// [`face_camera`] sees it, and is asked for each once.
+    ///
+    /// # Errors
+    /// As for [`Self::new`], and what `face` returns.
+    pub fn of_faces(
+        context: &mut FrameContext,
+        taken: &[Capture],
+        mut face: impl FnMut(usize, usize) -> Result<GBufferData>,
+    ) -> Result<Self> {
+        let gpu: Gpu = context.gpu().clone();
+        let made = Self::empty(&gpu, taken)?;
+        let pyramids = PyramidPass::new(&gpu, made.color.extent())?;
+        for k in 0..taken.len() {
+            for f in 0..6 {
+                let images = GBufferImages::upload(context, &face(k, f)?)?;
+                context.once(|frame| made.take_face(frame, &pyramids, &images.gbuffer(), 6 * k + f))?;
+            }
+        }
+        made.finish(context)?;
+        Ok(made)
+    }
+
+    /// Images for some captures, without content.
+    fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
         let extent = [taken.first().map_or(1, |c| c.resolution); 2];
-        let near_m = taken.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
-        let forward = face_camera(Vec3::ZERO, 4, near_m);
-        let gbuffer = GBufferPass::new(&gpu, extent)?;
-        let lighting = LightingPass::without_sky(&gpu)?;
-        let pyramids = PyramidPass::new(&gpu, extent)?;
+        let forward = face_camera(Vec3::ZERO, 4, common_near_m(taken));
         let desc = |name, format, extent, levels, usage| ImageDesc {
             name,
             format,
@@ -83,25 +155,28 @@ impl CaptureImages {
         let snorm = vk::Format::R8G8B8A8_SNORM;
         let strips = pyramid::size(extent, pyramid::strip(extent));
         let levels = image::full_chain(extent);
-        let pyramid = Image::array(&gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?;
-        let normal = Image::array(&gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?;
-        let color = Image::cubes(&gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?;
-        let face = super::unified::parameters(&forward, extent, false);
-        for (k, place) in places.iter().enumerate() {
-            for f in 0..6 {
-                let camera = face_camera(*place, f, near_m);
-                let layer = (6 * k + f) as u32;
-                context.once(|frame| {
-                    gbuffer.record(frame, scene.data, scene.materials, &camera)?;
-                    let images = gbuffer.gbuffer();
-                    lighting.record(frame, &images, gbuffer.albedo(), scene.data, &camera)?;
-                    let blocks = pyramids.record(frame, &images, &face)?;
-                    frame.copy_to_layer("pyramid", blocks.0.level(0), pyramid.level(0), layer)?;
-                    frame.blit_to_layer("normal", images.normal.level(0), normal.level(0), layer)?;
-                    frame.copy_to_layer("color", images.color.level(0), color.level(0), layer)
-                })?;
-            }
-        }
+        Ok(Self {
+            pyramid: Image::array(gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?,
+            normal: Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
+            color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
+            face: super::unified::parameters(&forward, extent, false),
+            face_unit: lost::unit(&forward),
+            places,
+        })
+    }
+
+    /// Takes over the images of a face: layer 6 k + f is face f of capture k.
+    fn take_face(&self, frame: &mut Frame, pyramids: &PyramidPass, face: &GBuffer, layer: usize) -> Result<()> {
+        let layer = layer as u32;
+        let blocks = pyramids.record(frame, face, &self.face)?;
+        frame.copy_to_layer("pyramid", blocks.0.level(0), self.pyramid.level(0), layer)?;
+        frame.blit_to_layer("normal", face.normal.level(0), self.normal.level(0), layer)?;
+        frame.copy_to_layer("color", face.color.level(0), self.color.level(0), layer)
+    }
+
+    /// Makes the chain of the colour, once all faces are taken.
+    fn finish(&self, context: &mut FrameContext) -> Result<()> {
+        let Self { pyramid, normal, color, .. } = self;
         context.once(|frame| {
             for level in 1..color.levels() {
                 frame.blit(&format!("color/{level}"), color.level(level - 1), color.level(level))?;
@@ -111,7 +186,17 @@ impl CaptureImages {
             frame.make_ready(normal.all(), Access::ComputeStorageRead);
             Ok(())
         })?;
-        Ok(Self { pyramid, normal, color, places, face, face_unit: lost::unit(&forward) })
+        Ok(())
+    }
+
+    /// How many captures there are.
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Width and height of a face in texels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.color.extent()
     }
 
     /// The captures as methods take them.

@@ -1,7 +1,7 @@
 //! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
 //! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
-mod captures;
+pub(super) mod captures;
 mod proxies;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};

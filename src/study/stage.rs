@@ -56,6 +56,11 @@ impl Stage {
         Ok(Self { context, data })
     }
 
+    /// What frames are recorded with, and the scene.
+    pub(crate) fn parts(&mut self) -> (&mut FrameContext, &SceneData) {
+        (&mut self.context, &self.data)
+    }
+
     /// Runs one frame of a shot.
     pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, Drawn)> {
         let mut frame = self.context.begin(mode)?;

@@ -1,10 +1,41 @@
-//! The section of a scene file that says where captures stand ([`crate::scene::capture`]).
+//! The section of a scene file that says where captures stand ([`crate::scene::capture`]), and the list of a folder of
+//! captures, which has that section alone ([`crate::scene::capture_file`]).
 
 use super::SourceText;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use serde::Deserialize;
+use std::path::Path;
 use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListOfCaptures {
+    #[serde(default)]
+    capture: Vec<Spanned<CaptureSection>>,
+}
+
+/// Reads the captures of a file that has nothing but `[[capture]]` tables, at least one, all with one near plane.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
+pub(in crate::scene) fn load_list(path: &Path) -> Result<Vec<Capture>> {
+    let text = super::read(path, "a list of captures")?;
+    let source = SourceText { path, text: &text };
+    let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+    let captures = source.captures(&list.capture, 1.0)?;
+    let Some(first) = captures.first() else {
+        return Err(Error::malformed(path, None, "it lists no captures"));
+    };
+    if let Some((other, section)) = captures.iter().zip(&list.capture).find(|(c, _)| c.near_m != first.near_m) {
+        let message = format!(
+            "all captures of a folder have one near plane: this one has {} m, the first has {} m",
+            other.near_m, first.near_m
+        );
+        return Err(source.error(section.span(), message));
+    }
+    Ok(captures)
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
