@@ -90,7 +90,7 @@ pub fn map(placement: &Placement) -> String {
 }
 
 /// The most pixels along a side of a face in [`CubePictures`].
-const MAX_FACE: u32 = 512;
+const PICTURE_SIDE: u32 = 512;
 
 /// Columns and rows of a cube that is laid open as a cross, and where each face lies in it: the four sides beside each
 /// other with +z in the second place, +y above it and −y below.
@@ -110,7 +110,7 @@ impl CubePictures {
     /// Adds a face (0…5 in Vulkan's order), of which every n-th texel is taken where it has more than 512 a side. Where
     /// the sky is seen it is the built-in one.
     pub fn add(&mut self, face: usize, data: &GBufferData) {
-        let step = data.width.div_ceil(MAX_FACE);
+        let step = data.width.div_ceil(PICTURE_SIDE);
         let side = data.width / step;
         let texels = || (0..side * side).map(|i| [i % side * step + step / 2, i / side * step + step / 2]);
         let color = |[x, y]: [u32; 2]| {

@@ -7,6 +7,7 @@ use ssct::methods::{METHODS, Setup, Wants};
 use ssct::scene::{gbuffer_file, library};
 use ssct::study::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
+use std::process::Command;
 
 #[test]
 fn export_and_reflect_are_the_direct_run_to_the_bit() {
@@ -41,10 +42,17 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
+    // Rays are listed in the order in which threads find them, and with several threads a wide cone's colour may depend
+    // on its neighbours in the list, in the last bit. Other drivers than lavapipe do not read the variable.
+    let run = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
+        let output = command.args(args).current_dir(folder.root()).env("LP_NUM_THREADS", "1").output().unwrap();
+        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    };
     // Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof.
     for (scene, view, captures) in [("rooms", "window", "2"), ("atrium", "hall", "1")] {
         let side = "128";
-        folder.succeed(&[
+        run(&[
             "captures",
             scene,
             "--captures",
@@ -59,7 +67,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
         let place = ["--scene", scene, "--view", view, "--size", "97x61"];
         for roughness in [None, Some("0"), Some("0.1"), Some("0.6")] {
             let materials: Vec<_> = roughness.into_iter().flat_map(|r| ["--roughness", r]).collect();
-            folder.succeed(&[&["gbuffer", "export", "g.exr"], &place[..], &materials].concat());
+            run(&[&["gbuffer", "export", "g.exr"], &place[..], &materials].concat());
             for method in [
                 &["--method", "unified"][..],
                 &["--method", "captures"],
@@ -67,14 +75,14 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
                 &["--method", "unified", "--fallback", "captures", "--definitions", "1"],
             ] {
                 let direct = [&["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"], method];
-                folder.succeed(&[&direct.concat(), &place[..], &materials].concat());
+                run(&[&direct.concat(), &place[..], &materials].concat());
                 let beside = [&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], method];
-                folder.succeed(&beside.concat());
+                run(&beside.concat());
                 let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
                 assert!(a == b, "{scene} {view}, roughness {roughness:?}, {method:?}");
             }
-            folder.succeed(&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "c.exr"]);
-            folder.succeed(&[
+            run(&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "c.exr"]);
+            run(&[
                 "gbuffer",
                 "reflect",
                 "g.exr",
