@@ -4,6 +4,7 @@ use super::capture::{CaptureImages, captured_of};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::Captures;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
@@ -171,6 +172,12 @@ impl Effect {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// The captures in which rays go on, once they are made, and where the scene was captured for them.
+    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
+        let captured = self.captures.as_ref()?;
+        Some((captured.images.as_ref()?.captures(), &captured.places))
     }
 
     /// Records every pass after lighting.

@@ -114,6 +114,12 @@ impl SceneData {
         captures
     }
 
+    /// Replaces the captures of the scene's file; without any, they are placed.
+    pub fn set_captures(&mut self, captures: Vec<Capture>) {
+        self.bare.captures = captures;
+        self.placed.get_mut().clear();
+    }
+
     /// Where cube maps are captured; never empty.
     pub fn probes(&self) -> &[Probe] {
         &self.probes

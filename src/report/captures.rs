@@ -92,10 +92,12 @@ pub fn map(placement: &Placement) -> String {
 /// The most pixels along a side of a face in [`CubePictures`].
 const PICTURE_SIDE: u32 = 512;
 
-/// Columns and rows of a cube that is laid open as a cross, and where each face lies in it: the four sides beside each
-/// other with +z in the second place, +y above it and −y below.
-const CROSS: [u32; 2] = [4, 3];
-const PLACES: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
+/// Columns and rows of a cube that is laid open as a cross.
+pub const CROSS: [u32; 2] = [4, 3];
+
+/// Column and row of each face in it, in Vulkan's order: the four sides beside each other with +z in the second place, +y
+/// above it and −y below.
+pub const FACES_IN_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
 
 /// The grey of a cross where no face lies.
 const EMPTY: u8 = 40;
@@ -136,7 +138,7 @@ impl CubePictures {
             let [width, height] = CROSS.map(|n| n * side);
             let mut made = Rgb { width, height, bytes: vec![EMPTY; 3 * (width * height) as usize] };
             for (face, pictures) in &self.faces {
-                let [left, top] = PLACES[*face].map(|n| n * side);
+                let [left, top] = FACES_IN_CROSS[*face].map(|n| n * side);
                 for (y, row) in pictures[kind].bytes.chunks_exact(3 * side as usize).enumerate() {
                     let at = 3 * ((top as usize + y) * width as usize + left as usize);
                     made.bytes[at..at + row.len()].copy_from_slice(row);

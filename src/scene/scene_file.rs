@@ -4,6 +4,8 @@
 pub(super) mod captures;
 mod proxies;
 
+pub use captures::with_captures;
+
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
 use super::{Camera, Lens, Light, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, bounded};

@@ -52,18 +52,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     // Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof.
     for (scene, view, captures) in [("rooms", "window", "2"), ("atrium", "hall", "1")] {
         let side = "128";
-        run(&[
-            "captures",
-            scene,
-            "--captures",
-            captures,
-            "--capture-side",
-            side,
-            "--view",
-            view,
-            "-o",
-            "cubes",
-        ]);
+        run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", "cubes"]);
         let place = ["--scene", scene, "--view", view, "--size", "97x61"];
         for roughness in [None, Some("0"), Some("0.1"), Some("0.6")] {
             let materials: Vec<_> = roughness.into_iter().flat_map(|r| ["--roughness", r]).collect();
@@ -82,17 +71,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
                 assert!(a == b, "{scene} {view}, roughness {roughness:?}, {method:?}");
             }
             run(&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "c.exr"]);
-            run(&[
-                "gbuffer",
-                "reflect",
-                "g.exr",
-                "--method",
-                "unified",
-                "--captures",
-                "cubes",
-                "-o",
-                "b.exr",
-            ]);
+            run(&["gbuffer", "reflect", "g.exr", "--method", "unified", "--captures", "cubes", "-o", "b.exr"]);
             let [b, c] = ["b.exr", "c.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
             assert!(b != c, "{scene} {view}, roughness {roughness:?}: the captures show something");
         }

@@ -45,6 +45,39 @@ pub(super) struct CaptureSection {
     near: Option<Spanned<f32>>,
 }
 
+/// The text of a scene file with other captures: its `[[capture]]` tables are left out, and those of `captures` stand at
+/// its end. All else stays as it is. `path` names the file in errors.
+///
+/// # Errors
+/// [`Error::Malformed`] if the text is no TOML, or has captures that are written in another way.
+pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
+    let source = SourceText { path, text };
+    let rest = |text: &str| {
+        let mut table: toml::Table = toml::from_str(text)?;
+        table.remove("capture");
+        Ok(table)
+    };
+    let before = rest(text).map_err(|e| source.syntax_error(&e))?;
+    let mut is_capture = false;
+    let mut kept = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with('[') {
+            is_capture = line.replace(char::is_whitespace, "").starts_with("[[capture]]");
+        }
+        if !is_capture {
+            kept.push_str(line);
+            kept.push('\n');
+        }
+    }
+    let tables = captures.iter().map(Capture::to_toml).collect::<Vec<_>>().join("\n");
+    let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
+    if rest(&made).ok() != Some(before) {
+        let message = "it names captures by other tables than [[capture]], which cannot be replaced";
+        return Err(Error::malformed(path, None, message));
+    }
+    Ok(made)
+}
+
 impl SourceText<'_> {
     /// The captures, in the order of the file.
     pub(super) fn captures(&self, sections: &[Spanned<CaptureSection>], extra_scale: f32) -> Result<Vec<Capture>> {
