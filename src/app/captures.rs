@@ -1,13 +1,18 @@
-//! `ssct captures`: where a scene's captures stand, and what they see.
+//! `ssct captures`: where a scene's captures stand, what they see, and their images.
 
+use super::cli::DeviceOptions;
 use super::resolve;
 use crate::error::Error;
-use crate::report::{captures, files};
-use crate::scene::capture::MAX_CAPTURES;
+use crate::methods::capture::common_near_m;
+use crate::report::captures::{self, CubePictures};
+use crate::report::files;
+use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::placement::{Wanted, with_captures};
+use crate::scene::{Capture, Scene, capture_file};
+use crate::study::{Stage, gbuffer};
 use clap::Args;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of `ssct captures`.
 #[derive(Debug, Args)]
@@ -28,29 +33,82 @@ pub struct CapturesOptions {
     /// Draw a map: the places where people stand, seen from above, and the captures among them.
     #[arg(long, value_name = "FILE.svg")]
     map: Option<PathBuf>,
+    /// Width and height of a face in texels, instead of the scene's.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
+    capture_side: Option<u32>,
+    /// Draw them, and write their faces as .exr for `ssct gbuffer reflect --captures DIR`, with a .png of colour and one
+    /// of depth for each capture.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// The named view whose materials they are drawn with; without it, the scene's first.
+    #[arg(long, requires = "output")]
+    view: Option<String>,
     /// Print the records as JSON, and nothing else.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    device: DeviceOptions,
 }
 
 /// Runs the command.
 pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
     let mut scene = resolve::load(&options.scene, options.scale)?;
-    let placement = with_captures(&mut scene, options.captures);
+    let mut placement = with_captures(&mut scene, options.captures);
+    if let Some(side) = options.capture_side {
+        placement.captures.iter_mut().for_each(|c| c.resolution = side);
+    }
     if placement.captures.is_empty() {
         let why = "it has no floor that people could stand on, or nothing around one that a mirror could show";
         return Err(Error::Usage(format!("no place for a capture was found in scene {}: {why}", scene.name)).into());
     }
     if let Some(file) = &options.write {
-        let tables: Vec<String> = placement.captures.iter().map(|c| c.to_toml()).collect();
-        files::write(file, tables.join("\n").as_bytes())?;
+        files::write(file, capture_file::encode_list(&placement.captures).as_bytes())?;
     }
     if let Some(file) = &options.map {
         files::write(file, captures::map(&placement).as_bytes())?;
     }
+    if let Some(folder) = &options.output {
+        draw(options, &scene, &placement.captures, folder)?;
+    }
     let records = captures::records(&scene.name, &placement);
     let shown = if options.json { files::json(&records) } else { captures::text(&records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
+    Ok(())
+}
+
+/// Draws captures of a scene and writes the folder ([`capture_file`]).
+fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: &Path) -> anyhow::Result<()> {
+    let view = match &options.view {
+        Some(name) => Some(scene.view(name)?),
+        None => scene.views.first(),
+    };
+    let materials = view.map_or_else(|| scene.materials.clone(), |v| scene.materials_in(v));
+    let gpu = resolve::gpu(&options.device)?;
+    let mut stage = Stage::new(&gpu, scene)?;
+    let sky = gbuffer::read_sky(&mut stage)?;
+    let of_face = (sky.side * sky.side) as usize;
+    for (f, texels) in sky.texels.chunks_exact(of_face).enumerate() {
+        let path = capture_file::sky_path(folder, f);
+        files::write(&path, &capture_file::encode_sky(sky.side, texels, &path)?)?;
+    }
+    let mut pictures = CubePictures::default();
+    gbuffer::draw_captures(&mut stage, &materials, captures, |k, f, face| {
+        let path = capture_file::face_path(folder, k, f);
+        files::write(&path, &capture_file::encode_face(&face, &path)?)?;
+        pictures.add(f, &face);
+        if f + 1 < capture_file::FACES.len() {
+            return Ok(());
+        }
+        let [color, depth] = std::mem::take(&mut pictures).crosses();
+        color.write_png(&path.with_file_name("color.png"))?;
+        depth.write_png(&path.with_file_name("depth.png"))
+    })?;
+    // The list comes last, so that a folder with a list has all of its faces.
+    let near_m = common_near_m(captures);
+    let drawn: Vec<Capture> = captures.iter().map(|c| Capture { near_m, ..*c }).collect();
+    files::write(&folder.join(capture_file::LIST), capture_file::encode_list(&drawn).as_bytes())?;
+    drop(stage);
+    gpu.check_validation()?;
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! The flags that several commands share, and those of most commands, each declared once. What they mean together is decided in `resolve`.
 
-use super::parameters::{MethodOptions, choice};
+use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
 use crate::report::figures::Figure;
 use crate::scene::capture::MAX_CAPTURES;
 use clap::{Args, Subcommand, ValueEnum};
@@ -316,7 +316,7 @@ pub struct GBufferReflectOptions {
     #[arg(long)]
     pub reflection_only: bool,
     #[command(flatten)]
-    pub method_options: MethodOptions,
+    pub beside: BesideGBufferOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
 }

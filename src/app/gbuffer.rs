@@ -5,6 +5,7 @@ use super::resolve;
 use crate::gpu::frame::Mode;
 use crate::methods::{self, METHODS, Setup, Wants};
 use crate::report::{files, images};
+use crate::scene::capture_file::CaptureFolder;
 use crate::scene::gbuffer_file;
 use crate::study::{Shot, Stage, gbuffer};
 
@@ -38,10 +39,11 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
     let method = methods::find(&options.method)?;
     let data = gbuffer_file::load(&options.file)?;
+    let captures = options.beside.captures.as_deref().map(CaptureFolder::open).transpose()?;
     let gpu = resolve::gpu(&options.device)?;
-    let setup = options.method_options.setup([data.width, data.height]);
+    let setup = options.beside.method_options.setup([data.width, data.height]);
     methods::check_read(&[method], &setup)?;
-    let made = gbuffer::reflect(&gpu, &data, method, &setup)?;
+    let made = gbuffer::reflect(&gpu, &data, captures.as_ref(), method, &setup)?;
     images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
     gpu.check_validation()?;
     Ok(())

@@ -4,6 +4,7 @@ use crate::methods::{self, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Preset, Values};
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use std::path::PathBuf;
 
 /// How methods run: the values of the flags that were given.
 #[derive(Debug, Clone, Default)]
@@ -130,6 +131,60 @@ impl FromArgMatches for MethodOptions {
         let typed = Self::typed(matches);
         Self::from_typed(typed.iter().map(|(name, text)| (name.as_str(), text.as_str())))
             .map_err(|e| clap::Error::raw(clap::error::ErrorKind::ValueValidation, format!("{e}\n")))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The flags of methods where a G-buffer comes without its scene: captures come from a folder.
+#[derive(Debug, Clone, Default)]
+pub struct BesideGBufferOptions {
+    /// All others.
+    pub method_options: MethodOptions,
+    /// The folder.
+    pub captures: Option<PathBuf>,
+}
+
+/// The flag of the captures.
+const CAPTURES: &str = "captures";
+
+impl Args for BesideGBufferOptions {
+    fn augment_args(command: Command) -> Command {
+        MethodOptions::augment_args(command).mut_arg(CAPTURES, |flag| {
+            flag.value_parser(clap::value_parser!(PathBuf)).value_name("DIR").help(
+                "Captures of what the G-buffer does not show, in which unified follows the rays that the screen loses: a \
+                 folder that `ssct captures -o` wrote, or that has the same files from any renderer; none for none",
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for BesideGBufferOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let wrong = |message: String| clap::Error::raw(clap::error::ErrorKind::ValueValidation, message + "\n");
+        let typed = MethodOptions::typed(matches);
+        let of_methods = typed.iter().filter(|(name, _)| name != CAPTURES);
+        let method_options = MethodOptions::from_typed(of_methods.map(|(name, text)| (name.as_str(), text.as_str())))
+            .map_err(|e| wrong(e.to_string()))?;
+        let captures = matches.get_one::<PathBuf>(CAPTURES).filter(|folder| folder.as_os_str() != "none");
+        if let Some(folder) = captures.filter(|folder| !folder.is_dir()) {
+            return Err(wrong(format!(
+                "--{CAPTURES} {}: there is no such folder; a G-buffer has no scene to be captured, so that captures beside \
+                 it come from a folder that `ssct captures -o` wrote",
+                folder.display()
+            )));
+        }
+        if captures.is_some() && method_options.values.given().any(|name| name == "capture_side") {
+            return Err(wrong("--capture-side: captures that come from a folder have the side that they have".into()));
+        }
+        Ok(Self { method_options, captures: captures.cloned() })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {

@@ -1,6 +1,5 @@
 //! Cube maps made at run time: the scene around a place, drawn by the scene passes, or the sky alone;
-//! both filtered by roughness; and captures that rays are followed in. Not part of any frame's time, unless captures are
-//! renewed in frames ([`Renewal`]).
+//! both filtered by roughness. Not part of any frame's time.
 
 use super::SceneInput;
 use crate::error::Result;
@@ -8,13 +7,13 @@ use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::sync::Access;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::passes::cube_filter::{CubeFilterPass, FACE_SIZE};
-use crate::passes::gbuffer::GBufferPass;
+use crate::passes::gbuffer::{GBufferImages, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
-use crate::passes::{Captures, LIT_COLOR, lost};
+use crate::passes::{Captures, GBuffer, LIT_COLOR, lost};
 use crate::scene::capture::face_camera;
-use crate::scene::{Capture, Material};
+use crate::scene::{Camera, Capture, GBufferData, Material};
 use ash::vk;
 use glam::Vec3;
 use std::cell::Cell;
@@ -47,6 +46,42 @@ pub fn capture(context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) 
     Ok(maps)
 }
 
+/// Draws faces of captures by the scene passes, one after the other into the same images.
+pub struct CaptureFacePass {
+    gbuffer: GBufferPass,
+    lighting: LightingPass,
+}
+
+impl CaptureFacePass {
+    /// For faces of some texels a side.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Usage`] for a size that the device does not have.
+    pub fn new(gpu: &Gpu, side: u32) -> Result<Self> {
+        Ok(Self {
+            gbuffer: GBufferPass::new(gpu, [side; 2])?.labelled("capture/g-buffer"),
+            lighting: LightingPass::without_sky(gpu)?.labelled("capture/lighting"),
+        })
+    }
+
+    /// Draws what a camera sees ([`face_camera`]), black where it sees the sky.
+    pub fn record(&self, frame: &mut Frame, scene: &SceneInput, camera: &Camera) -> Result<()> {
+        self.gbuffer.record(frame, scene.data, scene.materials, camera)?;
+        let images = self.gbuffer.gbuffer();
+        self.lighting.record(frame, &images, self.gbuffer.albedo(), scene.data, camera)
+    }
+
+    /// The images that were drawn.
+    pub fn drawn(&self) -> &GBufferPass {
+        &self.gbuffer
+    }
+}
+
+/// The near plane of the faces of some captures, which have one in common: the nearest of all.
+pub fn common_near_m(captures: &[Capture]) -> f32 {
+    captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
+}
+
 /// Captures of a scene with all that rays are followed by in them (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
@@ -65,25 +100,44 @@ impl CaptureImages {
     /// [`crate::error::Error::Usage`] for a size that the device does not have.
     pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
         let passes = FacePasses::new(context.gpu(), taken)?;
-        let made = Self::without_content(context.gpu(), taken)?;
+        let made = Self::empty(context.gpu(), taken)?;
         // A frame for each face, so that none is long enough for a driver to take it for hung.
         for face in 0..made.faces() {
             context.once(|frame| passes.record(frame, scene, &made, face))?;
         }
-        context.once(|frame| {
-            frame.make_ready(made.color.all(), Access::ComputeSampled);
-            frame.make_ready(made.pyramid.all(), Access::ComputeStorageRead);
-            frame.make_ready(made.normal.all(), Access::ComputeStorageRead);
-            Ok(())
-        })?;
+        made.make_ready(context)?;
         Ok(made)
     }
 
-    fn without_content(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
+    /// The same of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
+    /// [`face_camera`] sees it, and is asked for each once.
+    ///
+    /// # Errors
+    /// As for [`Self::new`], and what `face` returns.
+    pub fn of_faces(
+        context: &mut FrameContext,
+        taken: &[Capture],
+        mut face: impl FnMut(usize, usize) -> Result<GBufferData>,
+    ) -> Result<Self> {
+        let gpu: Gpu = context.gpu().clone();
+        let made = Self::empty(&gpu, taken)?;
+        let pyramids = PyramidPass::new(&gpu, made.color.extent())?.labelled("capture/pyramid");
+        for k in 0..taken.len() {
+            for f in 0..6 {
+                let images = GBufferImages::upload(context, &face(k, f)?)?;
+                context.once(|frame| made.take_face(frame, &pyramids, &images.gbuffer(), (6 * k + f) as u32))?;
+            }
+        }
+        made.make_ready(context)?;
+        Ok(made)
+    }
+
+    /// Images for some captures, without content.
+    fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
-        let extent = face_extent(taken);
-        let forward = face_camera(Vec3::ZERO, 4, near_m(taken));
+        let extent = [taken.first().map_or(1, |c| c.resolution); 2];
+        let forward = face_camera(Vec3::ZERO, 4, common_near_m(taken));
         let desc = |name, format, extent, levels, usage| ImageDesc {
             name,
             format,
@@ -106,9 +160,44 @@ impl CaptureImages {
         })
     }
 
+    /// Takes over the images of a face, number 6 k + f for face f of capture k, and makes its part of the colour's chain.
+    /// No other face changes: the chain is made of each face alone.
+    fn take_face(&self, frame: &mut Frame, pyramids: &PyramidPass, face: &GBuffer, number: u32) -> Result<()> {
+        let Self { pyramid, normal, color, .. } = self;
+        let blocks = pyramids.record(frame, face, &self.face)?;
+        frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), number)?;
+        frame.blit_to_layer("capture/keep normal", face.normal.level(0), normal.level(0), number)?;
+        frame.copy_to_layer("capture/keep color", face.color.level(0), color.level(0), number)?;
+        for level in 1..color.levels() {
+            frame.blit_layer("capture/color", color.level(level - 1), color.level(level), number)?;
+        }
+        Ok(())
+    }
+
+    /// Readies the images for the passes that follow rays in them, once all faces are taken.
+    fn make_ready(&self, context: &mut FrameContext) -> Result<()> {
+        context.once(|frame| {
+            frame.make_ready(self.color.all(), Access::ComputeSampled);
+            frame.make_ready(self.pyramid.all(), Access::ComputeStorageRead);
+            frame.make_ready(self.normal.all(), Access::ComputeStorageRead);
+            Ok(())
+        })?;
+        Ok(())
+    }
+
     /// How many faces there are: six of each capture.
     pub fn faces(&self) -> u32 {
         6 * self.places.len() as u32
+    }
+
+    /// How many captures there are.
+    pub fn count(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Width and height of a face in texels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.color.extent()
     }
 
     /// The captures as methods take them.
@@ -118,51 +207,28 @@ impl CaptureImages {
     }
 }
 
-/// Width and height of the faces of some captures.
-fn face_extent(taken: &[Capture]) -> [u32; 2] {
-    [taken.first().map_or(1, |c| c.resolution); 2]
-}
-
-/// The near plane that the faces of some captures have in common, in metres.
-fn near_m(taken: &[Capture]) -> f32 {
-    taken.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
-}
-
-/// What draws one face of a capture: the scene passes and the pyramid, with the images of one face.
+/// What draws one face of a capture, and its pyramid.
 struct FacePasses {
-    gbuffer: GBufferPass,
-    lighting: LightingPass,
+    scene: CaptureFacePass,
     pyramid: PyramidPass,
     near_m: f32,
 }
 
 impl FacePasses {
     fn new(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        let extent = face_extent(taken);
+        let side = taken.first().map_or(1, |c| c.resolution);
         Ok(Self {
-            gbuffer: GBufferPass::new(gpu, extent)?.labelled("capture/g-buffer"),
-            lighting: LightingPass::without_sky(gpu)?.labelled("capture/lighting"),
-            pyramid: PyramidPass::new(gpu, extent)?.labelled("capture/pyramid"),
-            near_m: near_m(taken),
+            scene: CaptureFacePass::new(gpu, side)?,
+            pyramid: PyramidPass::new(gpu, [side; 2])?.labelled("capture/pyramid"),
+            near_m: common_near_m(taken),
         })
     }
 
-    /// Draws a face (face f of capture k is number 6 k + f) and its part of the colour's chain. No other face changes:
-    /// the chain is made of each face alone.
-    fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, face: u32) -> Result<()> {
-        let CaptureImages { pyramid, normal, color, places, face: block, .. } = into;
-        let camera = face_camera(places[face as usize / 6], face as usize % 6, self.near_m);
-        self.gbuffer.record(frame, scene.data, scene.materials, &camera)?;
-        let images = self.gbuffer.gbuffer();
-        self.lighting.record(frame, &images, self.gbuffer.albedo(), scene.data, &camera)?;
-        let blocks = self.pyramid.record(frame, &images, block)?;
-        frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), face)?;
-        frame.blit_to_layer("capture/keep normal", images.normal.level(0), normal.level(0), face)?;
-        frame.copy_to_layer("capture/keep color", images.color.level(0), color.level(0), face)?;
-        for level in 1..color.levels() {
-            frame.blit_layer("capture/color", color.level(level - 1), color.level(level), face)?;
-        }
-        Ok(())
+    /// Draws a face, number 6 k + f for face f of capture k.
+    fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, number: u32) -> Result<()> {
+        let camera = face_camera(into.places[number as usize / 6], number as usize % 6, self.near_m);
+        self.scene.record(frame, scene, &camera)?;
+        into.take_face(frame, &self.pyramid, &self.scene.drawn().gbuffer(), number)
     }
 }
 

@@ -4,6 +4,7 @@ use super::capture::{CaptureImages, Renewal, captured_of};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
+use crate::passes::Captures;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
@@ -29,13 +30,22 @@ pub struct Effect {
     captures: Option<Captured>,
 }
 
-/// The captures of a scene, once they are made, and of what they were made.
+/// Captures, once they are made, and of what they were made.
 struct Captured {
+    /// Where the scene is captured; empty for captures that come from elsewhere.
     places: Vec<Capture>,
     images: Option<CaptureImages>,
     of: Vec<Material>,
     /// `None` where the captures stay as they are.
     renewal: Option<Renewal>,
+}
+
+impl Captured {
+    /// Width and height of the faces.
+    fn face(&self) -> [u32; 2] {
+        let wanted = self.places.first().map_or([1; 2], |c| [c.resolution; 2]);
+        self.images.as_ref().map_or(wanted, CaptureImages::extent)
+    }
 }
 
 impl Effect {
@@ -52,9 +62,55 @@ impl Effect {
         wants: Wants,
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
+        let effect = setup.effect();
+        let places = taken(info, &effect, scene)?;
+        let is_renewed = effect.captures_per_frame > 0 && !places.is_empty();
+        let renewal =
+            is_renewed.then(|| Renewal::new(context.gpu(), &places, effect.captures_per_frame)).transpose()?;
+        let captured = (!places.is_empty()).then(|| Captured { places, images: None, of: Vec::new(), renewal });
+        Self::beside(context, info, setup, wants, (scene, captured))
+    }
+
+    /// Makes the method and what surrounds it for a G-buffer without its scene, beside captures that come from elsewhere.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] as for [`Self::new`], but that rays may go on in the captures; and if neither the method nor its
+    /// fallback follows rays in captures.
+    pub fn with_captures(
+        context: &mut FrameContext,
+        info: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        captures: CaptureImages,
+    ) -> Result<Self> {
+        let is_behind = setup.effect().fallback.method().is_some_and(|m| m.takes_captures);
+        if !info.takes_captures && !is_behind {
+            let name = info.name;
+            return Err(Error::Usage(format!(
+                "the method {name} follows no rays in captures; the methods unified and captures do, and the fallback \
+                 captures behind every screen-space method"
+            )));
+        }
+        if setup.effect().captures_per_frame > 0 {
+            return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
+        }
+        let captured = Captured { places: Vec::new(), images: Some(captures), of: Vec::new(), renewal: None };
+        Self::beside(context, info, setup, wants, (None, Some(captured)))
+    }
+
+    fn beside(
+        context: &mut FrameContext,
+        info: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        (scene, captured): (Option<&SceneInput>, Option<Captured>),
+    ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
-        if scene.is_none() && !info.is_screen_space() {
+        // Of captures that are made already, a method that follows rays in them needs no scene.
+        let is_seen =
+            |m: &MethodInfo| scene.is_some() || m.is_screen_space() || (m.takes_captures && captured.is_some());
+        if !is_seen(info) {
             return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
         }
         if divisor != 1 && !info.is_screen_space() {
@@ -62,8 +118,7 @@ impl Effect {
             return Err(Error::Usage(message));
         }
         let gpu: Gpu = context.gpu().clone();
-        let captured = taken(info, &effect, scene)?;
-        let face = captured.first().map(|c| [c.resolution; 2]);
+        let face = captured.as_ref().map(Captured::face);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -71,7 +126,7 @@ impl Effect {
                     "the fallback {behind_name}: only screen-space methods have a fallback, and {name} is none"
                 )));
             }
-            if scene.is_none() {
+            if !is_seen(behind) {
                 return Err(Error::Usage(format!(
                     "the fallback {behind_name} needs the scene; a G-buffer alone does not show it"
                 )));
@@ -101,15 +156,12 @@ impl Effect {
             inner.setup.extent = resolution::divided(extent, divisor);
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
-        let renewed = (effect.captures_per_frame > 0 && !captured.is_empty())
-            .then(|| Renewal::new(&gpu, &captured, effect.captures_per_frame))
-            .transpose()?;
         let mut effect = Self {
             method: (info.create)(&gpu, &inner)?,
             scaled,
             fallback: fallback.transpose()?,
             composite: CompositePass::new(&gpu, extent)?,
-            captures: face.map(|_| Captured { places: captured, images: None, of: Vec::new(), renewal: renewed }),
+            captures: captured,
         };
         if let Some(scene) = scene {
             effect.prepare(context, scene)?;
@@ -130,6 +182,12 @@ impl Effect {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// The captures in which rays go on, once they are made, and where the scene was captured for them.
+    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
+        let captured = self.captures.as_ref()?;
+        Some((captured.images.as_ref()?.captures(), &captured.places))
     }
 
     /// Faces of the captures that the method looks into; 0 without captures.

@@ -77,8 +77,10 @@ impl GBufferImages {
     pub fn upload(context: &mut FrameContext, data: &GBufferData) -> Result<Self> {
         let padded = |v: &[Vec3], w: f32| v.iter().flat_map(|p| p.extend(w).to_array().map(half_bits)).collect();
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
-        for (color, surface) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(&data.surface) {
-            color[3] = half_bits(if *surface == Surface::Lit { 1.0 } else { 0.0 });
+        let shown = data.surface.iter().zip(&data.depth);
+        for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(shown) {
+            // As the lighting pass has it.
+            color[3] = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
         }
         let images = Self::new(context.gpu(), [data.width, data.height])?;
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
 use crate::math::constants;
+use crate::scene::capture_file::SkyCube;
 use crate::scene::placement::{self, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
@@ -146,6 +147,12 @@ impl SceneData {
         Ok(())
     }
 
+    /// Replaces the captures of the scene's file; without any, they are placed.
+    pub fn set_captures(&mut self, captures: Vec<Capture>) {
+        self.bare.captures = captures;
+        self.placed.get_mut().clear();
+    }
+
     /// Where cube maps are captured; never empty.
     pub fn probes(&self) -> &[Probe] {
         &self.probes
@@ -264,21 +271,31 @@ fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
 
 /// The generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
 pub fn environment(context: &mut FrameContext) -> Result<Image> {
+    let texels: Vec<[f32; 4]> = sky::cube_map(SKY_SIZE).concat();
+    sky_image(context, SKY_SIZE, &texels)
+}
+
+/// A sky that comes from elsewhere as such a cube map, rounded to its format.
+pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
+    let texels: Vec<[f32; 4]> = cube.texels.iter().map(|t| t.extend(1.0).to_array()).collect();
+    sky_image(context, cube.side, &texels)
+}
+
+fn sky_image(context: &mut FrameContext, side: u32, texels: &[[f32; 4]]) -> Result<Image> {
     let made = Image::new(
         context.gpu(),
         &ImageDesc {
             name: "sky",
             format: vk::Format::R16G16B16A16_SFLOAT,
-            extent: [SKY_SIZE, SKY_SIZE],
+            extent: [side, side],
             levels: 1,
             layers: 6,
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
         },
     )?;
-    let texels: Vec<u16> =
-        sky::cube_map(SKY_SIZE).iter().flatten().flatten().map(|v| half::f16::from_f32(*v).to_bits()).collect();
+    let bits: Vec<u16> = texels.as_flattened().iter().map(|v| half::f16::from_f32(*v).to_bits()).collect();
     let staging =
-        Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(&texels), vk::BufferUsageFlags::TRANSFER_SRC)?;
+        Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(&bits), vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {
         frame.upload("upload", &staging, made.level(0))?;
         frame.make_ready(made.all(), Access::FragmentSampled);

@@ -1,8 +1,8 @@
 //! Error over age as files and text: records, a row a frame, a table and a plot.
 
+use super::files;
 use super::plot::{self, Line};
 use super::tables::{aligned, roughness};
-use super::files;
 use crate::error::{Error, Result};
 use crate::study::Stats;
 use crate::study::age::{AgeFrame, AgeRecord};

@@ -1,8 +1,12 @@
-//! Where captures stand and what they see, as records, as a table and as a map.
+//! Where captures stand and what they see, as records, as a table and as a map; and pictures of them.
 
 use super::diagrams::{COLORS, Svg};
+use super::images::{Rgb, display, picture};
 use super::tables;
+use crate::gpu::Pixels;
+use crate::passes::Content;
 use crate::scene::placement::Placement;
+use crate::scene::{GBufferData, Surface, sky};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use serde::Serialize;
 
@@ -85,10 +89,115 @@ pub fn map(placement: &Placement) -> String {
     svg.finish()
 }
 
+/// The most pixels along a side of a face in [`CubePictures`].
+const PICTURE_SIDE: u32 = 512;
+
+/// Columns and rows of a cube that is laid open as a cross.
+pub const CROSS: [u32; 2] = [4, 3];
+
+/// Column and row of each face in it, in Vulkan's order: the four sides beside each other with +z in the second place, +y
+/// above it and −y below.
+pub const FACES_IN_CROSS: [[u32; 2]; 6] = [[2, 1], [0, 1], [1, 0], [1, 2], [1, 1], [3, 1]];
+
+/// The grey of a cross where no face lies.
+const EMPTY: u8 = 40;
+
+/// Pictures of a capture, made face by face.
+#[derive(Debug, Default)]
+pub struct CubePictures {
+    faces: Vec<(usize, [Rgb; 2])>,
+}
+
+impl CubePictures {
+    /// Adds a face (0…5 in Vulkan's order), of which every n-th texel is taken where it has more than 512 a side. Where
+    /// the sky is seen it is the built-in one.
+    pub fn add(&mut self, face: usize, data: &GBufferData) {
+        let step = data.width.div_ceil(PICTURE_SIDE);
+        let side = data.width / step;
+        let texels = || (0..side * side).map(|i| [i % side * step + step / 2, i / side * step + step / 2]);
+        let color = |[x, y]: [u32; 2]| {
+            let i = data.index(x, y);
+            let shown = if data.depth[i] > 0.0 && data.surface[i] == Surface::Lit {
+                data.color[i]
+            } else {
+                let [u, v] = [x, y].map(|c| (c as f32 + 0.5) / data.width as f32);
+                sky::radiance(sky::face_direction(face, u, v))
+            };
+            shown.extend(1.0).to_array()
+        };
+        let pixels = |channels, values| Pixels { width: side, height: side, channels, values };
+        let colors = display(&pixels(4, texels().flat_map(color).collect()));
+        let depths = pixels(1, texels().map(|[x, y]| data.depth[data.index(x, y)]).collect());
+        self.faces.push((face, [colors, picture(Content::ReversedDepth, &depths, &data.camera.lens)]));
+    }
+
+    /// The cube laid open as a cross: its colour, and its depth, near bright and sky black.
+    pub fn crosses(self) -> [Rgb; 2] {
+        [0, 1].map(|kind| {
+            let side = self.faces.first().map_or(1, |(_, pictures)| pictures[kind].width);
+            let [width, height] = CROSS.map(|n| n * side);
+            let mut made = Rgb { width, height, bytes: vec![EMPTY; 3 * (width * height) as usize] };
+            for (face, pictures) in &self.faces {
+                let [left, top] = FACES_IN_CROSS[*face].map(|n| n * side);
+                for (y, row) in pictures[kind].bytes.chunks_exact(3 * side as usize).enumerate() {
+                    let at = 3 * ((top as usize + y) * width as usize + left as usize);
+                    made.bytes[at..at + row.len()].copy_from_slice(row);
+                }
+            }
+            made
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::scene::Capture;
+    use crate::scene::capture::face_camera;
+
+    /// Beside an edge of the cross, the two faces show nearly the same direction.
+    #[test]
+    fn faces_lie_beside_those_that_they_touch_in_a_cross() {
+        let side = 64;
+        let count = (side * side) as usize;
+        let mut pictures = CubePictures::default();
+        for face in 0..6 {
+            let direction = |i: u32| {
+                let [u, v] = [i % side, i / side].map(|c| (c as f32 + 0.5) / side as f32);
+                sky::face_direction(face, u, v).normalize() * 0.5 + 0.5
+            };
+            pictures.add(
+                face,
+                &GBufferData {
+                    width: side,
+                    height: side,
+                    camera: face_camera(Vec3::ZERO, face, 0.05),
+                    depth: vec![0.5; count],
+                    normal: vec![Vec3::ZERO; count],
+                    reflectivity: vec![0.0; count],
+                    roughness: vec![0.0; count],
+                    color: (0..side * side).map(direction).collect(),
+                    surface: vec![Surface::Lit; count],
+                },
+            );
+        }
+        let [color, depth] = pictures.crosses();
+        assert_eq!([color.width, color.height, depth.width, depth.height], [256, 192, 256, 192]);
+        let at = |x: u32, y: u32| {
+            let i = 3 * (y * color.width + x) as usize;
+            [0, 1, 2].map(|c| i32::from(color.bytes[i + c]))
+        };
+        let near = |a: [i32; 3], b: [i32; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 8);
+        for n in 0..side {
+            for x in [64, 128, 192] {
+                assert!(near(at(x - 1, 64 + n), at(x, 64 + n)), "column {x}, row {n}");
+            }
+            for y in [64, 128] {
+                assert!(near(at(64 + n, y - 1), at(64 + n, y)), "row {y}, column {n}");
+            }
+        }
+        assert_eq!(at(0, 0), [i32::from(EMPTY); 3]);
+    }
 
     fn placement() -> Placement {
         let at = |x: f32| Capture::at(Vec3::new(x, 1.5, 2.0));

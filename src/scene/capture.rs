@@ -14,7 +14,7 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 pub const MAX_RESOLUTION: u32 = 4096;
 
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.
-const FAR_M: f32 = 10_000.0;
+pub const FAR_M: f32 = 10_000.0;
 
 /// The camera of a face of a cube of images around a position, in Vulkan's order +x −x +y −y +z −z: a quarter turn, so
 /// that the six close up. Its image is the face as it lies in memory: [`Camera::new`] turns up and down as the faces of

@@ -8,17 +8,13 @@
 //! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if a file
 //! lacks them, the projection is taken from its matrix.
 
+use super::exr_channels::{self, ExrChannels, axis};
 use super::{Camera, GBufferData, Lens, Surface, bounded};
 use crate::error::{Error, Result};
-use exr::compression::Compression;
-use exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
-use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
-use exr::meta::header::{Header, LayerAttributes};
-use exr::prelude::{ReadChannels, ReadLayers, Text, WritableImage, read};
-use glam::{Mat4, Vec3};
-use std::collections::HashMap;
-use std::io::Cursor;
+use exr::meta::header::LayerAttributes;
+use exr::prelude::Text;
+use glam::Mat4;
 use std::path::Path;
 
 /// The largest side, in pixels, of a G-buffer that can be read.
@@ -27,38 +23,27 @@ pub const MAX_SIDE: usize = 16384;
 /// The largest G-buffer that can be read, in bytes of its unpacked channels; also the largest file.
 pub const MAX_BYTES: u64 = 1 << 32;
 
-/// The channels of any file may unpack to this many bytes; for more, the file must be long enough.
-const FREE_BYTES: u64 = 1 << 24;
-
-/// The compressions that a G-buffer may use. All others round values, and a depth rounded to 24 bits is a
-/// different depth. (The decoder of B44 also overflows on files that fuzzing finds.)
-const LOSSLESS: [Compression; 5] =
-    [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
-
 /// Encodes a G-buffer as the bytes of a file.
 ///
 /// # Errors
 /// [`Error::Malformed`] if the format cannot hold it. `path` is only used to name the file in the error.
 pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
-    let f32s = |values: Vec<f32>| FlatSamples::F32(values);
-    let axis = |v: &[Vec3], i: usize| f32s(v.iter().map(|p| p[i]).collect());
     let mut channels = vec![
         ("R", axis(&gbuffer.color, 0)),
         ("G", axis(&gbuffer.color, 1)),
         ("B", axis(&gbuffer.color, 2)),
-        ("depth", f32s(gbuffer.depth.clone())),
-        ("Z", f32s(gbuffer.depth.iter().map(|d| view_z(*d, &gbuffer.camera.lens)).collect())),
+        ("depth", gbuffer.depth.clone()),
+        ("Z", gbuffer.depth.iter().map(|d| view_z(*d, &gbuffer.camera.lens)).collect()),
         ("N.X", axis(&gbuffer.normal, 0)),
         ("N.Y", axis(&gbuffer.normal, 1)),
         ("N.Z", axis(&gbuffer.normal, 2)),
-        ("roughness", f32s(gbuffer.roughness.clone())),
-        ("reflectivity", f32s(gbuffer.reflectivity.clone())),
+        ("roughness", gbuffer.roughness.clone()),
+        ("reflectivity", gbuffer.reflectivity.clone()),
     ];
     let sky: Vec<f32> = gbuffer.surface.iter().map(|s| f32::from(u8::from(*s == Surface::Sky))).collect();
     if sky.contains(&1.0) {
-        channels.push(("sky", f32s(sky)));
+        channels.push(("sky", sky));
     }
-    let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name, samples)).collect();
     let camera = &gbuffer.camera;
     let mut attributes =
         LayerAttributes { world_to_camera: Some(camera.world_to_view.to_cols_array()), ..LayerAttributes::default() };
@@ -70,16 +55,7 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
     ];
     attributes.other.extend(numbers.map(|(name, value)| (name.into(), value)));
-    let size = (gbuffer.width as usize, gbuffer.height as usize);
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        // Blocks are written in order, so that equal images give equal files.
-        .non_parallel()
-        .to_buffered(&mut bytes)
-        .map_err(|e| Error::malformed(path, None, format!("cannot be encoded as OpenEXR: {e}")))?;
-    Ok(bytes.into_inner())
+    exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
 }
 
 /// Reads a G-buffer file.
@@ -98,69 +74,23 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 /// [`MAX_BYTES`], claims more pixels than that many bytes can hold, uses a lossy compression, or lacks a
 /// channel or the projection.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
+    let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
-    let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
-    // The header is checked before any memory for pixels is allocated.
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
-    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
-        return Err(wrong(format!(
-            "the G-buffer has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
-            size.0, size.1
-        )));
-    }
-    if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
-        return Err(wrong(format!(
-            "the compression {lossy} loses precision; supported are none, RLE, ZIP, ZIPS and PIZ"
-        )));
-    }
-    let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
-    let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
-    if unpacked > MAX_BYTES || !bounded::may_unpack(bytes.len(), unpacked, FREE_BYTES) {
-        let from = bytes.len();
-        return Err(wrong(format!("the channels would take {unpacked} bytes, too many for a file of {from} bytes")));
-    }
-    let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    // For small images, threads cost more time than they save.
-    let read = if unpacked < FREE_BYTES { read.non_parallel() } else { read };
-    let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
-    let layer = image.layer_data;
-    let (width, height) = (layer.size.0, layer.size.1);
-    let camera = camera(&layer.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
-    let mut channels: HashMap<String, Vec<f32>> = layer
-        .channel_data
-        .list
-        .into_iter()
-        .map(|c| (c.name.to_string(), c.sample_data.values_as_f32().collect()))
-        .collect();
-    let mut channel = |name: &str| channels.remove(name).filter(|v| v.len() == width * height);
-    let missing = |name: &str| wrong(format!("channel {name} is missing"));
-    let (depth, z) = (channel("depth"), channel("Z"));
+    let (width, height) = (file.width, file.height);
+    let camera = camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
+    let (depth, z) = (file.take("depth"), file.take("Z"));
     let depth = match (depth, z) {
         (Some(depth), _) => depth,
         (None, Some(z)) => z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect(),
         (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
     };
     let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
-    let surface = channel("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
-    let mut vectors = |names: [&str; 3]| -> Result<Vec<Vec3>> {
-        let [x, y, z] = names.map(|n| channel(n).ok_or_else(|| missing(n)));
-        Ok(x?.into_iter().zip(y?).zip(z?).map(|((x, y), z)| Vec3::new(x, y, z)).collect())
-    };
-    let color = vectors(["R", "G", "B"])?;
-    let normal = vectors(["N.X", "N.Y", "N.Z"])?;
-    let roughness = channel("roughness").ok_or_else(|| missing("roughness"))?;
-    let reflectivity = channel("reflectivity").ok_or_else(|| missing("reflectivity"))?;
-    Ok(GBufferData {
-        width: width as u32,
-        height: height as u32,
-        camera,
-        depth,
-        normal,
-        reflectivity,
-        roughness,
-        color,
-        surface,
-    })
+    let surface = file.take("sky").map_or(vec![Surface::Lit; depth.len()], |sky| sky.iter().map(shows).collect());
+    let color = file.vectors(["R", "G", "B"])?;
+    let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
+    let roughness = file.required("roughness")?;
+    let reflectivity = file.required("reflectivity")?;
+    Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
 }
 
 /// The view-space z of a reversed depth; 0 for sky.
@@ -169,7 +99,7 @@ fn view_z(depth: f32, lens: &Lens) -> f32 {
 }
 
 /// The reversed depth of a view-space z; sky if z is outside the near and far planes.
-fn reversed_depth(z: f32, lens: &Lens) -> f32 {
+pub(super) fn reversed_depth(z: f32, lens: &Lens) -> f32 {
     let inside = z >= lens.near_m && z <= lens.far_m;
     if inside { lens.near_m * (lens.far_m - z) / (z * (lens.far_m - lens.near_m)) } else { 0.0 }
 }
@@ -216,6 +146,8 @@ fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use exr::meta::MetaData;
+    use glam::Vec3;
 
     fn sample() -> GBufferData {
         let lens = Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 };

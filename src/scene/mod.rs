@@ -8,6 +8,8 @@ mod bounded;
 pub mod bvh;
 pub mod camera;
 pub mod capture;
+pub mod capture_file;
+mod exr_channels;
 pub mod gbuffer;
 pub mod gbuffer_file;
 pub mod library;

@@ -1,8 +1,10 @@
 //! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
 //! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
-mod captures;
+pub(super) mod captures;
 mod proxies;
+
+pub use captures::with_captures;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;

@@ -1,24 +1,32 @@
-//! G-buffers between device and host, and methods run on a G-buffer from the host.
+//! G-buffers and captures between device and host, and methods run on a G-buffer from the host.
 
-use super::stage::Shot;
+use super::stage::{Shot, Stage};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Pixels};
-use crate::methods::{Effect, Input, MethodInfo, Output, Setup, Wants};
+use crate::methods::capture::{CaptureFacePass, CaptureImages, common_near_m};
+use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
 use crate::metrics::place::RayEnd;
 use crate::passes::PathCode;
-use crate::passes::gbuffer::GBufferImages;
+use crate::passes::gbuffer::{GBufferImages, GBufferPass};
 use crate::passes::scene_data;
-use crate::scene::{GBufferData, Surface};
+use crate::scene::capture::face_camera;
+use crate::scene::capture_file::{CaptureFolder, SkyCube};
+use crate::scene::{Camera, Capture, GBufferData, Material, Surface};
 use glam::Vec3;
 
 /// Reads the G-buffer of a shot that has run.
 pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
-    let gbuffer = shot.gbuffer.gbuffer();
+    read_drawn(context, &shot.gbuffer, shot.camera)
+}
+
+/// Reads the G-buffer that a pass drew last, with the camera that it drew with; the colour is what a lighting pass wrote.
+fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -> Result<GBufferData> {
+    let gbuffer = drawn.gbuffer();
     let vectors = |p: Pixels| p.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect();
     let depth = context.read(gbuffer.depth.all())?;
     let material = context.read(gbuffer.material.all())?;
-    let albedo = context.read(shot.gbuffer.albedo().all())?;
+    let albedo = context.read(drawn.albedo().all())?;
     let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
         // As the lighting pass has it; where nothing stands the albedo is cleared.
         if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
@@ -27,13 +35,46 @@ pub fn read(context: &mut FrameContext, shot: &Shot) -> Result<GBufferData> {
         surface: shown.collect(),
         width: depth.width,
         height: depth.height,
-        camera: shot.camera,
+        camera,
         depth: depth.values,
         normal: vectors(context.read(gbuffer.normal.all())?),
         reflectivity: material.texels().map(|t| t[0]).collect(),
         roughness: material.texels().map(|t| t[1]).collect(),
         color: vectors(context.read(gbuffer.color.level(0))?),
     })
+}
+
+/// Draws captures of a scene and hands over each face (0…5) of each, counted from 0, as it is drawn: black where the sky
+/// is seen.
+///
+/// # Errors
+/// Those of the device, and what `face` returns.
+pub fn draw_captures(
+    stage: &mut Stage,
+    materials: &[Material],
+    captures: &[Capture],
+    mut face: impl FnMut(usize, usize, GBufferData) -> Result<()>,
+) -> Result<()> {
+    let near_m = common_near_m(captures);
+    let side = captures.first().map_or(1, |c| c.resolution);
+    let pass = CaptureFacePass::new(stage.context.gpu(), side)?;
+    let (context, data) = stage.parts();
+    let scene = SceneInput { data, materials };
+    for (k, capture) in captures.iter().enumerate() {
+        for f in 0..6 {
+            let camera = face_camera(capture.position, f, near_m);
+            context.once(|frame| pass.record(frame, &scene, &camera))?;
+            face(k, f, read_drawn(context, pass.drawn(), camera)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Reads the sky of a scene.
+pub fn read_sky(stage: &mut Stage) -> Result<SkyCube> {
+    let (context, data) = stage.parts();
+    let texels = context.read(data.sky().level(0))?;
+    Ok(SkyCube { side: texels.width, texels: texels.texels().map(|t| Vec3::new(t[0], t[1], t[2])).collect() })
 }
 
 /// What a method makes of a G-buffer.
@@ -44,15 +85,35 @@ pub struct Reflected {
     pub reflection: Pixels,
 }
 
-/// Runs a method on a G-buffer from the host; `setup`'s size is the G-buffer's.
-pub fn reflect(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> Result<Reflected> {
+/// Runs a method on a G-buffer from the host, beside captures if there are any; `setup`'s size is the G-buffer's.
+///
+/// # Errors
+/// As for [`Effect::new`], [`Effect::with_captures`], [`CaptureFolder::face`] and [`CaptureFolder::sky`].
+pub fn reflect(
+    gpu: &Gpu,
+    data: &GBufferData,
+    captures: Option<&CaptureFolder>,
+    method: &MethodInfo,
+    setup: &Setup,
+) -> Result<Reflected> {
     let mut context = FrameContext::new(gpu)?;
     let images = GBufferImages::upload(&mut context, data)?;
     let setup = setup.at([data.width, data.height]);
-    let effect = Effect::new(&mut context, method, &setup, Wants::REFLECTION, None)?;
-    // The sky of a G-buffer is that of the built-in environment.
-    let shows_sky = data.surface.contains(&Surface::Sky);
-    let sky = shows_sky.then(|| scene_data::environment(&mut context)).transpose()?;
+    let wants = Wants::REFLECTION;
+    let sky = captures.map(CaptureFolder::sky).transpose()?.flatten();
+    let sky = sky.map(|sky| scene_data::upload_sky(&mut context, &sky)).transpose()?;
+    let effect = match captures {
+        Some(folder) => {
+            let given = CaptureImages::of_faces(&mut context, folder.captures(), |k, f| folder.face(k, f))?;
+            Effect::with_captures(&mut context, method, &setup, wants, given)?
+        }
+        None => Effect::new(&mut context, method, &setup, wants, None)?,
+    };
+    // Without a sky beside it, the sky of a G-buffer is that of the built-in environment.
+    let sky = match sky {
+        None if data.surface.contains(&Surface::Sky) => Some(scene_data::environment(&mut context)?),
+        sky => sky,
+    };
     let mut frame = context.begin(Mode::Plain)?;
     frame.begin_effect();
     let input = Input { sky: sky.as_ref(), ..Input::of_screen(images.gbuffer(), &data.camera) };
@@ -104,7 +165,7 @@ pub fn hit_positions(hits: &Pixels) -> Vec<Option<[f64; 2]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Camera, Lens};
+    use crate::scene::Lens;
     use glam::DVec3;
 
     #[test]

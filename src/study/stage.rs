@@ -4,11 +4,11 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
 use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
-use crate::passes::GBuffer;
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
-use crate::scene::{Camera, Material, Scene, View};
+use crate::passes::{Captures, GBuffer};
+use crate::scene::{Camera, Capture, Material, Scene, View};
 use glam::Vec3;
 
 /// The global factors of the command line; they replace or scale every material's values
@@ -60,6 +60,16 @@ impl Stage {
     /// The scene on the device, to change what moves in it between frames.
     pub fn scene_mut(&mut self) -> &mut SceneData {
         &mut self.data
+    }
+
+    /// Replaces the captures of the scene's file for shots that are made from now on; without any, they are placed.
+    pub fn set_captures(&mut self, captures: Vec<Capture>) {
+        self.data.set_captures(captures);
+    }
+
+    /// What frames are recorded with, and the scene.
+    pub(crate) fn parts(&mut self) -> (&mut FrameContext, &SceneData) {
+        (&mut self.context, &self.data)
     }
 
     /// Runs one frame of a shot.
@@ -135,6 +145,11 @@ impl Shot {
             camera,
             materials,
         })
+    }
+
+    /// The captures in which rays go on, and where they stand; none if the method takes none.
+    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
+        self.effect.captures()
     }
 
     /// Replaces the materials.

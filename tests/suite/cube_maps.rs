@@ -275,6 +275,6 @@ fn what_has_no_fallback_says_so() {
     let shot = of(&mut stage, "ssct", &Setup::new(extent)).unwrap();
     stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
     let data = gbuffer::read(&mut stage.context, &shot).unwrap();
-    let Err(Error::Usage(said)) = gbuffer::reflect(&gpu, &data, find("ssct").unwrap(), &setup) else { panic!() };
+    let Err(Error::Usage(said)) = gbuffer::reflect(&gpu, &data, None, find("ssct").unwrap(), &setup) else { panic!() };
     assert!(said.contains("needs the scene"), "{said}");
 }

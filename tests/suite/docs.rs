@@ -340,7 +340,9 @@ fn options() -> String {
     let mut page =
         "# Parameters of the methods\n\nEvery parameter is a flag of the commands `render`, `time`, `error`, \
                     `gbuffer reflect` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the \
-                    `setup` of every record (`cone_samples`). A method that is not named does not read it. `--preset` \
+                    `setup` of every record (`cone_samples`). A method that is not named does not read it. \
+                    `--captures` of `gbuffer reflect` takes a folder instead \
+                    ([what is in it](definitions.md#captures)). `--preset` \
                     chooses between the published values and those of the author's own program. This page is made from \
                     the tables in the code (`make docs`).\n\n\
                     | parameter | methods | what it does | values | published | author | source |\n\

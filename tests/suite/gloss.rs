@@ -32,7 +32,7 @@ fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
     // As the reference here, by version 1 of the definitions.
     let v1 = DefinitionsVersion::V1;
     let setup = Setup::new([data.width, data.height]).with(|p: &mut EffectParams| p.definitions = v1);
-    reflect(gpu, data, methods::find(method).unwrap(), &setup).unwrap().reflection
+    reflect(gpu, data, None, methods::find(method).unwrap(), &setup).unwrap().reflection
 }
 
 fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {

@@ -36,7 +36,7 @@ fn images(gpu: &Gpu, file: &Path) -> BTreeMap<String, String> {
     for method in METHODS {
         let setup = Setup::new(EXTENT);
         let made = if method.is_screen_space() {
-            let made = gbuffer::reflect(gpu, &data, method, &setup).unwrap();
+            let made = gbuffer::reflect(gpu, &data, None, method, &setup).unwrap();
             hash(&[&made.reflection, &made.composite])
         } else {
             let camera = clutter_camera(EXTENT);

@@ -119,7 +119,7 @@ mod with_window {
         let Some(x) = Xvfb::start("every_part_of_the_panel_opens_beside_the_picture") else { return };
         let folder = tempfile::tempdir().unwrap();
         let mut seen = Vec::new();
-        for panel in ["tune", "live", "inside", "ray", "path", "shaders"] {
+        for panel in ["tune", "live", "inside", "ray", "path", "captures", "shaders"] {
             let file = format!("{panel}.png");
             let idle = ["view", "--validation", "--json", "--frames", "1", "--stay", "0.5", "--panel", panel];
             let more = ["--pick", "100,180", "--against", "unified", "--view", "corridor", "--screenshot", &file];

@@ -1,6 +1,7 @@
 //! Updates the viewer after the panel has changed the state: renders a frame if the request changed, analyses
 //! the frame at rest otherwise, and updates the picked ray, the range and the screen.
 
+use super::captures::CaptureEditor;
 use super::panel::PanelActions;
 use super::pictures::{FrameAnalysis, FrameRequest, Pictures};
 use super::reference_error::ComparisonRequest;
@@ -53,7 +54,7 @@ impl Viewer {
             split: self.state.split,
             gain: self.state.gain,
             tone: self.state.shown_tone(content.unwrap_or(Content::Color)),
-            lens: wanted.camera.lens,
+            lens: self.pictures.shown(0).and_then(|s| s.lens).unwrap_or(wanted.camera.lens),
         };
         self.shown = Some(look);
         Ok(active)
@@ -125,6 +126,7 @@ impl Viewer {
         self.state.camera = Self::camera(&scene, &first);
         self.state.show_view(&first);
         self.state.picked = None;
+        self.captures = CaptureEditor::new(&place.scene, place.scale);
         (self.analysis, self.ray) = (None, None);
         self.scene = Arc::new(scene);
         self.place = place;

@@ -3,6 +3,8 @@
 use super::fly_camera::FlyMotion;
 use super::state::{State, Tab};
 use super::viewer::Viewer;
+use crate::methods::setup::CaptureCount;
+use crate::parameter::Choices;
 use glam::Vec3;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
@@ -28,6 +30,12 @@ pub enum Action {
     RecordKey,
     /// Starts or stops playing the key frames.
     Play,
+    /// Adds a capture at the eye.
+    AddCapture,
+    /// Moves the selected capture to the eye.
+    MoveCapture,
+    /// Removes the selected capture.
+    RemoveCapture,
 }
 
 /// The action of a key when it is pressed.
@@ -44,6 +52,9 @@ pub fn action(code: KeyCode, shift: bool) -> Option<Action> {
         K::F2 => Some(Action::NextTab),
         K::KeyK => Some(Action::RecordKey),
         K::KeyP => Some(Action::Play),
+        K::KeyN => Some(Action::AddCapture),
+        K::KeyB => Some(Action::MoveCapture),
+        K::Delete => Some(Action::RemoveCapture),
         _ => DIGITS.iter().position(|d| *d == code).map(Action::View),
     }
 }
@@ -65,6 +76,29 @@ impl Viewer {
             Action::NextTab => self.state.tab = self.state.tab.next(),
             Action::RecordKey => self.path.record(&self.state.camera),
             Action::Play => self.path.play_or_stop(),
+            Action::AddCapture | Action::MoveCapture | Action::RemoveCapture => self.edit_captures(action),
+        }
+    }
+}
+
+impl Viewer {
+    /// Changes the captures, and turns them on for the first method if it can follow rays in them.
+    fn edit_captures(&mut self, action: Action) {
+        let shown = self.captures_shown();
+        let eye = self.state.camera.place().0;
+        match action {
+            Action::AddCapture => self.captures.add(&shown, eye),
+            Action::MoveCapture => self.captures.put(&shown, eye),
+            _ => self.captures.remove(&shown),
+        }
+        let side = &mut self.state.sides[0];
+        let effect = side.setup.effect();
+        let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
+        if !side.method.takes_captures && !is_behind {
+            self.captures.message += &format!("; {} follows no rays in captures", side.method.name);
+        } else if effect.captures != CaptureCount::Auto {
+            // All of the list, however many.
+            side.set("captures", Some(CaptureCount::Auto.name().to_owned()));
         }
     }
 }
@@ -100,6 +134,7 @@ mod tests {
         assert_eq!(action(KeyCode::Digit1, false), Some(Action::View(0)));
         assert_eq!(action(KeyCode::Digit9, false), Some(Action::View(8)));
         assert_eq!(action(KeyCode::F1, false), Some(Action::Panel));
+        assert_eq!(action(KeyCode::KeyN, false), Some(Action::AddCapture));
         assert_eq!(action(KeyCode::KeyW, false), None);
     }
 

@@ -4,6 +4,7 @@
 use super::state::Side;
 use crate::gpu::Pixels;
 use crate::math::OracleVersion;
+use crate::methods::setup::CaptureCount;
 use crate::methods::thesis::{self, HiZParams};
 use crate::passes::PathCode;
 use crate::passes::WIDE_ABOVE;
@@ -11,7 +12,7 @@ use crate::passes::tiles::TILE;
 use crate::reference::hi_z::{MinMax, chain};
 use crate::reference::hi_z_ray_trace::{self, HiZConstants, HiZTrace, reflection_ray};
 use crate::reference::ray::{RaySetup, Segment};
-use crate::reference::unified::{Code, Traversal};
+use crate::reference::unified::{Code, CubeWalk, Seen, Traversal};
 use crate::reference::{Level, Oracle, Trace};
 use crate::scene::GBufferData;
 use crate::study::twin::hi_z_constants;
@@ -26,6 +27,8 @@ pub struct Inspection {
     pub hits: Option<Pixels>,
     twin: Option<Twin>,
     oracle: OracleVersion,
+    /// Whether rays go on in captures.
+    is_followed: bool,
 }
 
 /// How the method's ray tracing is repeated on the CPU.
@@ -49,6 +52,45 @@ pub struct PickedRay {
     pub walk: Option<Walk>,
     /// What the ray really hits in the G-buffer.
     pub oracle: Trace,
+    /// How it goes on beyond the screen, if the method follows it in captures.
+    pub beyond: Option<BeyondScreen>,
+    /// Its way beyond the screen where the camera would see it, in pixels, which may lie outside the image.
+    pub beyond_on_screen: Option<Vec<Vec2>>,
+}
+
+/// How a ray goes on in captures, after the screen has lost it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeyondScreen {
+    /// Where the ray begins, in world space, in metres.
+    pub begin: Vec3,
+    /// Where the screen lost it; the method `captures` follows rays from where they begin.
+    pub lost: Vec3,
+    /// Where it ends: at a hit in a capture, or a point far along it for the sky; where the screen lost it, if no image
+    /// sees it.
+    pub end: Vec3,
+    /// How it ends: [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
+    pub code: PathCode,
+    /// The capture in which it hit, counted from 0.
+    pub capture: Option<usize>,
+}
+
+impl BeyondScreen {
+    /// How far beyond the last point the way to the sky is drawn, in metres.
+    const SKY_M: f32 = 1e4;
+
+    /// Points along its way from where it begins to where it ends, as close to each other near the ends of the parts as
+    /// pictures of them need.
+    pub fn way(&self) -> Vec<Vec3> {
+        const POINTS: u16 = 256;
+        let part = |from: Vec3, to: Vec3| {
+            (0..=POINTS).map(move |i| {
+                let t = f32::from(i) / f32::from(POINTS);
+                // Equal ratios of distances, as perspective has it.
+                from.lerp(to, t * t * t)
+            })
+        };
+        part(self.begin, self.lost).chain(part(self.lost, self.end)).collect()
+    }
 }
 
 /// A ray's path through the cells of a Hi-Z chain, for any method.
@@ -217,7 +259,10 @@ impl Inspection {
             method if method.follows_oracle => Some(Twin::Unified),
             _ => None,
         };
-        Self { gbuffer, hits, twin, oracle: effect.oracle }
+        let is_followed =
+            side.method.takes_captures && side.method.is_screen_space() && effect.captures != CaptureCount::None;
+        let oracle = if is_followed { OracleVersion::V2 } else { effect.oracle };
+        Self { gbuffer, hits, twin, oracle, is_followed }
     }
 
     /// The number of rays for each way of ending.
@@ -334,7 +379,8 @@ impl Inspection {
     }
 
     fn traversal(&self) -> Traversal<'_> {
-        Traversal::new(&self.gbuffer).of_version(self.oracle)
+        let traversal = Traversal::new(&self.gbuffer);
+        if self.is_followed { traversal.followed() } else { traversal.of_version(self.oracle) }
     }
 
     /// The path of a pixel's mirror ray.
@@ -362,12 +408,58 @@ impl Inspection {
             let texel = hits.at(x, y);
             Some((PathCode::from_channel(texel[3])?, [texel[0] * side[0], texel[1] * side[1]]))
         });
+        let beyond = self.beyond(&setup, pixel);
         Some(PickedRay {
             pixel,
             segment: setup.mirror(x, y).and_then(|direction| setup.segment(x, y, direction)),
             method,
             walk: self.walk(x, y),
             oracle: Oracle::new(&self.gbuffer).of_version(self.oracle).trace(x, y),
+            beyond_on_screen: beyond.map(|b| self.projected(&b)),
+            beyond,
         })
+    }
+
+    /// The points of a ray's way from where the screen lost it that lie before the camera, in pixels.
+    fn projected(&self, beyond: &BeyondScreen) -> Vec<Vec2> {
+        let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
+        let way = beyond.way();
+        let after = way[way.len() / 2..].iter();
+        let project = |p: &Vec3| {
+            let view = g.camera.world_to_view.transform_point3(*p);
+            let ahead = view.z > g.camera.lens.near_m;
+            ahead.then(|| g.project(view.as_dvec3(), &view_to_clip)).flatten().map(|p| p.truncate().as_vec2())
+        };
+        after.filter_map(project).collect()
+    }
+
+    /// How the ray of a pixel goes on beyond the screen.
+    fn beyond(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<BeyondScreen> {
+        let g = &self.gbuffer;
+        let texel = self.hits.as_ref()?.at(x, y);
+        let code = PathCode::from_channel(texel[3])?;
+        if !matches!(code, PathCode::Capture | PathCode::Sky | PathCode::Unknown) {
+            return None;
+        }
+        let view_to_world = g.camera.world_to_view.as_dmat4().inverse();
+        let clip_to_view = g.view_to_clip().inverse();
+        let at = [x, y].map(|v| f64::from(v) + 0.5);
+        let begin = g.unproject(at[0], at[1], f64::from(g.depth[g.index(x, y)]), &clip_to_view);
+        let begin = view_to_world.transform_point3(begin).as_vec3();
+        let direction = view_to_world.transform_vector3(setup.mirror(x, y)?).normalize().as_vec3();
+        let lost = if self.is_followed {
+            match CubeWalk::new(&g.camera, &[]).on_screen(&self.traversal(), x, y) {
+                Seen::Lost(ray) => g.camera.eye() + ray.start,
+                _ => begin,
+            }
+        } else {
+            begin
+        };
+        let end = match code {
+            PathCode::Capture => g.camera.eye() + Vec3::from_slice(texel),
+            PathCode::Sky => lost + BeyondScreen::SKY_M * direction,
+            _ => lost,
+        };
+        Some(BeyondScreen { begin, lost, end, code, capture: PathCode::capture(texel[3]) })
     }
 }

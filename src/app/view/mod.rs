@@ -5,6 +5,8 @@
 //! and [`script`] runs them without a user.
 
 mod animation;
+mod captures;
+mod cubes;
 mod fly_camera;
 mod follow;
 mod history;
@@ -62,6 +64,7 @@ Keys, by their place on a US keyboard:
   C              one method, two side by side, their difference
   R, Shift+R     rougher, smoother
   K, P           record a key frame of the camera, play the key frames
+  N, B, Delete   put a new capture at the eye, move the selected one there, remove it
   F1, F2         show or hide the panel, open its next part
   Esc            quit")]
 pub struct ViewOptions {
@@ -82,7 +85,8 @@ pub struct ViewOptions {
     /// The part of the panel that is open.
     #[arg(long, value_enum, default_value_t)]
     pub panel: Tab,
-    /// Show an intermediate, or the heat map `steps`, instead of the finished image.
+    /// Show an intermediate, a capture (`capture-1-color`, `-depth`, `-normal`), or the heat map `steps`, instead of the
+    /// finished image.
     #[arg(long, value_name = "NAME[/LEVEL]", value_parser = inside)]
     pub inside: Option<Inside>,
     /// The pixel whose ray is drawn; for `--panel ray`.

@@ -1,5 +1,6 @@
 //! Renders the frames that the state asks for, keeps the pictures that are shown, and analyses a frame at rest.
 
+use super::cubes::CubeImage;
 use super::history::History;
 use super::inspect::Inspection;
 use super::state::{Inside, STEPS, Side, State};
@@ -10,8 +11,10 @@ use crate::gpu::{FrameReport, Gpu, Image, Pixels};
 use crate::methods::{Intermediate, Wants};
 use crate::passes::Content;
 use crate::passes::look::KeepPass;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::capture::face_camera;
+use crate::scene::{Camera, Capture, Lens, Material, Scene};
 use crate::study::{Shot, Stage, gbuffer, image};
+use glam::Vec3;
 use std::time::Instant;
 
 /// Everything that a rendered frame depends on.
@@ -27,13 +30,15 @@ pub struct FrameRequest {
     pub sides: Vec<Side>,
     /// An intermediate that is shown instead of the finished image.
     pub inside: Option<Inside>,
+    /// Captures in place of the scene's, if the user changed them.
+    pub captures: Option<Vec<Capture>>,
 }
 
 /// An image of a frame that can be shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImageInfo {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// Mip levels, or slices of a volume.
     pub levels: u32,
     /// Width and height of level 0.
@@ -51,6 +56,10 @@ pub struct ShownMethod {
     pub history: History,
     /// The images that the method made.
     pub images: Vec<ImageInfo>,
+    /// The lens of the kept picture, if it is not the camera's.
+    pub lens: Option<Lens>,
+    /// The picture of a capture that is kept, with its level: it does not change with the camera.
+    kept_cube: Option<(CubeImage, u32)>,
 }
 
 /// The analysis of a frame at rest.
@@ -78,6 +87,9 @@ pub struct Pictures {
     /// The last frame that was rendered at all.
     last: Option<FrameRequest>,
     materials: Vec<Material>,
+    /// The captures of the scene's file, and those that the stage has in their place.
+    own_captures: Vec<Capture>,
+    captures: Option<Vec<Capture>>,
 }
 
 impl Pictures {
@@ -90,6 +102,8 @@ impl Pictures {
             rendered: None,
             last: None,
             materials: Vec::new(),
+            own_captures: scene.captures.clone(),
+            captures: None,
         })
     }
 
@@ -134,6 +148,12 @@ impl Pictures {
     pub fn render(&mut self, wanted: &FrameRequest) -> Result<()> {
         let new_materials = self.materials != wanted.materials;
         self.rendered = None;
+        if self.captures != wanted.captures {
+            // What the methods keep of the captures is as many and as large as these.
+            self.discard_pipelines();
+            self.stage.set_captures(wanted.captures.clone().unwrap_or_else(|| self.own_captures.clone()));
+            self.captures.clone_from(&wanted.captures);
+        }
         if wanted.sides.len() < 2 {
             self.shown[1] = None;
         }
@@ -149,12 +169,15 @@ impl Pictures {
                     content: Content::Color,
                     history,
                     images: Vec::new(),
+                    lens: None,
+                    kept_cube: None,
                 });
                 if let Some(shown) = &mut self.shown[i] {
                     shown.history.clear();
                 }
             } else if let (true, Some(shown)) = (new_materials, &mut self.shown[i]) {
                 shown.shot.set_materials(&mut self.stage, wanted.materials.clone())?;
+                shown.kept_cube = None;
             }
             if let Some(shown) = &mut self.shown[i] {
                 shown.render(&mut self.stage, wanted)?;
@@ -218,7 +241,7 @@ impl Pictures {
         let texels: Vec<[f32; 4]> = steps.iter().map(|n| [*n as f32, 0.0, 0.0, 1.0]).collect();
         let image = Image::from_texels(&mut self.stage.context, "steps", extent, &texels)?;
         let Some(shown) = &mut self.shown[0] else { return Ok(()) };
-        shown.content = Content::Steps;
+        (shown.content, shown.kept_cube) = (Content::Steps, None);
         self.stage.context.once(|frame| shown.kept.record(frame, image.all()))
     }
 
@@ -250,15 +273,41 @@ impl ShownMethod {
             Some(asked) => asked,
             None => (Content::Color, output.composite.level(0)),
         };
-        self.content = content;
-        stage.context.once(|frame| self.kept.record(frame, slice))?;
         let info = |i: &Intermediate| ImageInfo {
-            name: i.name,
+            name: i.name.to_owned(),
             levels: i.image.parts().len() as u32,
             extent: i.image.extent(),
         };
         self.images = images.iter().map(info).collect();
+        let captures = self.shot.captures().map(|(images, _)| images);
+        self.images.extend(captures.iter().flat_map(|captures| {
+            CubeImage::all(captures.places.len()).map(move |cube| ImageInfo {
+                name: cube.name(),
+                levels: cube.levels(captures),
+                extent: captures.color.extent(),
+            })
+        }));
+        let cube = wanted.inside.as_ref().and_then(|i| Some((CubeImage::find(&i.name)?, i.level)));
+        let Some(((cube, level), captures)) =
+            cube.zip(captures).filter(|((cube, _), captures)| cube.capture < captures.places.len())
+        else {
+            (self.content, self.lens, self.kept_cube) = (content, None, None);
+            return stage.context.once(|frame| self.kept.record(frame, slice)).map(drop);
+        };
+        if self.kept_cube != Some((cube, level)) {
+            let texels = cube.read(&mut stage.context, &captures, level, wanted.extent)?;
+            let image = Image::from_texels(&mut stage.context, "capture", wanted.extent, &texels)?;
+            stage.context.once(|frame| self.kept.record(frame, image.all()))?;
+        }
+        let near_m = self.captures().iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min);
+        (self.content, self.kept_cube) = (cube.content(), Some((cube, level)));
+        self.lens = Some(face_camera(Vec3::ZERO, 0, near_m).lens);
         Ok(())
+    }
+
+    /// Where the captures stand in which the method's rays go on; empty if it takes none.
+    pub fn captures(&self) -> &[Capture] {
+        self.shot.captures().map_or(&[], |(_, places)| places)
     }
 }
 
@@ -276,6 +325,7 @@ impl State {
             extent,
             sides: self.rendered().to_vec(),
             inside: self.inside.clone(),
+            captures: None,
         }
     }
 }

@@ -98,6 +98,8 @@ pub enum Tab {
     Ray,
     /// Camera key frames.
     Path,
+    /// Captures of the scene.
+    Captures,
     /// Shaders that reload.
     Shaders,
     /// No panel.
@@ -106,12 +108,13 @@ pub enum Tab {
 
 impl Tab {
     /// Those that show something, with their titles.
-    pub const SHOWN: [(Self, &'static str); 6] = [
+    pub const SHOWN: [(Self, &'static str); 7] = [
         (Self::Tune, "Tune"),
         (Self::Live, "Live"),
         (Self::Inside, "Inside"),
         (Self::Ray, "Ray"),
         (Self::Path, "Path"),
+        (Self::Captures, "Captures"),
         (Self::Shaders, "Shaders"),
     ];
 

@@ -96,6 +96,16 @@ impl Bench {
         Self { gpu, viewer, extent: EXTENT, pixels_per_point: 1.0, time: 0.0 }
     }
 
+    /// Shows `unified` with so many captures of 128² texels a face.
+    fn with_captures(&mut self, count: &str) {
+        let unified = crate::methods::find("unified").unwrap();
+        self.viewer.state.choose(0, unified);
+        for (option, value) in [("captures", count), ("capture-side", "128")] {
+            self.viewer.state.sides[0].set(option, Some(value.into()));
+        }
+        assert_eq!(self.viewer.state.sides[0].fault, None);
+    }
+
     /// Runs one round with events; returns when the viewer wants the next one.
     fn round(&mut self, events: Vec<Event>) -> Option<Duration> {
         self.time += 0.02;

@@ -1,6 +1,7 @@
 //! What a window shows: the state, the panel that changes it, and the pictures that it asks for. The viewer
 //! takes egui's input and draws one image. It does not depend on a window, so tests can drive it.
 
+use super::captures::CaptureEditor;
 use super::fly_camera::{FlyCamera, FlyMotion};
 use super::inspect::PickedRay;
 use super::panel::{self, PanelActions, PanelData};
@@ -14,7 +15,7 @@ use crate::app::resolve;
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, Overlay, Pixels};
 use crate::passes::look::{Compare, Look, LookPass};
-use crate::scene::{Scene, View, library};
+use crate::scene::{Capture, Scene, View, library};
 use ash::vk;
 use egui::{Context, FullOutput, RawInput};
 use std::sync::Arc;
@@ -43,6 +44,8 @@ pub struct Viewer {
     pub state: State,
     /// The camera key frames.
     pub path: PathEditor,
+    /// The captures, as far as the user changed them.
+    pub captures: CaptureEditor,
     pub(super) gpu: Gpu,
     pub(super) scene: Arc<Scene>,
     pub(super) views: Vec<View>,
@@ -123,6 +126,7 @@ impl Viewer {
             gpu: gpu.clone(),
             state,
             path: PathEditor::default(),
+            captures: CaptureEditor::new(&place.scene, place.scale),
             given: place.clone(),
             place,
             scenes,
@@ -191,6 +195,9 @@ impl Viewer {
         self.take_shaders();
         self.reference_error.poll();
         let (output, actions) = self.run_panel(input.egui);
+        if let Some(action) = actions.action {
+            self.act(action);
+        }
         self.looking = actions.looking;
         let active = self.follow(&actions, input.extent, output.pixels_per_point)?;
         self.textures.append(output.textures_delta);
@@ -310,12 +317,13 @@ impl Viewer {
 
     fn run_panel(&mut self, input: RawInput) -> (FullOutput, PanelActions) {
         let is_idle = !self.pictures.is_other(&self.wanted(self.area())) && !self.needs_analysis();
-        let Self { state, path, pictures, egui, .. } = self;
+        let Self { state, path, captures, pictures, egui, .. } = self;
         let command = reference_command(state, self.shown.map_or([1, 1], |l| [l.area[2], l.area[3]]));
         let data = PanelData {
             scenes: &self.scenes,
             views: &self.views,
             histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
+            captures: pictures.shown(0).map_or(&[], |s| s.captures()),
             images: pictures.shown(0).map_or(&[], |s| &s.images),
             analysis: self.analysis.as_ref(),
             ray: self.ray.as_ref(),
@@ -327,12 +335,18 @@ impl Viewer {
             idle: is_idle,
         };
         let mut actions = PanelActions::default();
-        let output = egui.run_ui(input, |ui| actions = panel::show(ui, state, path, &data));
+        let output = egui.run_ui(input, |ui| actions = panel::show(ui, state, (path, captures), &data));
         (output, actions)
     }
 
     pub(super) fn wanted(&self, extent: [u32; 2]) -> FrameRequest {
-        self.state.wanted(&self.scene, extent)
+        FrameRequest { captures: self.captures.list.clone(), ..self.state.wanted(&self.scene, extent) }
+    }
+
+    /// The captures that a change begins with: those that are shown, else those of the scene.
+    pub(super) fn captures_shown(&self) -> Vec<Capture> {
+        let shown = self.pictures.shown(0).map_or(&[][..], |s| s.captures());
+        if shown.is_empty() { self.scene.captures.clone() } else { shown.to_vec() }
     }
 
     fn area(&self) -> [u32; 2] {

@@ -1,10 +1,41 @@
-//! The section of a scene file that says where captures stand ([`crate::scene::capture`]).
+//! The section of a scene file that says where captures stand ([`crate::scene::capture`]), and the list of a folder of
+//! captures, which has that section alone ([`crate::scene::capture_file`]).
 
 use super::SourceText;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use serde::Deserialize;
+use std::path::Path;
 use toml::Spanned;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListOfCaptures {
+    #[serde(default)]
+    capture: Vec<Spanned<CaptureSection>>,
+}
+
+/// Reads the captures of a file that has nothing but `[[capture]]` tables, at least one, all with one near plane.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
+pub(in crate::scene) fn load_list(path: &Path) -> Result<Vec<Capture>> {
+    let text = super::read(path, "a list of captures")?;
+    let source = SourceText { path, text: &text };
+    let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
+    let captures = source.captures(&list.capture, 1.0)?;
+    let Some(first) = captures.first() else {
+        return Err(Error::malformed(path, None, "it lists no captures"));
+    };
+    if let Some((other, section)) = captures.iter().zip(&list.capture).find(|(c, _)| c.near_m != first.near_m) {
+        let message = format!(
+            "all captures of a folder have one near plane: this one has {} m, the first has {} m",
+            other.near_m, first.near_m
+        );
+        return Err(source.error(section.span(), message));
+    }
+    Ok(captures)
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -12,6 +43,39 @@ pub(super) struct CaptureSection {
     place: Spanned<[f32; 3]>,
     resolution: Option<Spanned<u32>>,
     near: Option<Spanned<f32>>,
+}
+
+/// The text of a scene file with other captures: its `[[capture]]` tables are left out, and those of `captures` stand at
+/// its end. All else stays as it is. `path` names the file in errors.
+///
+/// # Errors
+/// [`Error::Malformed`] if the text is no TOML, or has captures that are written in another way.
+pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<String> {
+    let source = SourceText { path, text };
+    let rest = |text: &str| {
+        let mut table: toml::Table = toml::from_str(text)?;
+        table.remove("capture");
+        Ok(table)
+    };
+    let before = rest(text).map_err(|e| source.syntax_error(&e))?;
+    let mut is_capture = false;
+    let mut kept = String::new();
+    for line in text.lines() {
+        if line.trim_start().starts_with('[') {
+            is_capture = line.replace(char::is_whitespace, "").starts_with("[[capture]]");
+        }
+        if !is_capture {
+            kept.push_str(line);
+            kept.push('\n');
+        }
+    }
+    let tables = captures.iter().map(Capture::to_toml).collect::<Vec<_>>().join("\n");
+    let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
+    if rest(&made).ok() != Some(before) {
+        let message = "it names captures by other tables than [[capture]], which cannot be replaced";
+        return Err(Error::malformed(path, None, message));
+    }
+    Ok(made)
 }
 
 impl SourceText<'_> {

@@ -12,8 +12,8 @@ pub fn show(ui: &mut Ui, state: &mut State, data: &PanelData, actions: &mut Pane
         let [width, height] = image.extent;
         let levels = if image.levels > 1 { format!(", {} levels", image.levels) } else { String::new() };
         let text = format!("{}  ({width}×{height}{levels})", image.name);
-        if ui.selectable_label(chosen.as_deref() == Some(image.name), text).clicked() {
-            state.inside = Some(Inside { name: image.name.to_owned(), level: 0 });
+        if ui.selectable_label(chosen.as_deref() == Some(&image.name), text).clicked() {
+            state.inside = Some(Inside { name: image.name.clone(), level: 0 });
             state.tone.range = [0.0, 1.0];
         }
     }

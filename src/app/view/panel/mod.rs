@@ -1,6 +1,7 @@
 //! The panel beside the picture, and what is drawn over the picture. It uses egui to change the state and to
 //! display measurements; it renders no frames itself and does not depend on the window.
 
+mod captures;
 mod inside;
 mod live;
 pub mod options;
@@ -10,6 +11,8 @@ mod shaders;
 mod shared;
 mod tune;
 
+use super::captures::CaptureEditor;
+use super::cubes::CubeImage;
 use super::path::PathEditor;
 use super::state::{State, Tab};
 use crate::passes::look::Compare;
@@ -24,13 +27,18 @@ pub const WIDTH: f32 = 340.0;
 const NARROWEST_PICTURE: f32 = 80.0;
 
 /// Draws the panel and the picture of one frame.
-pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, data: &PanelData) -> PanelActions {
+pub fn show(
+    ui: &mut Ui,
+    state: &mut State,
+    (path, editor): (&mut PathEditor, &mut CaptureEditor),
+    data: &PanelData,
+) -> PanelActions {
     let mut actions = PanelActions::default();
     let width = ui.available_width();
     if state.tab != Tab::None && width >= WIDTH + NARROWEST_PICTURE {
         egui::Panel::right("panel").exact_size(WIDTH).show(ui, |ui| {
             egui::Panel::bottom("status").show(ui, |ui| status(ui, data));
-            ui.horizontal(|ui| {
+            ui.horizontal_wrapped(|ui| {
                 for (tab, title) in Tab::SHOWN {
                     ui.selectable_value(&mut state.tab, tab, title);
                 }
@@ -42,6 +50,7 @@ pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor, data: &PanelD
                 Tab::Inside => inside::show(ui, state, data, &mut actions),
                 Tab::Ray => ray::show(ui, state, data),
                 Tab::Path => path::show(ui, state, path),
+                Tab::Captures => captures::show(ui, state, editor, data, &mut actions),
                 Tab::Shaders => shaders::show(ui, data),
                 Tab::None => {}
             });
@@ -92,7 +101,16 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
         }
     }
     if let (Tab::Ray, Some(ray)) = (state.tab, data.ray) {
-        ray::draw(&ui.painter_at(area), area, data.extent, ray);
+        let cube = state.inside.as_ref().and_then(|i| CubeImage::find(&i.name));
+        let painter = ui.painter_at(area);
+        match cube {
+            None => ray::draw(&painter, area, data.extent, ray),
+            Some(cube) => {
+                if let Some(capture) = data.captures.get(cube.capture) {
+                    ray::draw_in_capture(&painter, area, data.extent, (ray, capture, cube.capture));
+                }
+            }
+        }
     }
     if state.compare != Compare::One && state.tab != Tab::None {
         names(ui, area, split_x, state);

@@ -2,13 +2,19 @@
 //! the oracle.
 
 use super::shared::{PanelData, heading};
-use crate::app::view::inspect::{PickedRay, WalkEnd};
+use crate::app::view::cubes::Cross;
+use crate::app::view::inspect::{BeyondScreen, PickedRay, WalkEnd};
 use crate::app::view::state::State;
+use crate::passes::PathCode;
 use crate::reference::Outcome;
+use crate::scene::Capture;
 use egui::{Color32, Grid, Painter, Pos2, Rect, RichText, Stroke, StrokeKind, Ui, pos2};
+use glam::Vec2;
 
 const METHOD: Color32 = Color32::from_rgb(255, 140, 0);
 const WALK: Color32 = Color32::from_rgb(255, 230, 60);
+/// The part of the ray that the screen does not see.
+const BEYOND: Color32 = Color32::from_rgb(255, 90, 200);
 const ORACLE: Color32 = Color32::from_rgb(60, 230, 255);
 
 /// The colour of a level: from green for fine levels to red for coarse ones.
@@ -69,7 +75,10 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
                 let (x, y) = (f64::from(x), f64::from(y));
                 ui.label(format!("{code:?} {}{}", at(x, y), off(x, y)))
             }
-            Some((code, _)) => ui.label(format!("{code:?}: no hit")),
+            Some((code, _)) => match &ray.beyond {
+                Some(beyond) => ui.label(beyond_the_screen(beyond)),
+                None => ui.label(format!("{code:?}: no hit")),
+            },
             None => ui.label("does not tell its hits"),
         };
         ui.end_row();
@@ -98,6 +107,48 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
     });
 }
 
+/// In words, where a ray ends that the screen lost.
+fn beyond_the_screen(beyond: &BeyondScreen) -> String {
+    let (code, end) = (beyond.code, beyond.end);
+    match beyond.capture {
+        Some(k) => format!(
+            "{code:?} {}: hit at {:.2}, {:.2}, {:.2}, {:.2} m away",
+            k + 1,
+            end.x,
+            end.y,
+            end.z,
+            beyond.begin.distance(end)
+        ),
+        None if code == PathCode::Sky => format!("{code:?}: the captures see it to its end"),
+        None => format!("{code:?}: no image sees where it goes"),
+    }
+}
+
+/// Draws the ray over the images of a capture (`index` counted from 0): its way from where it begins, stronger from
+/// where the screen lost it.
+pub fn draw_in_capture(
+    painter: &Painter,
+    area: Rect,
+    extent: [u32; 2],
+    (ray, capture, index): (&PickedRay, &Capture, usize),
+) {
+    let Some(beyond) = &ray.beyond else { return };
+    let cross = Cross::new(extent);
+    let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
+    let at = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
+    let way = beyond.way();
+    let (before, after) = way.split_at(way.len() / 2);
+    for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
+        for line in cross.way(capture, points) {
+            painter.line(line.into_iter().map(at).collect(), stroke);
+        }
+    }
+    painter.circle_stroke(at(cross.at(beyond.begin - capture.position).1), 5.0, Stroke::new(2.0, Color32::WHITE));
+    if beyond.code == PathCode::Sky || beyond.capture == Some(index) {
+        cross_mark(painter, at(cross.at(beyond.end - capture.position).1), METHOD);
+    }
+}
+
 /// Draws the ray over the picture.
 pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
@@ -119,9 +170,12 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
             painter.circle_filled(to, 2.0, WALK);
         }
     }
+    if let Some(line) = &ray.beyond_on_screen {
+        painter.line(line.iter().map(|p| at(p.x, p.y)).collect(), Stroke::new(2.0, BEYOND));
+    }
     painter.circle_stroke(start, 5.0, Stroke::new(2.0, Color32::WHITE));
     if let Some((_, [x, y])) = ray.method.filter(|(code, _)| code.is_hit()) {
-        cross(painter, at(x, y), METHOD);
+        cross_mark(painter, at(x, y), METHOD);
     }
     if let Some(o) = ray.oracle.position() {
         let o = at(o.x as f32, o.y as f32);
@@ -129,7 +183,7 @@ pub fn draw(painter: &Painter, area: Rect, extent: [u32; 2], ray: &PickedRay) {
     }
 }
 
-fn cross(painter: &Painter, at: Pos2, color: Color32) {
+fn cross_mark(painter: &Painter, at: Pos2, color: Color32) {
     for (dx, dy) in [(6.0, 6.0), (6.0, -6.0)] {
         painter.line_segment([pos2(at.x - dx, at.y - dy), pos2(at.x + dx, at.y + dy)], Stroke::new(2.0, color));
     }

@@ -1,11 +1,12 @@
 //! What all parts of the panel share: the data they display, the actions they return, and small widgets.
 
 use crate::app::view::history::History;
+use crate::app::view::input::Action;
 use crate::app::view::inspect::PickedRay;
 use crate::app::view::pictures::{FrameAnalysis, ImageInfo};
 use crate::app::view::reference_error::ReferenceComparison;
 use crate::app::view::reload::ShaderStatus;
-use crate::scene::View;
+use crate::scene::{Capture, View};
 use egui::{Color32, Rect, RichText, Sense, Ui};
 
 /// The data that the panel displays.
@@ -16,6 +17,8 @@ pub struct PanelData<'a> {
     pub views: &'a [View],
     /// Pass times of the shown methods.
     pub histories: Vec<&'a History>,
+    /// The captures in which rays of the first method go on.
+    pub captures: &'a [Capture],
     /// The images that the first method made.
     pub images: &'a [ImageInfo],
     /// The analysis of the frame at rest, if there is one.
@@ -43,6 +46,8 @@ pub struct PanelActions {
     pub area: Option<Rect>,
     /// Whether the mouse turns the camera.
     pub looking: bool,
+    /// What a button of the panel does that a key does, too.
+    pub action: Option<Action>,
     /// Whether to fit the range of the shown picture to its numbers.
     pub fit_range: bool,
 }

@@ -67,9 +67,9 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
     assert!(images.iter().any(|i| i.name == "hi-z" && i.levels > 5), "{images:?}");
     for image in images {
         for level in [0, 3, image.levels - 1] {
-            bench.viewer.state.inside = Some(Inside { name: image.name.into(), level });
+            bench.viewer.state.inside = Some(Inside { name: image.name.clone(), level });
             bench.settle();
-            bench.is_valid(image.name);
+            bench.is_valid(&image.name);
         }
     }
     // Level 3 of the chain consists of blocks of 8 pixels with one colour each.
@@ -84,6 +84,36 @@ fn every_intermediate_is_shown_at_every_level_and_a_range_fits() {
     let most = steps.texels().map(|t| t[0]).fold(0.0, f32::max);
     assert!(most > 10.0 && most < 1025.0 && steps.texels().any(|t| t[0] == 0.0), "{most} steps at most");
     bench.is_valid("steps");
+}
+
+#[test]
+fn captures_are_shown_as_crosses_at_every_level() {
+    let mut bench = Bench::new();
+    bench.with_captures("1");
+    bench.viewer.state.tab = Tab::Inside;
+    bench.settle();
+    let images = bench.viewer.images();
+    let mut seen = HashSet::new();
+    for (name, levels) in [("capture-1-color", 8), ("capture-1-depth", 1), ("capture-1-normal", 1)] {
+        let image = images.iter().find(|i| i.name == name).unwrap_or_else(|| panic!("{name}: {images:?}"));
+        assert_eq!((image.levels, image.extent), (levels, [128, 128]));
+        for level in HashSet::from([0, levels - 1]) {
+            bench.viewer.state.inside = Some(Inside { name: name.into(), level });
+            bench.settle();
+            bench.is_valid(name);
+            let picture = bench.viewer.read_picture().unwrap().unwrap();
+            // The picture is 200 pixels wide and high: faces have 50 pixels a side, and the cross begins at row 25.
+            assert_eq!([picture.width, picture.height], [200, 200]);
+            let at = |x, y| &picture.at(x, y)[..3];
+            assert!([(0, 30), (0, 0), (199, 199), (120, 40)].iter().all(|(x, y)| at(*x, *y) == [0.0; 3]), "{name}");
+            assert!([(75, 100), (175, 100), (75, 50), (75, 150)].iter().all(|(x, y)| at(*x, *y) != [0.0; 3]), "{name}");
+            assert!(seen.insert(picture.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>()), "{name}/{level}");
+        }
+    }
+    bench.viewer.state.inside = None;
+    bench.settle();
+    let finished = bench.viewer.read_picture().unwrap().unwrap();
+    assert!(seen.insert(finished.values.iter().map(|v| v.to_bits()).collect()));
 }
 
 #[test]

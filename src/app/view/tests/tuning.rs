@@ -1,9 +1,10 @@
 //! Tests of what a user changes: options, the camera, the picked ray, shaders and key frames.
 
+use super::super::cubes::Cross;
 use super::super::input::Action;
 use super::super::inspect::WalkEnd;
 use super::super::reload::ShaderWatch;
-use super::super::state::{Side, Tab};
+use super::super::state::{Inside, Side, Tab};
 use super::super::viewer::Shaders;
 use super::{Bench, copied_shaders};
 use crate::methods::{METHODS, MethodInfo, parameters};
@@ -240,4 +241,95 @@ fn key_frames_are_recorded_saved_and_played() {
     let file = bench.viewer.path.file.clone();
     bench.viewer.path.load(Path::new(&file)).unwrap();
     assert_eq!(bench.viewer.path.keys, saved.keys());
+}
+
+#[test]
+fn captures_are_put_where_the_eye_is_moved_and_removed() {
+    let mut bench = Bench::new();
+    bench.viewer.state.tab = Tab::Captures;
+    bench.settle();
+    bench.viewer.act(Action::MoveCapture);
+    let said = &bench.viewer.captures.message;
+    assert!(said.contains("no capture to move") && said.contains("ssct follows no rays in captures"), "{said}");
+    bench.viewer.captures.forget();
+    bench.with_captures("1");
+    bench.settle();
+    let placed = bench.viewer.captures_shown();
+    let before = bench.viewer.read_picture().unwrap().unwrap();
+    assert_eq!(placed.len(), 1);
+    bench.viewer.act(Action::AddCapture);
+    bench.settle();
+    let eye = bench.viewer.state.camera.place().0;
+    let places = |bench: &Bench| bench.viewer.captures_shown().iter().map(|c| c.position).collect::<Vec<_>>();
+    assert_eq!(places(&bench), [placed[0].position, eye], "the captures that rays go on in");
+    assert_eq!(bench.viewer.state.sides[0].options["captures"], "auto");
+    bench.viewer.state.steer(|camera| {
+        camera.put((placed[0].position, eye));
+        true
+    });
+    bench.viewer.act(Action::MoveCapture);
+    bench.settle();
+    assert_eq!(places(&bench), [placed[0].position; 2]);
+    bench.viewer.act(Action::RemoveCapture);
+    bench.viewer.act(Action::View(2));
+    bench.settle();
+    assert_eq!(places(&bench), [placed[0].position]);
+    assert!(bench.viewer.read_picture().unwrap().unwrap() == before, "as at the beginning");
+    let folder = tempfile::tempdir().unwrap();
+    bench.viewer.captures.file = folder.path().join("c.toml").display().to_string();
+    bench.viewer.captures.save(&placed);
+    let saved = crate::scene::capture_file::encode_list(&bench.viewer.captures_shown());
+    assert_eq!(std::fs::read_to_string(folder.path().join("c.toml")).unwrap(), saved);
+    bench.is_valid("captures");
+}
+
+#[test]
+fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
+    let mut bench = Bench::new();
+    bench.with_captures("1");
+    bench.viewer.state.tab = Tab::Ray;
+    bench.settle();
+    let inspection = bench.viewer.inspection().unwrap();
+    let eye = inspection.gbuffer.camera.eye();
+    let [width, height] = [inspection.gbuffer.width, inspection.gbuffer.height];
+    let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
+    let rays: Vec<_> = pixels.filter_map(|p| inspection.pick(p)).collect();
+    let hits: Vec<_> =
+        rays.iter().filter_map(|r| Some((r.pixel, r.beyond.filter(|b| b.capture == Some(0))?))).collect();
+    assert!(hits.len() > 20, "{} rays hit in the capture", hits.len());
+    assert!(rays.iter().all(|r| r.beyond.is_none() || !r.method.unwrap().0.is_hit()), "a hit on the screen is an end");
+    let place = bench.viewer.captures_shown()[0];
+    for (pixel, beyond) in &hits {
+        // The screen loses it somewhere between its beginning and its end, which lie on one line.
+        let (whole, lost) = (beyond.end - beyond.begin, beyond.lost - beyond.begin);
+        let along = lost.dot(whole) / whole.length_squared();
+        let aside = (lost - along * whole).length();
+        assert!((-0.01..=1.01).contains(&along) && aside < 0.01 * whole.length() + 0.01, "{pixel:?}: {beyond:?}");
+        assert!(beyond.end.distance(eye) < 100.0 && beyond.way().first() == Some(&beyond.begin));
+    }
+    bench.viewer.state.picked = Some(hits[0].0);
+    bench.viewer.state.inside = Some(Inside { name: "capture-1-depth".into(), level: 0 });
+    bench.settle();
+    bench.is_valid("the ray in a capture");
+    // Where the end lies in the capture's picture, its depth is that of the end.
+    let picture = bench.viewer.read_picture().unwrap().unwrap();
+    let cross = Cross::new([picture.width, picture.height]);
+    let clip = crate::scene::capture::face_camera(place.position, 4, place.near_m).view_to_clip_reversed();
+    let mut right = 0;
+    for (_, beyond) in &hits {
+        let from = beyond.end - place.position;
+        let (_, at) = cross.at(from);
+        let shown = picture.at(at.x as u32, at.y as u32)[0];
+        let z = from.abs().max_element();
+        let expected = clip.project_point3(glam::Vec3::new(0.0, 0.0, z)).z;
+        right += usize::from((shown / expected - 1.0).abs() < 0.1);
+    }
+    assert!(right * 10 >= hits.len() * 9, "{right} of {} ends lie where the capture has them", hits.len());
+    bench.viewer.state.inside = None;
+    bench.settle();
+    let with = bench.screen();
+    bench.viewer.state.picked = Some([0, 0]);
+    bench.settle();
+    assert!(bench.screen() != with, "the ray is drawn");
+    bench.is_valid("the ray beyond the screen");
 }

@@ -1,0 +1,159 @@
+//! The captures that the user has moved, added or removed, and the file that they are saved in.
+
+use crate::error::{Error, Result};
+use crate::report::files;
+use crate::scene::capture::MAX_CAPTURES;
+use crate::scene::{Capture, scene_file};
+use glam::Vec3;
+use std::path::Path;
+
+/// The list of captures while it is edited.
+#[derive(Debug)]
+pub struct CaptureEditor {
+    /// The captures in place of the scene's; `None` as long as nothing was changed.
+    pub list: Option<Vec<Capture>>,
+    /// The selected capture, counted from 0.
+    pub selected: usize,
+    /// The file that they are saved in: a scene file, or one that has nothing but captures.
+    pub file: String,
+    /// What the last change or saving led to.
+    pub message: String,
+    /// The factor by which the scene was enlarged when it was loaded.
+    scale: f32,
+}
+
+impl CaptureEditor {
+    /// For a scene from some sources, enlarged by `scale`.
+    pub fn new(sources: &[std::path::PathBuf], scale: f32) -> Self {
+        let is_file = |p: &&std::path::PathBuf| p.extension().is_some_and(|e| e == "toml");
+        let file = sources.first().filter(is_file).map_or("captures.toml".into(), |p| p.display().to_string());
+        Self { list: None, selected: 0, file, message: String::new(), scale }
+    }
+
+    /// Adds a capture at a place and selects it. `shown` are the captures that are shown.
+    pub fn add(&mut self, shown: &[Capture], place: Vec3) {
+        let list = self.list.get_or_insert_with(|| shown.to_vec());
+        if list.len() == MAX_CAPTURES {
+            self.message = format!("a scene has at most {MAX_CAPTURES} captures");
+            return;
+        }
+        let like = list.first().copied().unwrap_or(Capture::at(place));
+        list.push(Capture { position: place, ..like });
+        self.selected = list.len() - 1;
+        self.message = format!("capture {} added", list.len());
+    }
+
+    /// Moves the selected capture to a place.
+    pub fn put(&mut self, shown: &[Capture], place: Vec3) {
+        let list = self.list.get_or_insert_with(|| shown.to_vec());
+        self.message = match list.get_mut(self.selected) {
+            Some(capture) => {
+                capture.position = place;
+                format!("capture {} moved", self.selected + 1)
+            }
+            None => "there is no capture to move".to_owned(),
+        };
+    }
+
+    /// Removes the selected capture. Without any, they are placed as for a scene that names none.
+    pub fn remove(&mut self, shown: &[Capture]) {
+        let list = self.list.get_or_insert_with(|| shown.to_vec());
+        if self.selected >= list.len() {
+            self.message = "there is no capture to remove".to_owned();
+            return;
+        }
+        list.remove(self.selected);
+        self.message = format!("capture {} removed", self.selected + 1);
+        if list.is_empty() {
+            self.message += "; without any, they are placed automatically";
+        }
+        self.selected = self.selected.min(list.len().saturating_sub(1));
+    }
+
+    /// Goes back to the scene's captures.
+    pub fn forget(&mut self) {
+        (self.list, self.selected) = (None, 0);
+        self.message = "the captures of the scene".to_owned();
+    }
+
+    /// Writes the captures into the file. If there is such a file, all else in it stays as it is.
+    pub fn save(&mut self, shown: &[Capture]) {
+        let captures = self.list.as_deref().unwrap_or(shown);
+        self.message = match self.written(captures) {
+            Ok(()) => format!("{} captures saved in {}", captures.len(), self.file),
+            Err(e) => e.to_string(),
+        };
+    }
+
+    fn written(&self, captures: &[Capture]) -> Result<()> {
+        let path = Path::new(&self.file);
+        let before = match std::fs::read_to_string(path) {
+            Ok(text) => text,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(e) => return Err(Error::io("read", path, e)),
+        };
+        let unscaled = |c: &Capture| {
+            let [position, near_m] = [c.position / self.scale, Vec3::splat(c.near_m / self.scale)];
+            Capture { position, near_m: near_m.x, ..*c }
+        };
+        let captures: Vec<Capture> = captures.iter().map(unscaled).collect();
+        files::write(path, scene_file::with_captures(&before, &captures, path)?.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn captures_are_added_moved_removed_and_saved_beside_what_a_file_has() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("room.scene.toml");
+        let rest = "# A room.\nscale = 2.0\n\n[[mesh]]\nfile = 'room.obj'\n\n";
+        let old = "[[capture]] # old\nplace = [9, 9, 9]\n\n";
+        std::fs::write(&path, format!("{rest}{old}[view.hall]\neye = [0, 1, 0]\nlook_at = [1, 1, 0]\n")).unwrap();
+        let mut editor = CaptureEditor::new(std::slice::from_ref(&path), 0.5);
+        let shown = [Capture { resolution: 64, ..Capture::at(Vec3::ONE) }];
+        editor.add(&shown, Vec3::X);
+        editor.add(&shown, Vec3::Y);
+        editor.put(&shown, Vec3::Z);
+        editor.selected = 0;
+        editor.remove(&shown);
+        let places: Vec<Vec3> = editor.list.as_ref().unwrap().iter().map(|c| c.position).collect();
+        assert_eq!((places, editor.selected), (vec![Vec3::X, Vec3::Z], 0));
+        editor.save(&shown);
+        assert!(editor.message.starts_with("2 captures saved in "), "{}", editor.message);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with(rest) && text.contains("[view.hall]") && !text.contains("9, 9, 9"), "{text}");
+        let table: toml::Table = toml::from_str(&text).unwrap();
+        let saved = table["capture"].as_array().unwrap();
+        assert_eq!(saved.len(), 2);
+        // The scene was halved when it was loaded.
+        assert_eq!(saved[1]["place"].as_array().unwrap()[2].as_float(), Some(2.0));
+        assert_eq!(saved[1]["resolution"].as_integer(), Some(64));
+        for _ in 0..MAX_CAPTURES {
+            editor.add(&shown, Vec3::ONE);
+        }
+        assert_eq!((editor.list.as_ref().unwrap().len(), &editor.message[..]), (8, "a scene has at most 8 captures"));
+        editor.forget();
+        assert!(editor.list.is_none());
+    }
+
+    #[test]
+    fn a_file_that_cannot_take_captures_stays_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        let mut editor = CaptureEditor::new(std::slice::from_ref(&path), 1.0);
+        for (text, said) in
+            [("capture = [{ place = [0, 0, 0] }]\n", "other tables than [[capture]]"), ("no toml at all", "expected")]
+        {
+            std::fs::write(&path, text).unwrap();
+            editor.save(&[Capture::at(Vec3::ZERO)]);
+            assert!(editor.message.contains(said) && editor.message.contains("a.toml"), "{}", editor.message);
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        std::fs::remove_file(&path).unwrap();
+        editor.save(&[Capture::at(Vec3::ZERO)]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), Capture::at(Vec3::ZERO).to_toml());
+    }
+}

@@ -1,0 +1,193 @@
+//! Captures laid open as crosses, so that the window can show them as images, and rays can be drawn over them.
+
+use crate::error::Result;
+use crate::gpu::FrameContext;
+use crate::passes::pyramid;
+use crate::passes::{Captures, Content};
+use crate::report::captures::{CROSS, FACES_IN_CROSS};
+use crate::scene::{Capture, sky};
+use glam::{Vec2, Vec3};
+
+/// What is shown of a capture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// The lit colour at any level, over the sky.
+    Color,
+    /// The reversed depth.
+    Depth,
+    /// The normal in the view space of each face.
+    Normal,
+}
+
+/// The parts with their names.
+const PARTS: [(Part, &str); 3] = [(Part::Color, "color"), (Part::Depth, "depth"), (Part::Normal, "normal")];
+
+/// A picture of a capture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CubeImage {
+    /// Which capture, counted from 0.
+    pub capture: usize,
+    /// What of it.
+    pub part: Part,
+}
+
+impl CubeImage {
+    /// Of so many captures.
+    pub fn all(count: usize) -> impl Iterator<Item = Self> {
+        (0..count).flat_map(|capture| PARTS.map(|(part, _)| Self { capture, part }))
+    }
+
+    /// By its name; `None` if it is of no capture.
+    pub fn find(name: &str) -> Option<Self> {
+        let (number, part) = name.strip_prefix("capture-")?.split_once('-')?;
+        let part = PARTS.iter().find(|(_, n)| *n == part)?.0;
+        Some(Self { capture: number.parse::<usize>().ok()?.checked_sub(1)?, part })
+    }
+
+    /// Its name, as in `capture-1-color`.
+    pub fn name(self) -> String {
+        let part = PARTS.iter().find(|(part, _)| *part == self.part).map_or("", |(_, name)| name);
+        format!("capture-{}-{part}", self.capture + 1)
+    }
+
+    /// The meaning of its numbers.
+    pub fn content(self) -> Content {
+        match self.part {
+            Part::Color => Content::Color,
+            Part::Depth => Content::ReversedDepth,
+            Part::Normal => Content::Normal,
+        }
+    }
+
+    /// The number of its mip levels.
+    pub fn levels(self, captures: &Captures) -> u32 {
+        if self.part == Part::Color { captures.color.levels() } else { 1 }
+    }
+
+    /// Its texels for a picture of a size in pixels, rows from the top; black where no face lies.
+    pub fn read(
+        self,
+        context: &mut FrameContext,
+        captures: &Captures,
+        level: u32,
+        extent: [u32; 2],
+    ) -> Result<Vec<[f32; 4]>> {
+        let first = 6 * self.capture as u32;
+        let [full, _] = captures.color.extent();
+        let level = level.min(self.levels(captures) - 1);
+        let side = (full >> level).max(1);
+        let read = context.read(match self.part {
+            Part::Color => captures.color.level(level),
+            Part::Depth => captures.pyramid.level(0),
+            Part::Normal => captures.normal.level(0),
+        })?;
+        let strip = pyramid::strip([full; 2]);
+        let rows = pyramid::size([full; 2], strip)[1];
+        let cross = Cross::new(extent);
+        let texel = |i: u32| {
+            let pixel = Vec2::new((i % extent[0]) as f32, (i / extent[0]) as f32) + 0.5;
+            let Some((face, uv)) = cross.face_at(pixel) else { return [0.0, 0.0, 0.0, 1.0] };
+            let [x, y] = uv.to_array().map(|v| ((v * side as f32) as u32).min(side - 1));
+            let layer = first + face as u32;
+            match self.part {
+                Part::Color => {
+                    let seen = read.at(x, layer * side + y);
+                    let behind = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - seen[3]);
+                    (Vec3::from_slice(seen) + behind).extend(1.0).to_array()
+                }
+                Part::Depth => {
+                    // Fronts stand in strips of columns (`shaders-glsl/unified/pyramid.glsl`).
+                    let front = read.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
+                    [front.max(0.0), 0.0, 0.0, 1.0]
+                }
+                Part::Normal => Vec3::from_slice(read.at(x, layer * side + y)).extend(1.0).to_array(),
+            }
+        };
+        Ok((0..extent[0] * extent[1]).map(texel).collect())
+    }
+}
+
+/// Where the faces of a cube lie in a picture: as large as it allows, in its middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cross {
+    side: f32,
+    corner: Vec2,
+}
+
+impl Cross {
+    /// In a picture of a size in pixels.
+    pub fn new(extent: [u32; 2]) -> Self {
+        let [columns, rows] = CROSS.map(|n| n as f32);
+        let size = Vec2::new(extent[0] as f32, extent[1] as f32);
+        let side = (size.x / columns).min(size.y / rows);
+        Self { side, corner: 0.5 * (size - side * Vec2::new(columns, rows)) }
+    }
+
+    /// The face (0…5) at a point in pixels, and its texture coordinates there.
+    fn face_at(&self, point: Vec2) -> Option<(usize, Vec2)> {
+        let at = (point - self.corner) / self.side;
+        let face = FACES_IN_CROSS.iter().position(|place| place.map(|n| n as f32) == at.floor().to_array())?;
+        Some((face, at.fract()))
+    }
+
+    /// The face in which a direction in world axes is seen, and the point where, in pixels.
+    pub fn at(&self, direction: Vec3) -> (usize, Vec2) {
+        let a = direction.abs();
+        let of = |v: f32, face: usize| if v >= 0.0 { face } else { face + 1 };
+        let (face, greatest) = if a.x >= a.y && a.x >= a.z {
+            (of(direction.x, 0), a.x)
+        } else if a.y >= a.z {
+            (of(direction.y, 2), a.y)
+        } else {
+            (of(direction.z, 4), a.z)
+        };
+        // The texture coordinates of a face are linear in the direction, whose greatest component is 1.
+        let on_face = direction / greatest.max(f32::MIN_POSITIVE);
+        let [middle, right, down] = [(0.5, 0.5), (1.0, 0.5), (0.5, 1.0)].map(|(u, v)| sky::face_direction(face, u, v));
+        let along = |axis: Vec3| 0.5 + 0.5 * (on_face - middle).dot(axis - middle);
+        let [x, y] = FACES_IN_CROSS[face].map(|n| n as f32);
+        (face, self.corner + self.side * Vec2::new(x + along(right), y + along(down)))
+    }
+
+    /// The parts of a way through the world as a capture sees it: lines of points in pixels, one for each face that it
+    /// passes.
+    pub fn way(&self, capture: &Capture, points: &[Vec3]) -> Vec<Vec<Vec2>> {
+        let mut lines: Vec<(usize, Vec<Vec2>)> = Vec::new();
+        for point in points.iter().filter(|p| **p != capture.position) {
+            let (face, at) = self.at(*point - capture.position);
+            match lines.last_mut().filter(|(last, _)| *last == face) {
+                Some((_, line)) => line.push(at),
+                None => lines.push((face, vec![at])),
+            }
+        }
+        lines.into_iter().map(|(_, line)| line).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_again() {
+        for image in CubeImage::all(3) {
+            assert_eq!(CubeImage::find(&image.name()), Some(image));
+        }
+        for other in ["hi-z", "capture-0-color", "capture-1", "capture-x-depth", "capture-2-flow"] {
+            assert_eq!(CubeImage::find(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn a_direction_lies_where_the_face_shows_it() {
+        let cross = Cross::new([403, 290]);
+        for face in 0..6 {
+            for uv in [Vec2::new(0.5, 0.5), Vec2::new(0.1, 0.8), Vec2::new(0.9, 0.3)] {
+                let (found, at) = cross.at(7.0 * sky::face_direction(face, uv.x, uv.y));
+                let (there, back) = cross.face_at(at).unwrap();
+                assert!(found == face && there == face && back.distance(uv) < 1e-4, "{face}: {found}, {there}, {back}");
+            }
+        }
+        assert_eq!(cross.face_at(Vec2::new(20.0, 20.0)), None);
+    }
+}
