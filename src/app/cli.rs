@@ -176,6 +176,10 @@ pub struct ErrorOptions {
     /// Only the variant that the flags name, instead of both presets and their parameters.
     #[arg(long)]
     pub no_sweep: bool,
+    /// Of methods that take captures, the variants without them and with 1, 2, 4 and 8 of 128 to 1024 texels a side; of
+    /// the others only the variant that the flags name.
+    #[arg(long, conflicts_with_all = ["no_sweep", "precision", "quick"])]
+    pub captures_sweep: bool,
     /// Error against the bytes of a G-buffer's pixel instead of run time: depth, normals and colour in one
     /// format after another.
     #[arg(long, conflicts_with = "no_sweep")]

@@ -5,7 +5,7 @@ use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::run::Run;
 use super::{error_age, precision, progress, resolve};
 use crate::error::Result;
-use crate::methods;
+use crate::methods::{self, MethodInfo};
 use crate::report::{error_report, files};
 use crate::scene::{Scene, View, library};
 use crate::study::error::{ErrorRecord, Variant};
@@ -65,7 +65,13 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
     };
     let base = common.method_options.setup(sizes[0]);
     let methods = methods::choose(&options.method, &base)?;
-    let variants = if options.quick || options.no_sweep {
+    let variants = if options.captures_sweep {
+        let of = |method: &&'static MethodInfo| match method.takes_captures {
+            true => sweep::captures(method, &base),
+            false => vec![Variant { method, setup: base.clone() }],
+        };
+        methods.iter().flat_map(of).collect()
+    } else if options.quick || options.no_sweep {
         methods.iter().map(|method| Variant { method, setup: base.clone() }).collect()
     } else {
         sweep::variants(&methods, &base)

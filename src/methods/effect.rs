@@ -11,6 +11,8 @@ use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::scene::placement::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -28,6 +30,18 @@ pub struct Effect {
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     composite: CompositePass,
     captures: Option<Captured>,
+    prepared: Prepared,
+}
+
+/// What a method made of its scene once, and is counted in no frame: captures and their pyramids, cube maps, filtered skies.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Prepared {
+    /// Milliseconds on the host until the device was done, the search for places of captures included.
+    pub time_ms: f64,
+    /// Bytes of device memory that stay.
+    pub device_bytes: u64,
+    /// Where captures stand that rays go on in: x, y and z in world axes, in metres.
+    pub captures: Vec<[f32; 3]>,
 }
 
 /// Captures, once they are made, and of what they were made.
@@ -63,12 +77,21 @@ impl Effect {
         scene: Option<&SceneInput>,
     ) -> Result<Self> {
         let effect = setup.effect();
-        let places = taken(info, &effect, scene)?;
+        let (places, placement_ms) = taken(info, &effect, scene)?;
         let is_renewed = effect.captures_per_frame > 0 && !places.is_empty();
         let renewal =
             is_renewed.then(|| Renewal::new(context.gpu(), &places, effect.captures_per_frame)).transpose()?;
         let captured = (!places.is_empty()).then(|| Captured { places, images: None, of: Vec::new(), renewal });
-        Self::beside(context, info, setup, wants, (scene, captured))
+        let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured))?;
+        let Some(scene) = scene else { return Ok(made) };
+        let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        made.prepare(context, scene)?;
+        made.prepared = Prepared {
+            time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
+            device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
+            captures: made.captures().map_or(Vec::new(), |(_, of)| of.iter().map(|c| c.position.to_array()).collect()),
+        };
+        Ok(made)
     }
 
     /// Makes the method and what surrounds it for a G-buffer without its scene, beside captures that come from elsewhere.
@@ -95,7 +118,7 @@ impl Effect {
             return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
         }
         let captured = Captured { places: Vec::new(), images: Some(captures), of: Vec::new(), renewal: None };
-        Self::beside(context, info, setup, wants, (None, Some(captured)))
+        Self::beside(context, info, setup, wants, (false, Some(captured)))
     }
 
     fn beside(
@@ -103,13 +126,12 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (scene, captured): (Option<&SceneInput>, Option<Captured>),
+        (has_scene, captured): (bool, Option<Captured>),
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
         // Of captures that are made already, a method that follows rays in them needs no scene.
-        let is_seen =
-            |m: &MethodInfo| scene.is_some() || m.is_screen_space() || (m.takes_captures && captured.is_some());
+        let is_seen = |m: &MethodInfo| has_scene || m.is_screen_space() || (m.takes_captures && captured.is_some());
         if !is_seen(info) {
             return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));
         }
@@ -156,16 +178,14 @@ impl Effect {
             inner.setup.extent = resolution::divided(extent, divisor);
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
-        let mut effect = Self {
+        let effect = Self {
             method: (info.create)(&gpu, &inner)?,
             scaled,
             fallback: fallback.transpose()?,
             composite: CompositePass::new(&gpu, extent)?,
             captures: captured,
+            prepared: Prepared::default(),
         };
-        if let Some(scene) = scene {
-            effect.prepare(context, scene)?;
-        }
         Ok(effect)
     }
 
@@ -182,6 +202,11 @@ impl Effect {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// What was made for the scene before the first frame.
+    pub fn prepared(&self) -> &Prepared {
+        &self.prepared
     }
 
     /// The captures in which rays go on, once they are made, and where the scene was captured for them.
@@ -247,23 +272,24 @@ impl Effect {
 }
 
 /// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place
-/// for one.
+/// for one; and the milliseconds that finding their places took.
 ///
 /// # Errors
 /// [`Error::Usage`] if captures are wanted and there is no scene.
-fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<Vec<Capture>> {
+fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<(Vec<Capture>, f64)> {
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let is_all = !info.is_screen_space() && info.takes_captures;
     let wanted = match effect.captures.wanted() {
         // Where captures are all that is looked into, they are taken without being asked for.
         None if behind || is_all => Wanted::Auto,
         Some(wanted) if behind || info.takes_captures => wanted,
-        _ => return Ok(Vec::new()),
+        _ => return Ok((Vec::new(), 0.0)),
     };
     let Some(scene) = scene else {
         return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
     };
     let side = effect.capture_side.texels();
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
-    Ok(scene.data.captures(wanted).iter().map(sized).collect())
+    let placed = scene.data.captures(wanted);
+    Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
 }

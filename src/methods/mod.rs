@@ -27,7 +27,7 @@ use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
-pub use effect::{Effect, Output};
+pub use effect::{Effect, Output, Prepared};
 pub use setup::{EffectParams, Fallback, Setup, Wants};
 
 /// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).

@@ -12,6 +12,7 @@ use ash::vk;
 use glam::Vec3;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::time::Instant;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
 pub const MAX_LIGHTS: usize = constants::MAX_LIGHTS as usize;
@@ -31,10 +32,19 @@ pub struct SceneData {
     probes: Vec<Probe>,
     /// The scene without what only pictures need, in which captures are placed.
     bare: Scene,
-    placed: RefCell<Vec<(Wanted, Rc<[Capture]>)>>,
+    placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
+}
+
+/// Where captures of a scene stand.
+#[derive(Debug, Clone)]
+pub struct Placed {
+    /// The captures, in the order in which they help.
+    pub captures: Rc<[Capture]>,
+    /// Milliseconds that finding the places took.
+    pub time_ms: f64,
 }
 
 /// A mesh in device memory.
@@ -106,14 +116,16 @@ impl SceneData {
 
     /// Where the scene is captured for rays to be followed in: those of its file, or places that are found the first
     /// time they are asked for. Empty if there is no such place.
-    pub fn captures(&self, wanted: Wanted) -> Rc<[Capture]> {
+    pub fn captures(&self, wanted: Wanted) -> Placed {
         let mut placed = self.placed.borrow_mut();
-        if let Some((_, captures)) = placed.iter().find(|(of, _)| *of == wanted) {
-            return captures.clone();
+        if let Some((_, known)) = placed.iter().find(|(of, _)| *of == wanted) {
+            return known.clone();
         }
-        let captures: Rc<[Capture]> = placement::place(&self.bare, wanted).captures.into();
-        placed.push((wanted, captures.clone()));
-        captures
+        let begun = Instant::now();
+        let captures = placement::place(&self.bare, wanted).captures.into();
+        let found = Placed { captures, time_ms: 1e3 * begun.elapsed().as_secs_f64() };
+        placed.push((wanted, found.clone()));
+        found
     }
 
     /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.

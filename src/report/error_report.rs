@@ -5,6 +5,7 @@ use super::{files, plot, tables};
 use crate::error::{Error, Result};
 use crate::gpu::Pixels;
 use crate::metrics::flip::FlipMap;
+use crate::metrics::pareto;
 use crate::study::error::{Against, ErrorRecord, MeasuredCell, display};
 use crate::study::sweep::{self, Point};
 use std::path::Path;
@@ -13,8 +14,11 @@ use std::path::Path;
 pub const REFERENCES: [(Against, &str, &str); 3] = [
     (Against::Oracle, "oracle", "share of wrong hits against the oracle (roughness 0)"),
     (Against::Screen, "screen", "RMSE against the screen reference"),
-    (Against::World, "world", "RMSE against the world reference"),
+    (Against::World, "world", WORLD_AXIS),
 ];
+
+/// What an error against the world is called.
+const WORLD_AXIS: &str = "RMSE against the world reference";
 
 /// The plot of a reference, and what it shows as a table.
 #[derive(Debug, Clone)]
@@ -39,7 +43,29 @@ pub fn plots(records: &[ErrorRecord]) -> std::result::Result<Vec<ErrorPlot>, Str
             plots.push(ErrorPlot { name, axis, svg, cells: point_cells(&points, floor(records, against)) });
         }
     }
+    let points = sweep::points(records, Against::World);
+    if let Some(svg) = bytes_against_error(&points)? {
+        let cells = point_cells(&points, floor(records, Against::World));
+        plots.push(ErrorPlot { name: "world-bytes", axis: WORLD_AXIS, svg, cells });
+    }
     Ok(plots)
+}
+
+/// What is prepared against the error, where there is more than one size of it: one size alone is a column of the table.
+fn bytes_against_error(points: &[Point]) -> std::result::Result<Option<String>, String> {
+    let cost = |p: &Point| p.prepared.map_or(0.0, |(bytes, _)| bytes / MIB);
+    let points: Vec<&Point> = points.iter().filter(|p| cost(p) > 0.0).collect();
+    if points.iter().all(|p| cost(p) == cost(points[0])) {
+        return Ok(None);
+    }
+    let front = pareto::front(&points.iter().map(|p| (cost(p), p.error)).collect::<Vec<_>>());
+    let named = |(i, p): (usize, &&Point)| plot::NamedPoint {
+        name: p.name.clone(),
+        at: [cost(p), p.error],
+        on_front: front.contains(&i),
+    };
+    let named: Vec<_> = points.iter().enumerate().map(named).collect();
+    plot::against(&named, ["MiB on the device, prepared", WORLD_AXIS]).map(Some)
 }
 
 /// Writes error.json, error.txt and one plot a reference.
@@ -111,23 +137,34 @@ fn floor(records: &[ErrorRecord], against: Against) -> Option<f64> {
     sweep::floor(records).filter(|_| against == Against::World)
 }
 
+/// Bytes of a MiB.
+const MIB: f64 = (1 << 20) as f64;
+
 /// Name of the floor in tables.
 const FLOOR: &str = "floor of the screen";
 
-/// One row a point, and below them the floor. Places are a column where a point has any.
+/// One row a point, and below them the floor. Places, and what was prepared, are columns where a point has any.
 fn point_cells(points: &[Point], floor: Option<f64>) -> Vec<Vec<String>> {
     let has_places = points.iter().any(|p| p.place_agreement.is_some());
-    let row = |[name, time, error, front, place]: [String; 5]| {
-        [name, time, error, front].into_iter().chain(has_places.then_some(place)).collect::<Vec<_>>()
+    let has_prepared = points.iter().any(|p| p.prepared.is_some_and(|(bytes, _)| bytes > 0.0));
+    let row = |[name, time, error, front, place, bytes, prepared]: [String; 7]| {
+        let first = [name, time, error, front].into_iter().chain(has_places.then_some(place));
+        first.chain([bytes, prepared].into_iter().filter(|_| has_prepared)).collect::<Vec<_>>()
     };
     let point = |p: &Point| {
         let front = if p.on_front { "*" } else { "" };
         let place = p.place_agreement.map_or_else(|| "-".into(), |share| format!("{:.1} %", 100.0 * share));
-        row([p.name.clone(), format!("{:.3}", p.time_ms), format!("{:.4}", p.error), front.to_owned(), place])
+        let (bytes, prepared) = p.prepared.unwrap_or_default();
+        let [time, error] = [format!("{:.3}", p.time_ms), format!("{:.4}", p.error)];
+        let prepared = [format!("{:.1}", bytes / MIB), format!("{prepared:.0}")];
+        let [bytes, prepared] = prepared;
+        row([p.name.clone(), time, error, front.to_owned(), place, bytes, prepared])
     };
-    let header = row(["variant", "median ms", "error", "front", "right places, r 0"].map(str::to_owned));
-    let last = floor.map(|error| row([FLOOR.into(), "-".into(), format!("{error:.4}"), String::new(), "-".into()]));
-    std::iter::once(header).chain(points.iter().map(point)).chain(last).collect()
+    let names = ["variant", "median ms", "error", "front", "right places, r 0", "prepared MiB", "prepared ms"];
+    let dash = || "-".to_owned();
+    let last =
+        floor.map(|error| row([FLOOR.into(), dash(), format!("{error:.4}"), String::new(), dash(), dash(), dash()]));
+    std::iter::once(row(names.map(str::to_owned))).chain(points.iter().map(point)).chain(last).collect()
 }
 
 /// One row a method and reference, and one for the floor; one column a roughness.

@@ -14,7 +14,7 @@ use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{OracleVersion, display_byte};
 use crate::methods::ssct::{self, ThesisMethod};
-use crate::methods::{EffectParams, Fallback, MethodInfo, Setup, Wants};
+use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
@@ -90,6 +90,9 @@ pub struct ErrorRecord {
     /// Against the world: the RMSE of the floor of the screen's picture, the same for all methods.
     #[serde(default)]
     pub floor: Option<f64>,
+    /// What the method made of the scene before the first frame; null for what is no method.
+    #[serde(default)]
+    pub prepared: Option<Prepared>,
 }
 
 /// Images of a cell for the picture strip, linear: reflection colour before fade.
@@ -216,7 +219,8 @@ pub fn measure(
                 ends: gbuffer::ray_ends(&p, &truth.data),
             });
         }
-        let head = Record::new(spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
+        let mut head = Record::new(spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
+        head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
     }
@@ -278,6 +282,7 @@ impl Record {
                 standard_error: None,
                 place_agreement: None,
                 floor: None,
+                prepared: None,
             },
         }
     }

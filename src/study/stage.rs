@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
-use crate::methods::{Effect, Input, MethodInfo, Output, SceneInput, Setup, Wants};
+use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants};
 use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
@@ -150,6 +150,11 @@ impl Shot {
     /// The captures in which rays go on, and where they stand; none if the method takes none.
     pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
         self.effect.captures()
+    }
+
+    /// What the method made of the scene before the first frame.
+    pub fn prepared(&self) -> &Prepared {
+        self.effect.prepared()
     }
 
     /// Replaces the materials.

@@ -2,7 +2,8 @@
 
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
-use crate::methods::{MethodInfo, Setup};
+use crate::methods::setup::{CaptureCount, CaptureSide};
+use crate::methods::{EffectParams, MethodInfo, Setup};
 use crate::metrics::pareto;
 use std::collections::BTreeMap;
 
@@ -18,6 +19,19 @@ pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
     methods.iter().flat_map(of).collect()
 }
 
+/// A method without captures, and with each of some numbers of them at each of some sizes of face, around a base.
+pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
+    use CaptureCount::{Eight, Four, None, One, Two};
+    use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
+    let sides = [Side128, Side256, Side512, Side1024];
+    let all = [One, Two, Four, Eight].into_iter().flat_map(|count| sides.map(|side| (count, side)));
+    let of = |(count, side)| Variant {
+        method,
+        setup: base.with(|p: &mut EffectParams| (p.captures, p.capture_side) = (count, side)),
+    };
+    std::iter::once((None, Scene)).chain(all).map(of).collect()
+}
+
 /// A variant over all cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
@@ -29,6 +43,9 @@ pub struct Point {
     pub error: f64,
     /// Mean over the cells of its place agreement; `None` where no cell has one.
     pub place_agreement: Option<f64>,
+    /// Medians over the cells of what it made of the scene before the first frame: bytes on the device, and
+    /// milliseconds. `None` where no record says it.
+    pub prepared: Option<(f64, f64)>,
     /// Whether no other variant beats it.
     pub on_front: bool,
 }
@@ -55,7 +72,7 @@ fn error(record: &ErrorRecord) -> Option<f64> {
 /// One point a variant against a reference, over some records, in order of time. A variant with an
 /// error that is not finite is left out.
 pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
-    let mut all: Vec<(String, [Vec<f64>; 3])> = Vec::new();
+    let mut all: Vec<(String, [Vec<f64>; 5])> = Vec::new();
     for r in records.iter().filter(|r| r.against == against) {
         let (Some(time), Some(error)) = (r.time_ms, error(r)) else { continue };
         let name = r.head.variant();
@@ -63,18 +80,21 @@ pub fn points(records: &[ErrorRecord], against: Against) -> Vec<Point> {
         if known == all.len() {
             all.push((name, Default::default()));
         }
-        let [times, errors, places] = &mut all[known].1;
+        let [times, errors, places, bytes, prepared_ms] = &mut all[known].1;
         times.push(time);
         errors.push(error);
         places.extend(r.place_agreement);
+        bytes.extend(r.prepared.as_ref().map(|p| p.device_bytes as f64));
+        prepared_ms.extend(r.prepared.as_ref().map(|p| p.time_ms));
     }
     let mut points: Vec<Point> = all
         .into_iter()
-        .map(|(name, [times, errors, places])| Point {
+        .map(|(name, [times, errors, places, bytes, prepared_ms])| Point {
             name,
             time_ms: Stats::of(&times).median_ms,
             error: mean(&errors).unwrap_or(f64::NAN),
             place_agreement: mean(&places),
+            prepared: (!bytes.is_empty()).then(|| (Stats::of(&bytes).median_ms, Stats::of(&prepared_ms).median_ms)),
             on_front: false,
         })
         .filter(|p| p.error.is_finite() && p.error >= 0.0 && p.time_ms > 0.0)
@@ -127,4 +147,22 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::{ssct, unified};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_sweep_of_captures_has_every_number_of_every_size_once() {
+        let base = Setup::new([64, 36]);
+        let all = captures(&unified::INFO, &base);
+        let texels = |v: &Variant| (v.setup.effect().captures.wanted(), v.setup.effect().capture_side.texels());
+        let distinct: BTreeSet<String> = all.iter().map(|v| format!("{:?}", texels(v))).collect();
+        assert_eq!((all.len(), distinct.len()), (17, 17));
+        assert_eq!(texels(&all[0]), (None, None));
+        assert!(unified::INFO.takes_captures && !ssct::INFO.takes_captures);
+    }
 }

@@ -4,7 +4,7 @@
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
-use ssct::methods::{Setup, find};
+use ssct::methods::{Prepared, Setup, find};
 use ssct::metrics::HitAgreement;
 use ssct::parameter::Preset;
 use ssct::passes::gbuffer::Drawn;
@@ -70,7 +70,27 @@ fn error_record(method: &str, against: Against, ms: f64, error: f64) -> ErrorRec
         standard_error: None,
         place_agreement: None,
         floor: None,
+        prepared: None,
     }
+}
+
+#[test]
+fn what_is_prepared_is_plotted_where_it_differs() {
+    let prepared = |bytes| Prepared { time_ms: 1.0, device_bytes: bytes, captures: vec![[0.0; 3]] };
+    let record = |method: &str, bytes, error| ErrorRecord {
+        prepared: Some(prepared(bytes)),
+        ..error_record(method, Against::World, 10.0, error)
+    };
+    let names = |records: &[ErrorRecord]| {
+        let plots = error_report::plots(records).unwrap();
+        plots.iter().map(|p| p.name).collect::<Vec<_>>()
+    };
+    let one = [record("unified", 1 << 20, 0.02), record("ssct", 0, 0.08)];
+    assert_eq!(names(&one), ["world"], "one size is no plot");
+    assert!(error_report::text(&one).contains("prepared MiB"));
+    let two = [record("unified", 1 << 20, 0.02), record("captures", 1 << 22, 0.01), record("ssct", 0, 0.08)];
+    assert_eq!(names(&two), ["world", "world-bytes"]);
+    assert!(!error_report::text(&[record("ssct", 0, 0.08)]).contains("prepared MiB"));
 }
 
 /// A picture of one colour with some noise, so that its JPEG is smaller than its PNG.
