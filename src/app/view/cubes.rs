@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 
 /// What is shown of a capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum CubePart {
     /// The lit colour at any level, over the sky.
     Color,
     /// The reversed depth.
@@ -20,7 +20,8 @@ pub enum Part {
 }
 
 /// The parts with their names.
-const PARTS: [(Part, &str); 3] = [(Part::Color, "color"), (Part::Depth, "depth"), (Part::Normal, "normal")];
+const PARTS: [(CubePart, &str); 3] =
+    [(CubePart::Color, "color"), (CubePart::Depth, "depth"), (CubePart::Normal, "normal")];
 
 /// A picture of a capture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +29,7 @@ pub struct CubeImage {
     /// Which capture, counted from 0.
     pub capture: usize,
     /// What of it.
-    pub part: Part,
+    pub part: CubePart,
 }
 
 impl CubeImage {
@@ -53,15 +54,15 @@ impl CubeImage {
     /// The meaning of its numbers.
     pub fn content(self) -> Content {
         match self.part {
-            Part::Color => Content::Color,
-            Part::Depth => Content::ReversedDepth,
-            Part::Normal => Content::Normal,
+            CubePart::Color => Content::Color,
+            CubePart::Depth => Content::ReversedDepth,
+            CubePart::Normal => Content::Normal,
         }
     }
 
     /// The number of its mip levels.
     pub fn levels(self, captures: &Captures) -> u32 {
-        if self.part == Part::Color { captures.color.levels() } else { 1 }
+        if self.part == CubePart::Color { captures.color.levels() } else { 1 }
     }
 
     /// Its texels for a picture of a size in pixels, rows from the top; black where no face lies.
@@ -77,9 +78,9 @@ impl CubeImage {
         let level = level.min(self.levels(captures) - 1);
         let side = (full >> level).max(1);
         let read = context.read(match self.part {
-            Part::Color => captures.color.level(level),
-            Part::Depth => captures.pyramid.level(0),
-            Part::Normal => captures.normal.level(0),
+            CubePart::Color => captures.color.level(level),
+            CubePart::Depth => captures.pyramid.level(0),
+            CubePart::Normal => captures.normal.level(0),
         })?;
         let strip = pyramid::strip([full; 2]);
         let rows = pyramid::size([full; 2], strip)[1];
@@ -90,17 +91,17 @@ impl CubeImage {
             let [x, y] = uv.to_array().map(|v| ((v * side as f32) as u32).min(side - 1));
             let layer = first + face as u32;
             match self.part {
-                Part::Color => {
+                CubePart::Color => {
                     let seen = read.at(x, layer * side + y);
                     let behind = sky::radiance(sky::face_direction(face, uv.x, uv.y)) * (1.0 - seen[3]);
                     (Vec3::from_slice(seen) + behind).extend(1.0).to_array()
                 }
-                Part::Depth => {
+                CubePart::Depth => {
                     // Fronts stand in strips of columns (`shaders-glsl/unified/pyramid.glsl`).
                     let front = read.at((y << strip) | (x % (1 << strip)), layer * rows + (x >> strip))[0];
                     [front.max(0.0), 0.0, 0.0, 1.0]
                 }
-                Part::Normal => Vec3::from_slice(read.at(x, layer * side + y)).extend(1.0).to_array(),
+                CubePart::Normal => Vec3::from_slice(read.at(x, layer * side + y)).extend(1.0).to_array(),
             }
         };
         Ok((0..extent[0] * extent[1]).map(texel).collect())

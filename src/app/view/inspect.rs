@@ -52,29 +52,28 @@ pub struct PickedRay {
     pub walk: Option<Walk>,
     /// What the ray really hits in the G-buffer.
     pub oracle: Trace,
-    /// How it goes on beyond the screen, if the method follows it in captures.
-    pub beyond: Option<BeyondScreen>,
-    /// Its way beyond the screen where the camera would see it, in pixels, which may lie outside the image.
+    /// Its way through the world, as far as the method reports how it ended.
+    pub in_world: Option<RayInWorld>,
+    /// Its way from where the screen lost it, where the camera would see it, in pixels, which may lie outside the image.
     pub beyond_on_screen: Option<Vec<Vec2>>,
 }
 
-/// How a ray goes on in captures, after the screen has lost it.
+/// The way of a ray through the world, on the screen and, where the screen lost it, in captures.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct BeyondScreen {
+pub struct RayInWorld {
     /// Where the ray begins, in world space, in metres.
     pub begin: Vec3,
-    /// Where the screen lost it; the method `captures` follows rays from where they begin.
+    /// Where the screen lost it, or hit; the method `captures` follows rays from where they begin.
     pub lost: Vec3,
-    /// Where it ends: at a hit in a capture, or a point far along it for the sky; where the screen lost it, if no image
-    /// sees it.
+    /// Where it ends: at its hit, or a point far along it for the sky; where the screen lost it, if no image sees it.
     pub end: Vec3,
-    /// How it ends: [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
+    /// How it ends: a hit on the screen, [`PathCode::Capture`], [`PathCode::Sky`] or [`PathCode::Unknown`].
     pub code: PathCode,
     /// The capture in which it hit, counted from 0.
     pub capture: Option<usize>,
 }
 
-impl BeyondScreen {
+impl RayInWorld {
     /// How far beyond the last point the way to the sky is drawn, in metres.
     const SKY_M: f32 = 1e4;
 
@@ -408,22 +407,23 @@ impl Inspection {
             let texel = hits.at(x, y);
             Some((PathCode::from_channel(texel[3])?, [texel[0] * side[0], texel[1] * side[1]]))
         });
-        let beyond = self.beyond(&setup, pixel);
+        let in_world = self.in_world(&setup, pixel);
+        let beyond = in_world.filter(|ray| !ray.code.is_hit());
         Some(PickedRay {
             pixel,
             segment: setup.mirror(x, y).and_then(|direction| setup.segment(x, y, direction)),
             method,
             walk: self.walk(x, y),
             oracle: Oracle::new(&self.gbuffer).of_version(self.oracle).trace(x, y),
-            beyond_on_screen: beyond.map(|b| self.projected(&b)),
-            beyond,
+            beyond_on_screen: beyond.map(|ray| self.projected(&ray)),
+            in_world,
         })
     }
 
     /// The points of a ray's way from where the screen lost it that lie before the camera, in pixels.
-    fn projected(&self, beyond: &BeyondScreen) -> Vec<Vec2> {
+    fn projected(&self, ray: &RayInWorld) -> Vec<Vec2> {
         let (g, view_to_clip) = (&self.gbuffer, self.gbuffer.view_to_clip());
-        let way = beyond.way();
+        let way = ray.way();
         let after = way[way.len() / 2..].iter();
         let project = |p: &Vec3| {
             let view = g.camera.world_to_view.transform_point3(*p);
@@ -433,21 +433,26 @@ impl Inspection {
         after.filter_map(project).collect()
     }
 
-    /// How the ray of a pixel goes on beyond the screen.
-    fn beyond(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<BeyondScreen> {
+    /// The way of a pixel's ray through the world; `None` if the screen alone is looked into, and it missed.
+    fn in_world(&self, setup: &RaySetup, [x, y]: [u32; 2]) -> Option<RayInWorld> {
         let g = &self.gbuffer;
         let texel = self.hits.as_ref()?.at(x, y);
         let code = PathCode::from_channel(texel[3])?;
-        if !matches!(code, PathCode::Capture | PathCode::Sky | PathCode::Unknown) {
+        if !code.is_hit() && !matches!(code, PathCode::Capture | PathCode::Sky | PathCode::Unknown) {
             return None;
         }
         let view_to_world = g.camera.world_to_view.as_dmat4().inverse();
         let clip_to_view = g.view_to_clip().inverse();
-        let at = [x, y].map(|v| f64::from(v) + 0.5);
-        let begin = g.unproject(at[0], at[1], f64::from(g.depth[g.index(x, y)]), &clip_to_view);
-        let begin = view_to_world.transform_point3(begin).as_vec3();
+        let place = |x: f64, y: f64, depth: f64| {
+            view_to_world.transform_point3(g.unproject(x, y, depth, &clip_to_view)).as_vec3()
+        };
+        let begin = place(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(g.depth[g.index(x, y)]));
         let direction = view_to_world.transform_vector3(setup.mirror(x, y)?).normalize().as_vec3();
-        let lost = if self.is_followed {
+        let lost = if code.is_hit() {
+            // The image has texture coordinates and standard depth.
+            let [u, v, depth] = [0, 1, 2].map(|c| f64::from(texel[c]));
+            place(u * f64::from(g.width), v * f64::from(g.height), 1.0 - depth)
+        } else if self.is_followed {
             match CubeWalk::new(&g.camera, &[]).on_screen(&self.traversal(), x, y) {
                 Seen::Lost(ray) => g.camera.eye() + ray.start,
                 _ => begin,
@@ -457,9 +462,9 @@ impl Inspection {
         };
         let end = match code {
             PathCode::Capture => g.camera.eye() + Vec3::from_slice(texel),
-            PathCode::Sky => lost + BeyondScreen::SKY_M * direction,
+            PathCode::Sky => lost + RayInWorld::SKY_M * direction,
             _ => lost,
         };
-        Some(BeyondScreen { begin, lost, end, code, capture: PathCode::capture(texel[3]) })
+        Some(RayInWorld { begin, lost, end, code, capture: PathCode::capture(texel[3]) })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::shared::{PanelActions, PanelData, heading};
 use crate::app::view::captures::CaptureEditor;
-use crate::app::view::cubes::{CubeImage, Part};
+use crate::app::view::cubes::{CubeImage, CubePart};
 use crate::app::view::input::Action;
 use crate::app::view::state::{Inside, State};
 use egui::{Grid, RichText, Ui};
@@ -29,7 +29,7 @@ pub fn show(ui: &mut Ui, state: &mut State, editor: &mut CaptureEditor, data: &P
                 });
             }
             if ui.small_button("look").on_hover_text("shows its images instead of the finished image").clicked() {
-                let name = CubeImage { capture: k, part: Part::Color }.name();
+                let name = CubeImage { capture: k, part: CubePart::Color }.name();
                 state.inside = Some(Inside { name, level: 0 });
                 state.tone.range = [0.0, 1.0];
             }

@@ -107,7 +107,7 @@ fn picture(ui: &mut Ui, area: Rect, state: &mut State, data: &PanelData, actions
             None => ray::draw(&painter, area, data.extent, ray),
             Some(cube) => {
                 if let Some(capture) = data.captures.get(cube.capture) {
-                    ray::draw_in_capture(&painter, area, data.extent, (ray, capture, cube.capture));
+                    ray::draw_in_capture(&painter, area, data.extent, (ray, capture));
                 }
             }
         }

@@ -3,7 +3,7 @@
 
 use super::shared::{PanelData, heading};
 use crate::app::view::cubes::Cross;
-use crate::app::view::inspect::{BeyondScreen, PickedRay, WalkEnd};
+use crate::app::view::inspect::{PickedRay, RayInWorld, WalkEnd};
 use crate::app::view::state::State;
 use crate::passes::PathCode;
 use crate::reference::Outcome;
@@ -75,8 +75,8 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
                 let (x, y) = (f64::from(x), f64::from(y));
                 ui.label(format!("{code:?} {}{}", at(x, y), off(x, y)))
             }
-            Some((code, _)) => match &ray.beyond {
-                Some(beyond) => ui.label(beyond_the_screen(beyond)),
+            Some((code, _)) => match &ray.in_world {
+                Some(way) => ui.label(beyond_the_screen(way)),
                 None => ui.label(format!("{code:?}: no hit")),
             },
             None => ui.label("does not tell its hits"),
@@ -108,44 +108,40 @@ fn ends(ui: &mut Ui, state: &State, ray: &PickedRay) {
 }
 
 /// In words, where a ray ends that the screen lost.
-fn beyond_the_screen(beyond: &BeyondScreen) -> String {
-    let (code, end) = (beyond.code, beyond.end);
-    match beyond.capture {
+fn beyond_the_screen(ray: &RayInWorld) -> String {
+    let (code, end) = (ray.code, ray.end);
+    match ray.capture {
         Some(k) => format!(
             "{code:?} {}: hit at {:.2}, {:.2}, {:.2}, {:.2} m away",
             k + 1,
             end.x,
             end.y,
             end.z,
-            beyond.begin.distance(end)
+            ray.begin.distance(end)
         ),
         None if code == PathCode::Sky => format!("{code:?}: the captures see it to its end"),
         None => format!("{code:?}: no image sees where it goes"),
     }
 }
 
-/// Draws the ray over the images of a capture (`index` counted from 0): its way from where it begins, stronger from
-/// where the screen lost it.
-pub fn draw_in_capture(
-    painter: &Painter,
-    area: Rect,
-    extent: [u32; 2],
-    (ray, capture, index): (&PickedRay, &Capture, usize),
-) {
-    let Some(beyond) = &ray.beyond else { return };
+/// Draws the ray over the images of a capture: its way from where it begins, in another colour from where the screen lost
+/// it.
+pub fn draw_in_capture(painter: &Painter, area: Rect, extent: [u32; 2], (ray, capture): (&PickedRay, &Capture)) {
+    let Some(ray) = &ray.in_world else { return };
     let cross = Cross::new(extent);
     let scale = egui::vec2(area.width() / extent[0] as f32, area.height() / extent[1] as f32);
     let at = |p: Vec2| area.min + egui::vec2(p.x, p.y) * scale;
-    let way = beyond.way();
+    let way = ray.way();
     let (before, after) = way.split_at(way.len() / 2);
     for (points, stroke) in [(before, Stroke::new(1.0, WALK)), (after, Stroke::new(2.0, BEYOND))] {
         for line in cross.way(capture, points) {
             painter.line(line.into_iter().map(at).collect(), stroke);
         }
     }
-    painter.circle_stroke(at(cross.at(beyond.begin - capture.position).1), 5.0, Stroke::new(2.0, Color32::WHITE));
-    if beyond.code == PathCode::Sky || beyond.capture == Some(index) {
-        cross_mark(painter, at(cross.at(beyond.end - capture.position).1), METHOD);
+    painter.circle_stroke(at(cross.at(ray.begin - capture.position).1), 5.0, Stroke::new(2.0, Color32::WHITE));
+    // Another capture may not see the place where it ended, but that is where it lies.
+    if ray.code != PathCode::Unknown {
+        cross_mark(painter, at(cross.at(ray.end - capture.position).1), METHOD);
     }
 }
 

@@ -295,9 +295,12 @@ fn a_picked_ray_goes_on_to_where_a_capture_shows_its_end() {
     let pixels = (0..height).step_by(3).flat_map(|y| (0..width).step_by(3).map(move |x| [x, y]));
     let rays: Vec<_> = pixels.filter_map(|p| inspection.pick(p)).collect();
     let hits: Vec<_> =
-        rays.iter().filter_map(|r| Some((r.pixel, r.beyond.filter(|b| b.capture == Some(0))?))).collect();
+        rays.iter().filter_map(|r| Some((r.pixel, r.in_world.filter(|b| b.capture == Some(0))?))).collect();
     assert!(hits.len() > 20, "{} rays hit in the capture", hits.len());
-    assert!(rays.iter().all(|r| r.beyond.is_none() || !r.method.unwrap().0.is_hit()), "a hit on the screen is an end");
+    for ray in rays.iter().filter(|r| r.method.is_some_and(|(code, _)| code.is_hit())) {
+        let way = ray.in_world.unwrap();
+        assert!(way.end == way.lost && ray.beyond_on_screen.is_none(), "a hit on the screen is an end: {way:?}");
+    }
     let place = bench.viewer.captures_shown()[0];
     for (pixel, beyond) in &hits {
         // The screen loses it somewhere between its beginning and its end, which lie on one line.
