@@ -66,17 +66,22 @@ impl CaptureImages {
     pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
         let passes = FacePasses::new(context.gpu(), taken)?;
         let made = Self::without_content(context.gpu(), taken)?;
+        made.draw(context, scene, &passes)?;
+        Ok(made)
+    }
+
+    /// Draws every face.
+    fn draw(&self, context: &mut FrameContext, scene: &SceneInput, passes: &FacePasses) -> Result<()> {
         // A frame for each face, so that none is long enough for a driver to take it for hung.
-        for face in 0..made.faces() {
-            context.once(|frame| passes.record(frame, scene, &made, face))?;
+        for face in 0..self.faces() {
+            context.once(|frame| passes.record(frame, scene, self, face))?;
         }
         context.once(|frame| {
-            frame.make_ready(made.color.all(), Access::ComputeSampled);
-            frame.make_ready(made.pyramid.all(), Access::ComputeStorageRead);
-            frame.make_ready(made.normal.all(), Access::ComputeStorageRead);
+            frame.make_ready(self.color.all(), Access::ComputeSampled);
+            frame.make_ready(self.pyramid.all(), Access::ComputeStorageRead);
+            frame.make_ready(self.normal.all(), Access::ComputeStorageRead);
             Ok(())
-        })?;
-        Ok(made)
+        })
     }
 
     fn without_content(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
@@ -166,7 +171,7 @@ impl FacePasses {
     }
 }
 
-/// Renews captures while frames are drawn: so many faces a frame, in turn over all faces of all captures, so that
+/// Draws captures again: all of them where they are moved, and while frames are drawn so many faces a frame, in turn over all faces of all captures, so that
 /// what moves is seen in them, if late. A face is at most as old as there are faces over those of a frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
@@ -183,6 +188,23 @@ impl Renewal {
     /// Those of the device.
     pub fn new(gpu: &Gpu, taken: &[Capture], faces_per_frame: u32) -> Result<Self> {
         Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
+    }
+
+    /// Moves captures to other places, as many as there are, and draws all of their faces there. Not part of any frame's
+    /// time.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn move_to(
+        &self,
+        context: &mut FrameContext,
+        scene: &SceneInput,
+        captures: &mut CaptureImages,
+        places: &[Vec3],
+    ) -> Result<()> {
+        assert_eq!(captures.places.len(), places.len(), "as many places as captures");
+        captures.places = places.to_vec();
+        captures.draw(context, scene, &self.passes)
     }
 
     /// Passes "capture/…", for each face that it is the turn of: scene passes, pyramid, copies and colour chain.
