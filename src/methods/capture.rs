@@ -101,12 +101,17 @@ impl CaptureImages {
     pub fn new(context: &mut FrameContext, scene: &SceneInput, taken: &[Capture]) -> Result<Self> {
         let passes = FacePasses::new(context.gpu(), taken)?;
         let made = Self::empty(context.gpu(), taken)?;
-        // A frame for each face, so that none is long enough for a driver to take it for hung.
-        for face in 0..made.faces() {
-            context.once(|frame| passes.record(frame, scene, &made, face))?;
-        }
-        made.make_ready(context)?;
+        made.draw(context, scene, &passes)?;
         Ok(made)
+    }
+
+    /// Draws every face.
+    fn draw(&self, context: &mut FrameContext, scene: &SceneInput, passes: &FacePasses) -> Result<()> {
+        // A frame for each face, so that none is long enough for a driver to take it for hung.
+        for face in 0..self.faces() {
+            context.once(|frame| passes.record(frame, scene, self, face))?;
+        }
+        self.make_ready(context)
     }
 
     /// The same of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
@@ -232,8 +237,9 @@ impl FacePasses {
     }
 }
 
-/// Renews captures while frames are drawn: so many faces a frame, in turn over all faces of all captures, so that
-/// what moves is seen in them, if late. A face is at most as old as there are faces over those of a frame, rounded up.
+/// Draws captures again: all of them where they are moved, and while frames are drawn so many faces a frame, in turn over
+/// all faces of all captures, so that what moves is seen in them, if late. A face is at most as old as there are faces over
+/// those of a frame, rounded up.
 pub struct Renewal {
     passes: FacePasses,
     faces_per_frame: u32,
@@ -249,6 +255,23 @@ impl Renewal {
     /// Those of the device.
     pub fn new(gpu: &Gpu, taken: &[Capture], faces_per_frame: u32) -> Result<Self> {
         Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
+    }
+
+    /// Moves captures to other places, as many as there are, and draws all of their faces there. Not part of any frame's
+    /// time.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn move_to(
+        &self,
+        context: &mut FrameContext,
+        scene: &SceneInput,
+        captures: &mut CaptureImages,
+        places: &[Vec3],
+    ) -> Result<()> {
+        assert_eq!(captures.places.len(), places.len(), "as many places as captures");
+        captures.places = places.to_vec();
+        captures.draw(context, scene, &self.passes)
     }
 
     /// Passes "capture/…", for each face that it is the turn of: scene passes, pyramid, copies and colour chain.

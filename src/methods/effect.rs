@@ -50,7 +50,7 @@ struct Captured {
     places: Vec<Capture>,
     images: Option<CaptureImages>,
     of: Vec<Material>,
-    /// `None` where the captures stay as they are.
+    /// `None` where the captures stay as and where they are.
     renewal: Option<Renewal>,
 }
 
@@ -224,13 +224,20 @@ impl Effect {
     /// Moves the captures, in their order, to other places, and draws the scene around these; places beyond the number of
     /// captures are left out, and captures without a place stay. Not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
-        if let Some(captured) = &mut self.captures {
-            for (capture, place) in captured.places.iter_mut().zip(places) {
-                capture.position = *place;
-            }
-            captured.images = None;
+        let Some(captured) = &mut self.captures else { return Ok(()) };
+        for (capture, place) in captured.places.iter_mut().zip(places) {
+            capture.position = *place;
         }
-        self.prepare(context, scene)
+        let Some(images) = &mut captured.images else { return self.prepare(context, scene) };
+        // Who moves captures once does so again: what draws them is kept.
+        let renewal = match &mut captured.renewal {
+            Some(kept) => kept,
+            none => none.insert(Renewal::new(context.gpu(), &captured.places, 0)?),
+        };
+        let places: Vec<Vec3> = captured.places.iter().map(|c| c.position).collect();
+        renewal.move_to(context, scene, images, &places)?;
+        captured.of = captured_of(scene.materials);
+        Ok(())
     }
 
     /// Records every pass after lighting; first of them those that renew captures, if some are renewed in each frame.

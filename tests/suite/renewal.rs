@@ -8,6 +8,7 @@ use ssct::gpu::{DeviceQuery, FrameContext, Gpu, Pixels, Watch};
 use ssct::methods::capture::{CaptureImages, Renewal};
 use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants, captures, ssct as thesis, unified};
+use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
 use ssct::scene::{Capture, Light, Scene, View, library};
 use ssct::study::age::{self, AgeSpec};
@@ -41,13 +42,32 @@ fn changed(data: &mut SceneData) {
     data.place_meshes(MOVING, Vec3::new(2.25, 0.5, -0.25)).unwrap();
 }
 
-/// Every bit of some captures: pyramids, normals, and each level of the colour.
+/// Every bit of some captures: the cells of all levels of the pyramids, normals, and each level of the colour.
 fn bits(context: &mut FrameContext, images: &CaptureImages) -> Vec<Vec<u32>> {
     let captures = images.captures();
     let levels = (0..captures.color.levels()).map(|level| captures.color.level(level));
-    let all = [captures.pyramid.level(0), captures.normal.level(0)].into_iter().chain(levels);
+    let all = [captures.normal.level(0)].into_iter().chain(levels);
     let of = |pixels: Pixels| pixels.values.iter().map(|v| v.to_bits()).collect();
-    all.map(|slice| of(context.read(slice).unwrap())).collect()
+    let mut all: Vec<Vec<u32>> = all.map(|slice| of(context.read(slice).unwrap())).collect();
+    all.push(cells(&context.read(captures.pyramid.level(0)).unwrap(), captures.normal.extent(), images.faces()));
+    all
+}
+
+/// The bits of the cells of faces of a size, as they lie in their strips (`pyramid.glsl`); what lies between levels is
+/// never written.
+fn cells(pyramids: &Pixels, extent: [u32; 2], faces: u32) -> Vec<u32> {
+    let ([width, height], strip) = (pyramid::padded(extent), pyramid::strip(extent));
+    let rows = pyramid::size(extent, strip)[1];
+    let strips = (2 * width) >> strip;
+    let mut bits = Vec::new();
+    for (face, level) in (0..faces).flat_map(|face| (0..=pyramid::top_level(extent)).map(move |level| (face, level))) {
+        let first = face * rows + strips - (strips >> level);
+        for (x, y) in (0..height >> level).flat_map(|y| (0..width >> level).map(move |x| (x, y))) {
+            let cell = pyramids.at((y << strip) | (x % (1 << strip)), first + (x >> strip));
+            bits.extend(cell.iter().map(|v| v.to_bits()));
+        }
+    }
+    bits
 }
 
 #[test]
@@ -198,7 +218,7 @@ fn a_mesh_that_is_placed_is_drawn_where_the_moved_scene_has_it() {
     };
     let (still, placed, truth) = (depth(&scene(), None), depth(&scene(), Some(offset)), depth(&moved, None));
     let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-5 * b.abs()).count();
-    assert!(differ(&still, &truth) > 200, "{}", differ(&still, &truth));
+    assert!(differ(&still, &truth) > 100, "{}", differ(&still, &truth));
     assert!(differ(&placed, &truth) <= 8, "{}", differ(&placed, &truth));
 }
 
