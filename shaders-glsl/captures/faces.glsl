@@ -88,7 +88,8 @@ vec3 FacePoint(Ray ray, float s) {
 // Over one face, from a point in it. `side` is the axis in the face's view space of the side by which it is left.
 // `before` is the thickness of the block at the border of the face before, and comes back as that of the block at which
 // this one is left: what stands across a border is a surface's joint, which is as thick as the blocks on both sides.
-Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before, out vec3 side) {
+// `exhausted` is set by a walk that runs out of steps, which cannot be.
+Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float before, out vec3 side) {
     ivec2 pixel;
     vec2 start = FacePosition(q, pixel);
     float depth = FaceDepth(q.z);
@@ -129,8 +130,8 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before,
         }
         walk.level = 0;
     }
-    steps += walk.steps;
     if (how == FOLLOW_ON) {
+        exhausted = exhausted || walk.entry < ray.end;
         ivec2 far = ahead * unified.size;
         precise vec2 sides = (vec2(far) - ray.start) * ray.inverse;
         bool by_side = ray.end == min(sides.x, sides.y);
@@ -146,7 +147,7 @@ Followed FollowFace(vec3 q, vec3 direction, inout int steps, inout float before,
 }
 
 // Through a capture, from a point relative to its place that it sees, along a unit direction.
-Followed Follow(int capture, vec3 o, vec3 direction, inout int steps) {
+Followed Follow(int capture, vec3 o, vec3 direction, inout bool exhausted) {
     int face = FaceOf(o);
     Followed result = Followed(FOLLOW_LOST, o);
     float before = 0.0;
@@ -154,7 +155,7 @@ Followed Follow(int capture, vec3 o, vec3 direction, inout int steps) {
     for (int i = 0; i < 7; ++i) {
         face_layer = 6 * capture + face;
         vec3 side;
-        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), steps, before, side);
+        result = FollowFace(ToFace(result.place, face), ToFace(direction, face), exhausted, before, side);
         result.place = FromFace(result.place, face);
         if (result.how != FOLLOW_ON)
             return result;

@@ -42,7 +42,7 @@ layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
 
 // How a ray ended.
 struct Answer {
-    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k
+    int code;       // PATH_SKY, PATH_UNKNOWN, PATH_CAPTURE + k; PATH_UNFINISHED, which cannot be
     vec3 place;     // where it hit or was lost, relative to the eye, world axes
     int capture;    // that shows what the ray sees there: for an unknown end, what most likely hides it
     float distance; // from the start to the place
@@ -74,14 +74,15 @@ int NearestThatSees(vec3 point, int left_out) {
 Answer FollowRay(LostRay ray) {
     Answer answer = Answer(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
-    int left_out = 0, steps = 0;
+    int left_out = 0;
+    bool exhausted = false;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
         int k = NearestThatSees(point, left_out);
         if (k < 0)
             break;
         vec3 place = captures.places[k].xyz;
-        Followed followed = Follow(k, point - place, ray.direction, steps);
+        Followed followed = Follow(k, point - place, ray.direction, exhausted);
         precise vec3 there = followed.place + place;
         float distance = Dot(there - ray.start, ray.direction);
         precise float least = Dot(point - ray.start, ray.direction) + GETS_ON;
@@ -93,6 +94,7 @@ Answer FollowRay(LostRay ray) {
                     : followed.how == FOLLOW_SKY ? PATH_SKY
                                                  : PATH_UNKNOWN;
     }
+    answer.code = exhausted ? PATH_UNFINISHED : answer.code;
     answer.place = point;
     answer.distance = Dot(point - ray.start, ray.direction);
     answer.capture = answer.code >= PATH_CAPTURE ? answer.code - PATH_CAPTURE : max(Nearest(point, 0), 0);
@@ -118,7 +120,8 @@ void main() {
     LostRay ray = lost.rays[index];
     ivec2 pixel = ivec2(ray.pixel.xy);
     Answer answer = FollowRay(ray);
-    bool has_seen = answer.code != PATH_UNKNOWN || !OVER;
+    bool is_known = answer.code == PATH_SKY || answer.code >= PATH_CAPTURE;
+    bool has_seen = is_known || !OVER;
     vec3 color = Shown(answer, ray);
     // A point far along the ray stands for the sky.
     precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
@@ -134,7 +137,7 @@ void main() {
             imageStore(reflection_image, pixel, vec4(color, 1.0));
     }
     if (HITS)
-        imageStore(hits_image, pixel, vec4(answer.code != PATH_UNKNOWN ? place : vec3(-1.0), float(answer.code)));
+        imageStore(hits_image, pixel, vec4(is_known ? place : vec3(-1.0), float(answer.code)));
 #elif defined(NARROW)
     if (has_seen) {
         uvec4 words = imageLoad(seen_image, pixel);

@@ -59,6 +59,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("oracle", "2"),
         ("captures", "1"),
         ("capture-side", "128"),
+        ("captures-per-frame", "1"),
         ("definitions", "1"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
@@ -88,8 +89,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             let (blurred, captured) = (("distance-blur", "on"), ("captures", "1"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
-                // Where there are captures, they have a side.
-                ("unified", "capture-side") => (vec![captured, option], frame(&mut bench, info, &[captured])),
+                // Where there are captures, they have a side, and passes that renew them.
+                ("unified", "capture-side" | "captures-per-frame") => {
+                    (vec![captured, option], frame(&mut bench, info, &[captured]))
+                }
                 _ => (vec![option], default.clone()),
             };
             assert!(frame(&mut bench, info, &with) != without, "{}: {option:?} changes nothing", info.name);
