@@ -8,9 +8,9 @@ use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::{files, stress_report};
 use crate::scene::{Scene, library};
 use crate::study::journal::{self, Journal};
+use crate::study::stress::captures::{self, CaptureCase};
 use crate::study::stress::lineup::{SceneLineup, ScreenLineup};
 use crate::study::stress::motion::{self, MOTIONS, Motion, MotionRecord, MotionSpec};
-use crate::study::stress::captures::{self, CaptureCase};
 use crate::study::stress::{self, StressRecord, cases::cases};
 use indicatif::ProgressBar;
 use serde::Serialize;
@@ -69,7 +69,8 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         let mut last = Last::default();
         for (scene, place) in &places {
             kept(journal, key(&place.name), &bar, || {
-                let make = || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::new(SCENE_SIZE), &methods);
+                let make =
+                    || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::new(SCENE_SIZE), &methods);
                 stress::run_place(&gpu, place, last.of((&scene.name, place.offset), make)?)
             })?;
         }
@@ -108,7 +109,12 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     gpu.check_validation()?;
     let violated: Vec<_> = records.iter().filter(|r| r.judged && !r.pass).collect();
     if let Some(first) = violated.first() {
-        anyhow::bail!("{} case(s) are not passed and must be, the first by {}: {}", violated.len(), first.method, first.case);
+        anyhow::bail!(
+            "{} case(s) are not passed and must be, the first by {}: {}",
+            violated.len(),
+            first.method,
+            first.case
+        );
     }
     Ok(())
 }

@@ -19,16 +19,14 @@ use std::sync::Arc;
 fn scene() -> Scene {
     let mut b = Builder::new("moving");
     b.light(Vec3::new(0.2, -0.5, 1.0));
-    let (mirror, wall, red) =
-        (b.mirror(), b.matt(Vec3::new(0.2, 0.5, 0.7)), b.matt(Vec3::new(0.9, 0.1, 0.1)));
+    let (mirror, wall, red) = (b.mirror(), b.matt(Vec3::new(0.2, 0.5, 0.7)), b.matt(Vec3::new(0.9, 0.1, 0.1)));
     b.quad(mirror, Vec3::new(-6.0, 0.0, -6.0), Vec3::X * 12.0, Vec3::Z * 12.0, Vec3::Y);
     b.quad(mirror, Vec3::new(-3.0, 0.0, 5.0), Vec3::X * 6.0, Vec3::Y * 3.0, Vec3::NEG_Z);
     b.quad(wall, Vec3::new(-6.0, 0.0, -6.0), Vec3::X * 12.0, Vec3::Y * 4.0, Vec3::Z);
     b.quad(red, Vec3::new(-2.5, 0.2, -3.0), Vec3::X * 1.5, Vec3::Y * 2.0, Vec3::Z);
     b.0.meshes.last_mut().unwrap().name = MOVING.into();
     b.light(Vec3::new(0.1, -0.3, -1.0));
-    b.0.views =
-        vec![View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.2, 5.0), ..View::default() }];
+    b.0.views = vec![View { eye: Vec3::new(0.0, 1.4, 0.0), look_at: Vec3::new(0.0, 1.2, 5.0), ..View::default() }];
     b.0.captures = [Vec3::new(0.0, 1.5, 1.0), Vec3::new(-1.5, 1.0, 2.5)]
         .map(|place| Capture { resolution: 33, ..Capture::at(place) })
         .to_vec();
@@ -259,6 +257,14 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     // At the beginning all captures are of the scene as it stands.
     assert!((1..4).all(|row| rmse(row, 0) == rmse(0, 0)), "{:?}", (0..4).map(|row| rmse(row, 0)).collect::<Vec<_>>());
     let last = |row: usize| rmse(row, 8);
+    // What nobody can see move does not age, and the first frame has nothing that moved.
+    for (n, f) in records[0].frames.iter().enumerate() {
+        assert_eq!((f.touched > 0.0, f.touched_rmse.is_some()), (n > 0, n > 0), "{f:?}");
+        assert!(f.touched < 0.5, "{f:?}");
+    }
+    let touched = |row: usize| records[row].frames[8].touched_rmse.unwrap();
+    println!("touched: {:?}", [0, 1, 2, 3].map(touched));
+    assert!(touched(0) > 1.5 * touched(3) && touched(2) < touched(0), "{:?}", [0, 1, 2, 3].map(touched));
     println!("{:?}, then {:?}", rmse(0, 0), [0, 1, 2, 3].map(last));
     assert!(last(0) > 1.2 * last(3), "{:?}", [0, 1, 2, 3].map(last));
     assert!(last(2) < last(0) && last(3) <= last(2), "{:?}", [0, 1, 2, 3].map(last));

@@ -42,8 +42,7 @@ pub fn cases(scene: &Scene) -> Vec<CaptureCase> {
     let (eye, ahead) = (view.eye, (view.look_at - view.eye).normalize_or(Vec3::Z));
     let bounds = scene.bounds();
     let materials = scene.materials_in(view);
-    let ray =
-        WorldRay { origin: eye.as_dvec3(), direction: ahead.as_dvec3(), t_min: 1e-3, t_max: f64::INFINITY };
+    let ray = WorldRay { origin: eye.as_dvec3(), direction: ahead.as_dvec3(), t_min: 1e-3, t_max: f64::INFINITY };
     // Where nothing is ahead, the far corner of the bounds stands for the wall.
     let wall = World::new(scene, &materials).closest(&ray).map_or(bounds.max, |hit| ray.at(hit.t).as_vec3());
     let case = |name: &str, resolution: u32, offset: f32, places: Vec<Vec<Vec3>>| CaptureCase {
