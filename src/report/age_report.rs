@@ -32,6 +32,8 @@ fn frames_csv(records: &[AgeRecord]) -> String {
         "moved_m",
         "age_frames",
         "rmse",
+        "touched",
+        "touched_rmse",
         "standard_error",
         "effect_ms",
         "capture_ms",
@@ -44,15 +46,17 @@ fn frames_csv(records: &[AgeRecord]) -> String {
             let place = [h.scene.clone(), h.view.clone(), h.method.clone()];
             let size = [h.width.to_string(), h.height.to_string(), roughness(h.roughness)];
             let counts = [r.faces_per_frame.to_string(), n.to_string(), f.moved_m.to_string()];
-            let figures = [f.age_frames, f.rmse, f.standard_error, f.effect_ms, f.capture_ms];
-            let figures = figures.map(|v| format!("{v:.6}"));
+            let touched_rmse = f.touched_rmse.unwrap_or(f64::NAN);
+            let figures = [f.age_frames, f.rmse, f.touched, touched_rmse, f.standard_error, f.effect_ms, f.capture_ms];
+            let figures = figures.map(|v| if v.is_nan() { String::new() } else { format!("{v:.6}") });
             let _ = writer.write_record(place.iter().chain(&size).chain(&counts).chain(&figures));
         }
     }
     String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
-/// A row for each number of faces a frame: the error at the beginning, in the middle and at the end, and times.
+/// A row for each number of faces a frame: the error at the beginning and at the end, that of the pixels that something
+/// moved for in the middle and at the end, and times.
 pub fn text(records: &[AgeRecord]) -> String {
     let header = [
         "scene view",
@@ -61,8 +65,10 @@ pub fn text(records: &[AgeRecord]) -> String {
         "method",
         "faces a frame",
         "rmse first",
-        "middle",
         "last",
+        "of touched, middle",
+        "last",
+        "touched %",
         "moved m",
         "age, frames",
         "effect ms median",
@@ -81,7 +87,9 @@ pub fn text(records: &[AgeRecord]) -> String {
             h.method_and_fallback(),
             format!("{} of {}", r.faces_per_frame, r.faces),
         ];
-        row.extend([first, middle, last].map(|f| format!("{:.4}", f.rmse)));
+        row.extend([first, last].map(|f| format!("{:.4}", f.rmse)));
+        row.extend([middle, last].map(|f| f.touched_rmse.map_or_else(|| "-".into(), |rmse| format!("{rmse:.4}"))));
+        row.push(format!("{:.1}", 100.0 * last.touched));
         row.push(format!("{:.2}", last.moved_m));
         row.push(format!("{:.1}", last.age_frames));
         row.extend([median(|f| f.effect_ms), median(|f| f.capture_ms)].map(|ms| format!("{ms:.3}")));
@@ -90,7 +98,7 @@ pub fn text(records: &[AgeRecord]) -> String {
     aligned(&rows)
 }
 
-/// The error over the frames, a line for each record.
+/// The error of the pixels that something moved for over the frames, a line for each record.
 pub fn plot(records: &[AgeRecord]) -> std::result::Result<String, String> {
     let has_several = |of: fn(&AgeRecord) -> String| records.iter().any(|r| of(r) != of(&records[0]));
     let [of_methods, of_roughness, of_sizes] = [
@@ -105,7 +113,10 @@ pub fn plot(records: &[AgeRecord]) -> std::result::Result<String, String> {
         words.extend(of_sizes.then(|| format!("{} × {}", r.head.width, r.head.height)));
         words.join(", ")
     };
-    let line = |r: &AgeRecord| Line { name: name(r), values: r.frames.iter().map(|f| f.rmse).collect() };
+    let line = |r: &AgeRecord| {
+        let points = r.frames.iter().enumerate().filter_map(|(n, f)| Some((n as f64, f.touched_rmse?)));
+        Line { name: name(r), points: points.collect() }
+    };
     let lines: Vec<Line> = records.iter().map(line).collect();
-    plot::lines(&lines, ["frame", "RMSE against the world of the frame"])
+    plot::lines(&lines, ["frame", "RMSE of the pixels that something moved for"])
 }

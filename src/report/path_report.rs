@@ -58,7 +58,10 @@ pub fn text(records: &[PathRecord]) -> String {
 
 /// Frames per second over the frames, a line for each method and size.
 pub fn plot(records: &[PathRecord]) -> Result<String, String> {
-    let line = |r: &PathRecord| Line { name: name(r, records), values: r.frames.iter().map(|f| f.fps).collect() };
+    let line = |r: &PathRecord| {
+        let points = r.frames.iter().enumerate().map(|(n, f)| (n as f64, f.fps));
+        Line { name: name(r, records), points: points.collect() }
+    };
     let lines: Vec<Line> = records.iter().map(line).collect();
     plot::lines(&lines, ["frame along the path", "frames per second, whole frame on the device"])
 }

@@ -224,8 +224,8 @@ fn log_ticks((least, most): (f64, f64)) -> Vec<f64> {
 pub struct Line {
     /// What the legend calls it.
     pub name: String,
-    /// A value for each frame, ≥ 0.
-    pub values: Vec<f64>,
+    /// Frames and their values, ≥ 0.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// Values over frames, from 0 up, a line each; `axes` names the frames and the values.
@@ -233,8 +233,9 @@ pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Stri
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
     let columns = legend_columns(&names);
     let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
-    let last = lines.iter().map(|l| l.values.len()).max().unwrap_or(0).saturating_sub(1).max(1);
-    let most = lines.iter().flat_map(|l| &l.values).copied().fold(1e-6, f64::max);
+    let points = || lines.iter().flat_map(|l| &l.points);
+    let last = points().map(|p| p.0).fold(1.0, f64::max);
+    let most = points().map(|p| p.1).fold(1e-6, f64::max);
     let mut svg = String::new();
     {
         let root = SVGBackend::with_string(&mut svg, (WIDTH, 360 + legend)).into_drawing_area();
@@ -246,7 +247,7 @@ pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Stri
             .margin_right(24)
             .x_label_area_size(44)
             .y_label_area_size(60)
-            .build_cartesian_2d(0.0..last as f64, 0.0..most * 1.05)
+            .build_cartesian_2d(0.0..last, 0.0..most * 1.05)
             .map_err(failed)?;
         chart
             .configure_mesh()
@@ -259,8 +260,7 @@ pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Stri
             .map_err(failed)?;
         for (n, line) in lines.iter().enumerate() {
             let color = STAGE_COLORS[n % STAGE_COLORS.len()];
-            let points = line.values.iter().enumerate().map(|(i, v)| (i as f64, *v));
-            chart.draw_series(LineSeries::new(points, color.stroke_width(2))).map_err(failed)?;
+            chart.draw_series(LineSeries::new(line.points.iter().copied(), color.stroke_width(2))).map_err(failed)?;
             let (x, y) = (12 + (n % columns) as i32 * legend_width(&names), 10 + 20 * (n / columns) as i32);
             root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
             root.draw(&Text::new(line.name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;

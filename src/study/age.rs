@@ -51,6 +51,10 @@ pub struct AgeFrame {
     pub age_frames: f64,
     /// RMSE of the linear reflection colour against the world of this frame, over reflecting pixels.
     pub rmse: f64,
+    /// Share of the reflecting pixels whose rays meet what moved, where it is or where it was.
+    pub touched: f64,
+    /// The RMSE over these alone, the only ones that age; null where there are none, as in the first frame.
+    pub touched_rmse: Option<f64>,
     /// Standard error of that world reference.
     pub standard_error: f64,
     /// The method's time, the renewal of captures with it, in milliseconds.
@@ -136,12 +140,15 @@ pub fn measure(spec: &AgeSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<
                 none => none.insert(Truth::new(spec, gbuffer::read(&mut stage.context, shot)?, &materials, offset)),
             };
             let sum = |counts: &dyn Fn(&str) -> bool| {
-                report.passes.iter().filter(|p| p.counted && counts(&p.name)).map(|p| p.ms).sum()
+                // Of no passes, the sum is 0 and not -0.
+                report.passes.iter().filter(|p| p.counted && counts(&p.name)).fold(0.0, |sum, p| sum + p.ms)
             };
             record.frames.push(AgeFrame {
                 moved_m: offset.length(),
                 age_frames: mean_age(record.faces, record.faces_per_frame, frame),
                 rmse: masked_rmse(&truth.color, &made, &truth.mask),
+                touched: truth.touched_share(),
+                touched_rmse: truth.touched_rmse(&made),
                 standard_error: truth.standard_error,
                 effect_ms: sum(&|_| true),
                 capture_ms: sum(&|name| name.starts_with("capture/")),
@@ -155,6 +162,8 @@ pub fn measure(spec: &AgeSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<
 struct Truth {
     color: Vec<[f32; 3]>,
     mask: Vec<bool>,
+    /// Reflecting pixels that something moved for.
+    touched: Vec<bool>,
     standard_error: f64,
 }
 
@@ -164,14 +173,32 @@ impl Truth {
         for mesh in scene.meshes.iter_mut().filter(|m| spec.moving.contains(&m.name)) {
             mesh.translate(offset);
         }
-        let world = World::new(&scene, materials);
         let first_hits = FirstHits::from_gbuffer(&screen);
         let definitions = spec.setup.effect().definitions;
-        let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2);
-        let mut state = reference.start();
-        reference.add(&mut state, spec.rays);
-        let color = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
-        Self { color, mask: screen.reflecting(), standard_error: state.overall_standard_error() }
+        let seen = |scene: &Scene| {
+            let world = World::new(scene, materials);
+            let reference =
+                WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2);
+            let mut state = reference.start();
+            reference.add(&mut state, spec.rays);
+            let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
+            (color, state.overall_standard_error())
+        };
+        let (color, standard_error) = seen(&scene);
+        // The same rays, by the same seed: they bring the same to the bit unless they meet what moved.
+        let (before, _) = seen(spec.scene);
+        let mask = screen.reflecting();
+        let touched = color.iter().zip(&before).zip(&mask).map(|((now, then), m)| *m && now != then).collect();
+        Self { color, mask, touched, standard_error }
+    }
+
+    fn touched_share(&self) -> f64 {
+        let count = |mask: &[bool]| mask.iter().filter(|m| **m).count() as f64;
+        if count(&self.mask) > 0.0 { count(&self.touched) / count(&self.mask) } else { 0.0 }
+    }
+
+    fn touched_rmse(&self, made: &[[f32; 3]]) -> Option<f64> {
+        self.touched.contains(&true).then(|| masked_rmse(&self.color, made, &self.touched))
     }
 }
 

@@ -257,6 +257,14 @@ fn error_grows_with_the_age_of_captures_and_not_where_all_faces_are_renewed() {
     // At the beginning all captures are of the scene as it stands.
     assert!((1..4).all(|row| rmse(row, 0) == rmse(0, 0)), "{:?}", (0..4).map(|row| rmse(row, 0)).collect::<Vec<_>>());
     let last = |row: usize| rmse(row, 8);
+    // What nobody can see move does not age, and the first frame has nothing that moved.
+    for (n, f) in records[0].frames.iter().enumerate() {
+        assert_eq!((f.touched > 0.0, f.touched_rmse.is_some()), (n > 0, n > 0), "{f:?}");
+        assert!(f.touched < 0.5, "{f:?}");
+    }
+    let touched = |row: usize| records[row].frames[8].touched_rmse.unwrap();
+    println!("touched: {:?}", [0, 1, 2, 3].map(touched));
+    assert!(touched(0) > 1.5 * touched(3) && touched(2) < touched(0), "{:?}", [0, 1, 2, 3].map(touched));
     println!("{:?}, then {:?}", rmse(0, 0), [0, 1, 2, 3].map(last));
     assert!(last(0) > 1.2 * last(3), "{:?}", [0, 1, 2, 3].map(last));
     assert!(last(2) < last(0) && last(3) <= last(2), "{:?}", [0, 1, 2, 3].map(last));
