@@ -152,7 +152,7 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::{ssct, unified};
+    use crate::methods::unified;
     use std::collections::BTreeSet;
 
     #[test]
@@ -163,6 +163,5 @@ mod tests {
         let distinct: BTreeSet<String> = all.iter().map(|v| format!("{:?}", texels(v))).collect();
         assert_eq!((all.len(), distinct.len()), (17, 17));
         assert_eq!(texels(&all[0]), (None, None));
-        assert!(unified::INFO.takes_captures && !ssct::INFO.takes_captures);
     }
 }
