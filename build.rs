@@ -21,7 +21,6 @@ const CONSTANTS: &str = "common/constants.glsl";
 fn main() {
     println!("cargo:rerun-if-changed={ROOT}");
     println!("cargo:rerun-if-changed=build.rs");
-    println!("cargo:rustc-env=SSCT_COMMIT={}", commit());
     if let Err(message) = run() {
         eprintln!("{message}");
         std::process::exit(1);
@@ -212,26 +211,4 @@ fn declaration(block: &Block, name: &str) -> String {
         block.size
     );
     text
-}
-
-/// The commit that is built, for records; "unknown" outside a repository, "+" after it for a
-/// working tree that differs.
-fn commit() -> String {
-    let git = |args: &[&str]| {
-        let output = std::process::Command::new("git").args(args).output().ok().filter(|o| o.status.success())?;
-        Some(String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    };
-    // The index changes with every commit and checkout; in a worktree it is not under `.git`. The
-    // sources decide whether the tree differs.
-    println!("cargo:rerun-if-changed=src");
-    for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--git-path", f])) {
-        println!("cargo:rerun-if-changed={file}");
-    }
-    match git(&["rev-parse", "--short=10", "HEAD"]) {
-        None => "unknown".into(),
-        Some(commit) => match git(&["status", "--porcelain", "--untracked-files=no"]) {
-            Some(changes) if changes.is_empty() => commit,
-            _ => commit + "+",
-        },
-    }
 }

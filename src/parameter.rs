@@ -5,7 +5,6 @@
 
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::Value as Json;
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -33,14 +32,14 @@ impl fmt::Display for Value {
     }
 }
 
-impl Value {
-    /// As records keep it; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
-    pub fn json(self) -> Json {
+/// As records keep it; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
-            Self::Switch(on) => on.into(),
-            Self::Count(n) => n.into(),
-            Self::Number(n) => n.to_string().parse::<f64>().map_or(Json::Null, Json::from),
-            Self::Choice(name) => name.into(),
+            Self::Switch(on) => serializer.serialize_bool(*on),
+            Self::Count(n) => serializer.serialize_u32(*n),
+            Self::Number(n) => serializer.serialize_f64(n.to_string().parse().unwrap_or(f64::NAN)),
+            Self::Choice(name) => serializer.serialize_str(name),
         }
     }
 }
@@ -394,6 +393,8 @@ pub fn take<T: Field>(values: &Values, parameter: &Parameter) -> T {
 /// Declares a struct of parameters. A field is declared as
 /// `/// What it does.` `name: type = Parameter::new(published).author(…).within(…).source("…")`, or, without a value,
 /// as a group: `name: OtherParameters`.
+#[cfg_attr(feature = "internals", macro_export)]
+#[doc(hidden)]
 macro_rules! parameters {
     ($(#[$attribute:meta])* $visible:vis struct $name:ident {
         $($(#[doc = $help:literal])+ $field:ident: $type:ty $(= $row:expr)?,)*
@@ -427,10 +428,12 @@ macro_rules! parameters {
     (@list $self:ident.$field:ident) => { $crate::parameter::Parameters::list(&$self.$field) };
     (@list $self:ident.$field:ident, $row:expr) => { vec![$crate::parameter::Field::value($self.$field)] };
 }
-pub(crate) use parameters;
+pub use parameters;
 
 /// Declares an enum whose values have names, the first of which is the default:
 /// `/// What it does.` `Value = "name",`, or `Value(CODE) = "name",` where a shader knows it by a code.
+#[cfg_attr(feature = "internals", macro_export)]
+#[doc(hidden)]
 macro_rules! choices {
     ($(#[$attribute:meta])* $visible:vis enum $name:ident {
         $($(#[doc = $help:literal])+ $value:ident $(($code:expr))? = $text:literal,)+
@@ -454,7 +457,7 @@ macro_rules! choices {
         }
     };
 }
-pub(crate) use choices;
+pub use choices;
 
 impl Serialize for Preset {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {

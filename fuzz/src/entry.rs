@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 use ssct::error::{Error, Result};
-use ssct::scene::{Camera, CameraPath, Encoding, Lens, Scene, Texture};
-use ssct::scene::{gbuffer_file, obj, pattern, scene_file};
+use ssct_lab::scene::{Camera, CameraPath, Encoding, Lens, Scene};
+use ssct_lab::scene::{gbuffer_file, obj, path, pattern, scene_file, texture};
 use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
@@ -44,7 +44,7 @@ pub fn scene(data: &[u8]) -> bool {
 /// A camera path file.
 pub fn camera_path(data: &[u8]) -> bool {
     let Ok(text) = std::str::from_utf8(data) else { return false };
-    judged(CameraPath::parse(text, Path::new("a.toml")), sound_path)
+    judged(path::parse(text, Path::new("a.toml")), sound_path)
 }
 
 /// An image. The first byte chooses the extension of the file name, which decides the format if the content
@@ -52,14 +52,14 @@ pub fn camera_path(data: &[u8]) -> bool {
 pub fn texture(data: &[u8]) -> bool {
     let Some((&choice, bytes)) = data.split_first() else { return false };
     let name = ["a.tga", "a.png", "a.jpg", "a.bmp"][usize::from(choice & 3)];
-    let decoded = Texture::from_bytes(bytes, Path::new(name), Encoding::Srgb);
+    let decoded = texture::from_bytes(bytes, Path::new(name), Encoding::Srgb);
     judged(decoded, |image| {
         assert!(image.width > 0 && image.height > 0);
         let converted = match choice >> 2 & 3 {
             0 => image.clone(),
-            1 => image.clone().into_mask(),
-            2 => image.clone().into_reflectivity(),
-            _ => image.clone().into_normal_map(f32::from(choice >> 4) - 8.0),
+            1 => texture::into_mask(image.clone()),
+            2 => texture::into_reflectivity(image.clone()),
+            _ => texture::into_normal_map(image.clone(), f32::from(choice >> 4) - 8.0),
         };
         assert_eq!((converted.width, converted.height), (image.width, image.height));
         assert_eq!(converted.rgba.len() as u64, 4 * u64::from(image.width) * u64::from(image.height));
@@ -128,7 +128,7 @@ fn sound_path(path: &CameraPath) {
         let (eye, look_at) = path.at(step as f32 / 8.0);
         assert!(eye.is_finite() && look_at.is_finite(), "{step}: {eye} {look_at}");
     }
-    let again = CameraPath::parse(&path.to_toml(), Path::new("a.toml"));
+    let again = path::parse(&path::to_toml(path), Path::new("a.toml"));
     assert_eq!(&again.expect("what is written can be read"), path);
 }
 

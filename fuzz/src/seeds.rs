@@ -3,7 +3,7 @@
 use crate::entry;
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat, RgbaImage};
-use ssct::scene::{Camera, GBufferData, Lens, Surface, gbuffer_file};
+use ssct_lab::scene::{Camera, GBufferData, Lens, Surface, gbuffer_file};
 
 use std::io::Cursor;
 use std::path::Path;

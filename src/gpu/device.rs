@@ -65,31 +65,36 @@ pub struct Gpu {
 }
 
 /// What the handles share, in the order in which it was made.
-pub(crate) struct Shared {
-    #[cfg_attr(not(feature = "window"), expect(dead_code, reason = "keeps the loader loaded"))]
+pub struct Shared {
+    /// The loader.
     pub entry: ash::Entry,
+    /// The instance.
     pub instance: ash::Instance,
     debug: Option<Debug>,
+    /// The physical device.
     pub physical: vk::PhysicalDevice,
+    /// The device.
     pub device: ash::Device,
-    pub push_descriptor: ash::khr::push_descriptor::Device,
+    pub(crate) push_descriptor: ash::khr::push_descriptor::Device,
     debug_device: Option<ash::ext::debug_utils::Device>,
+    /// The family of the queue.
     pub queue_family: u32,
     queue: Mutex<vk::Queue>,
     samplers: Samplers,
-    pub compute_pipelines: ComputePipelines,
+    pub(crate) compute_pipelines: ComputePipelines,
     allocator: ManuallyDrop<Mutex<Allocator>>,
     submissions: AtomicU64,
-    #[cfg(feature = "window")]
+    /// Code that stands for shaders that changed.
+    #[cfg(feature = "reload")]
     pub replaced_shaders: super::shader::Replaced,
     info: DeviceInfo,
-    pub limits: vk::PhysicalDeviceLimits,
-    pub timestamp_mask: u64,
-    pub has_pipeline_statistics: bool,
+    pub(crate) limits: vk::PhysicalDeviceLimits,
+    pub(crate) timestamp_mask: u64,
+    pub(crate) has_pipeline_statistics: bool,
     /// Whether descriptors are pushed, or else bound as allocated sets (`frame/quirks/sets.rs`).
-    pub pushes_descriptors: bool,
+    pub(crate) pushes_descriptors: bool,
     /// Pixels along a side of the largest point.
-    pub largest_point: f32,
+    pub(crate) largest_point: f32,
 }
 
 struct Debug {
@@ -105,7 +110,7 @@ impl std::fmt::Debug for Gpu {
 }
 
 /// Names a failed call.
-pub(crate) fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
+pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
     move |result| Error::Vulkan { what: what.into(), result }
 }
 
@@ -166,11 +171,12 @@ impl Gpu {
     }
 
     /// The raw device, for `gpu/` and the window.
-    pub(crate) fn raw(&self) -> &ash::Device {
+    pub fn raw(&self) -> &ash::Device {
         &self.shared.device
     }
 
-    pub(crate) fn shared(&self) -> &Shared {
+    /// What all handles share.
+    pub fn shared(&self) -> &Shared {
         &self.shared
     }
 
@@ -180,7 +186,7 @@ impl Gpu {
     }
 
     /// To be called with each submission.
-    pub(super) fn count_submission(&self) {
+    pub fn count_submission(&self) {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
 
@@ -188,7 +194,8 @@ impl Gpu {
         self.shared.allocator.lock().unwrap_or_else(|e| e.into_inner())
     }
 
-    pub(crate) fn queue(&self) -> MutexGuard<'_, vk::Queue> {
+    /// The device's queue, for as long as it is held.
+    pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
         self.shared.queue.lock().unwrap_or_else(|e| e.into_inner())
     }
 
@@ -257,7 +264,7 @@ impl Gpu {
     }
 
     /// Names an object for RenderDoc, Nsight and the validation layers.
-    pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
+    pub fn name<H: vk::Handle>(&self, handle: H, name: &str) {
         let Some(debug) = &self.shared.debug_device else { return };
         let name = CString::new(name.replace('\0', " ")).unwrap_or_default();
         let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);

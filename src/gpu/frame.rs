@@ -249,8 +249,7 @@ impl Frame<'_> {
 
     /// As [`Self::finish`], around the presentation engine: waits for `acquired` before
     /// `wait_stages`, and signals `rendered` when all is done.
-    #[cfg(feature = "window")]
-    pub(super) fn finish_presenting(
+    pub fn finish_presenting(
         self,
         acquired: vk::Semaphore,
         wait_stages: vk::PipelineStageFlags2,

@@ -234,8 +234,7 @@ impl Image {
     }
 
     /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
-    #[cfg(feature = "window")]
-    pub(super) fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
+    pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
         gpu.name(handle, "swapchain");
         Self {
             gpu: gpu.clone(),
@@ -257,8 +256,7 @@ impl Image {
 
     /// Says that the presentation engine handed the image over, for a submission that waits for it
     /// at some stages.
-    #[cfg(feature = "window")]
-    pub(super) fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
+    pub fn acquired(&self, wait_stages: vk::PipelineStageFlags2) {
         for state in &self.states {
             state.set(State::acquired(wait_stages));
         }
@@ -333,7 +331,8 @@ impl Image {
         ImageSlice { image: self, base: 0, count: self.levels(), slice: None }
     }
 
-    pub(crate) fn handle(&self) -> vk::Image {
+    /// The handle, for whoever makes views of its own.
+    pub fn handle(&self) -> vk::Image {
         self.handle
     }
 

@@ -88,7 +88,8 @@ impl Buffer {
         Error::Memory { what: self.name.clone(), message: "the buffer is not visible to the host".into() }
     }
 
-    pub(crate) fn handle(&self) -> vk::Buffer {
+    /// The handle.
+    pub fn handle(&self) -> vk::Buffer {
         self.handle
     }
 

@@ -7,20 +7,16 @@
 
 pub mod device;
 pub mod frame;
-#[cfg(feature = "window")]
+#[cfg(feature = "reload")]
 pub mod glsl;
 pub mod image;
 mod limits;
 pub mod memory;
-#[cfg(feature = "window")]
-pub mod overlay;
 pub mod pipeline;
 pub mod program;
 pub mod programs;
 pub mod readback;
 pub mod shader;
-#[cfg(feature = "window")]
-pub mod swapchain;
 pub mod sync;
 pub mod testing;
 pub mod timing;
@@ -30,12 +26,8 @@ pub use device::{DeviceInfo, DeviceQuery, Gpu};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice, Sampler};
 pub use memory::Buffer;
-#[cfg(feature = "window")]
-pub use overlay::Overlay;
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use program::Sampled;
 pub use readback::Pixels;
-#[cfg(feature = "window")]
-pub use swapchain::{PresentMode, Swapchain};
 pub use testing::watch::{Fault, Watch};
 pub use timing::PassTime;

@@ -370,7 +370,7 @@ impl SharedCompute {
     /// The one that is in use, or a new one.
     pub(super) fn shared(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         // Code that a window replaced may change again.
-        #[cfg(feature = "window")]
+        #[cfg(feature = "reload")]
         if gpu.shared().replaced_shaders.get(shader.name).is_some() {
             return Ok(Arc::new(Self::new(gpu, shader, &constants)?));
         }
@@ -446,9 +446,9 @@ struct Module {
 
 impl Module {
     fn new(gpu: &Gpu, shader: &Shader) -> Result<Self> {
-        #[cfg(feature = "window")]
+        #[cfg(feature = "reload")]
         let replaced = gpu.shared().replaced_shaders.get(shader.name);
-        #[cfg(not(feature = "window"))]
+        #[cfg(not(feature = "reload"))]
         let replaced: Option<std::sync::Arc<[u8]>> = None;
         let words = ash::util::read_spv(&mut std::io::Cursor::new(replaced.as_deref().unwrap_or(shader.spirv)))
             .map_err(|e| Error::Memory { what: shader.name.to_owned(), message: e.to_string() })?;

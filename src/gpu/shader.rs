@@ -47,11 +47,11 @@ pub enum BindingKind {
 
 /// Code that replaces the compiled-in one, by [`Shader::name`]: shaders that changed while a window
 /// shows them. A pipeline made after the change has the new code.
-#[cfg(feature = "window")]
+#[cfg(feature = "reload")]
 #[derive(Debug, Default)]
 pub struct Replaced(std::sync::Mutex<std::collections::HashMap<&'static str, std::sync::Arc<[u8]>>>);
 
-#[cfg(feature = "window")]
+#[cfg(feature = "reload")]
 impl Replaced {
     /// The code that stands for a shader, if it was replaced.
     pub fn get(&self, name: &str) -> Option<std::sync::Arc<[u8]>> {

@@ -175,7 +175,6 @@ impl Default for State {
 impl State {
     /// Just acquired from the presentation engine: the content is lost, and the first use must
     /// follow the stages at which the submission waits for the acquisition.
-    #[cfg(feature = "window")]
     pub(super) fn acquired(wait_stages: vk::PipelineStageFlags2) -> Self {
         Self { write_stages: wait_stages, ..Self::default() }
     }
@@ -289,7 +288,6 @@ mod tests {
         assert!(t.src_access.contains(A::COLOR_ATTACHMENT_WRITE));
     }
 
-    #[cfg(feature = "window")]
     #[test]
     fn an_acquired_image_is_touched_after_the_acquisition_and_presented_after_the_write() {
         let mut s = State::acquired(S::ALL_TRANSFER);

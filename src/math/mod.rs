@@ -1,9 +1,10 @@
 //! Pure functions that the references and the methods share: colour encoding, projection, cones, the Phong lobe,
-//! random numbers, and the versions of the oracle and of the definitions.
+//! random numbers and noise, and the versions of the oracle and of the definitions.
 
 pub mod cone;
 pub mod constants;
 pub mod frustum;
+pub mod noise;
 pub mod phong;
 pub mod projection;
 pub mod random;

@@ -8,7 +8,7 @@ use crate::passes::Captures;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
-use crate::scene::placement::Wanted;
+use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

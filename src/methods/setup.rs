@@ -2,10 +2,9 @@
 
 use super::{MethodInfo, captures, environment, pccm};
 use crate::math::{DefinitionsVersion, OracleVersion};
-use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Values, choices, parameters};
-use crate::scene::capture::MAX_CAPTURES;
-use crate::scene::placement::Wanted;
-use serde_json::{Map, Value as Json};
+use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters};
+use crate::scene::capture::{MAX_CAPTURES, Wanted};
+use std::collections::BTreeMap;
 
 choices! {
     /// What is behind a screen-space method (thesis §4.2.11; Schmidt 2013, section 5.4.2).
@@ -176,13 +175,12 @@ impl Setup {
     }
 
     /// As records keep it: size, preset, and the value of every parameter of the effect and of a method.
-    pub fn recorded(&self, method: Option<&MethodInfo>) -> Map<String, Json> {
+    pub fn recorded(&self, method: Option<&MethodInfo>) -> BTreeMap<&'static str, Value> {
         let own = method.map(|m| (m.parameters)()).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);
         let [width, height] = self.extent;
-        let size = [("width", width.into()), ("height", height.into()), ("preset", self.values.preset.value().json())];
-        let values = rows.map(|row| (row.name.to_owned(), self.values.of(&row).json()));
-        size.into_iter().map(|(name, value)| (name.to_owned(), value)).chain(values).collect()
+        let size = [("width", width.value()), ("height", height.value()), ("preset", self.values.preset.value())];
+        size.into_iter().chain(rows.map(|row| (row.name, self.values.of(&row)))).collect()
     }
 }
 

@@ -18,7 +18,6 @@ pub mod gbuffer;
 pub mod hi_z;
 pub mod lighting;
 pub mod linear_trace;
-#[cfg(feature = "window")]
 pub mod look;
 pub mod lost;
 pub mod mask_chain;

@@ -4,9 +4,9 @@ use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
 use crate::math::constants;
-use crate::scene::capture_file::SkyCube;
-use crate::scene::placement::{self, Wanted};
+use crate::scene::capture::Wanted;
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
+use crate::scene::sky::SkyCube;
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
 use glam::Vec3;
@@ -30,13 +30,17 @@ pub struct SceneData {
     pub(super) sky: Image,
     pub(super) lights: Vec<Light>,
     probes: Vec<Probe>,
-    /// The scene without what only pictures need, in which captures are placed.
-    bare: Scene,
+    /// The captures that the scene names itself.
+    captures: Vec<Capture>,
+    find_captures: Option<FindCaptures>,
     placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
 }
+
+/// Finds the captures of a scene that are wanted, given those that it names itself.
+pub type FindCaptures = Box<dyn Fn(&[Capture], Wanted) -> Vec<Capture>>;
 
 /// Where captures of a scene stand.
 #[derive(Debug, Clone)]
@@ -101,7 +105,8 @@ impl SceneData {
             sky: environment(context)?,
             lights: scene.lights.clone(),
             probes: probes(scene),
-            bare: bare(scene),
+            captures: scene.captures.clone(),
+            find_captures: None,
             placed: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
@@ -114,16 +119,20 @@ impl SceneData {
         &self.sky
     }
 
-    /// Where the scene is captured for rays to be followed in: those of its file, or places that are found the first
-    /// time they are asked for. Empty if there is no such place.
+    /// Where the scene is captured for rays to be followed in: the captures that it names itself, or what
+    /// [`Self::find_captures_by`] was given finds the first time they are asked for. Empty if there is no such place.
     pub fn captures(&self, wanted: Wanted) -> Placed {
         let mut placed = self.placed.borrow_mut();
         if let Some((_, known)) = placed.iter().find(|(of, _)| *of == wanted) {
             return known.clone();
         }
         let begun = Instant::now();
-        let captures = placement::place(&self.bare, wanted).captures.into();
-        let found = Placed { captures, time_ms: 1e3 * begun.elapsed().as_secs_f64() };
+        let captures = match (&self.find_captures, wanted) {
+            (Some(find), _) => find(&self.captures, wanted),
+            (None, Wanted::Auto) => self.captures.clone(),
+            (None, Wanted::Count(most)) => self.captures.iter().take(most).copied().collect(),
+        };
+        let found = Placed { captures: captures.into(), time_ms: 1e3 * begun.elapsed().as_secs_f64() };
         placed.push((wanted, found.clone()));
         found
     }
@@ -159,9 +168,16 @@ impl SceneData {
         Ok(())
     }
 
-    /// Replaces the captures of the scene's file; without any, they are placed.
+    /// Replaces the captures that the scene names itself; without any, they are found.
     pub fn set_captures(&mut self, captures: Vec<Capture>) {
-        self.bare.captures = captures;
+        self.captures = captures;
+        self.placed.get_mut().clear();
+    }
+
+    /// Says how captures are found that the scene does not name itself. It is asked when an effect wants captures, once
+    /// for each number of them; without it the scene has only its own.
+    pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], Wanted) -> Vec<Capture> + 'static) {
+        self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
     }
 
@@ -190,27 +206,6 @@ fn index_count(mesh: &Mesh, max_vertices: u64) -> Result<u32> {
              of one mesh",
             u32::MAX
         ))),
-    }
-}
-
-/// A scene with all that decides where captures stand: its triangles, masks and own captures.
-fn bare(scene: &Scene) -> Scene {
-    let masks: Vec<usize> = scene.materials.iter().filter_map(|m| m.alpha_mask).collect();
-    let without_texels = |(i, t): (usize, &Texture)| {
-        if masks.contains(&i) {
-            t.clone()
-        } else {
-            Texture { name: String::new(), rgba: vec![255; 4], width: 1, height: 1, encoding: t.encoding }
-        }
-    };
-    Scene {
-        name: scene.name.clone(),
-        meshes: scene.meshes.clone(),
-        materials: scene.materials.clone(),
-        textures: scene.textures.iter().enumerate().map(without_texels).collect(),
-        captures: scene.captures.clone(),
-        lights: scene.lights.clone(),
-        ..Scene::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Captures: cubes of six images of the scene, each made at a fixed place by the scene passes. They show what the
-//! screen does not (docs/definitions.md, "Captures"). Here is only where they stand; [`super::placement`] finds
-//! places, and a scene file may name them (`[[capture]]`).
+//! screen does not (docs/definitions.md, "Captures"). Here is only where they stand; the laboratory's
+//! placement finds places, and a scene file may name them (`[[capture]]`).
 
 use super::{Camera, Lens, sky};
 use crate::math::constants;
@@ -59,6 +59,16 @@ impl Capture {
         let Self { position: Vec3 { x, y, z }, near_m, resolution } = self;
         format!("[[capture]]\nplace = [{x:?}, {y:?}, {z:?}]\nresolution = {resolution}\nnear = {near_m:?}\n")
     }
+}
+
+/// How many captures a scene is to have, and where they come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Wanted {
+    /// Those of the scene file; where it has none, as many as pay, as the laboratory's placement judges it.
+    Auto,
+    /// This many: first those of the scene file, in its order, then places that show most of what they do not.
+    /// Fewer, if no further place shows anything new. More than [`MAX_CAPTURES`] mean that many.
+    Count(usize),
 }
 
 #[cfg(test)]

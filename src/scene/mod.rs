@@ -1,28 +1,16 @@
 //! The contents of a scene (meshes, materials, lights, cameras and views) as plain data on the host.
 //!
-//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). A scene comes from a
-//! scene file ([`scene_file`]), from OBJ files ([`obj`]) or from the built-in library
-//! ([`library`]); all three give the same [`Scene`].
+//! World space is left-handed, in metres, +y up (docs/definitions.md, "Spaces"). Whoever has a scene makes a
+//! [`Scene`] of it; the laboratory (`lab/`) loads some from files and generates others.
 
-mod bounded;
-pub mod bvh;
 pub mod camera;
 pub mod capture;
-pub mod capture_file;
-mod exr_channels;
 pub mod gbuffer;
-pub mod gbuffer_file;
-pub mod library;
-pub mod obj;
 pub mod path;
-pub mod pattern;
-pub mod placement;
 pub mod planes;
 pub mod proxies;
-pub mod scene_file;
 pub mod sky;
 pub mod texture;
-pub mod triangles;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -33,7 +21,6 @@ pub use gbuffer::GBufferData;
 pub use path::CameraPath;
 pub use proxies::{AreaLight, AreaShape, Impostor, Probe};
 pub use texture::{Encoding, Texture};
-pub use triangles::Triangles;
 
 /// The greatest distance from the origin, along each axis, at which a file may place something, in metres.
 /// Within it, products of two differences stay finite in f32.
@@ -59,7 +46,7 @@ pub struct Scene {
     /// Lights with an extent, which only the method `area-light` sees.
     pub area_lights: Vec<AreaLight>,
     /// Where cubes of images are captured, in the order in which they help most; empty unless a scene file names
-    /// places or [`placement`] finds some. At most [`capture::MAX_CAPTURES`].
+    /// places or the laboratory's placement finds some. At most [`capture::MAX_CAPTURES`].
     pub captures: Vec<Capture>,
     /// The lens of every view that has none of its own.
     pub lens: Lens,

@@ -84,7 +84,7 @@ impl Probe {
     }
 
     /// Scales the probe about the origin.
-    pub(super) fn scale(&mut self, factor: f32) {
+    pub fn scale(&mut self, factor: f32) {
         self.position *= factor;
         self.bounds = Aabb { min: self.bounds.min * factor, max: self.bounds.max * factor };
     }
@@ -103,7 +103,7 @@ impl Impostor {
     }
 
     /// Scales the impostor about the origin.
-    pub(super) fn scale(&mut self, factor: f32) {
+    pub fn scale(&mut self, factor: f32) {
         self.centre *= factor;
         self.half_u *= factor;
         self.half_v *= factor;
@@ -112,7 +112,7 @@ impl Impostor {
 
 impl AreaShape {
     /// Scales the shape about the origin.
-    pub(super) fn scale(&mut self, factor: f32) {
+    pub fn scale(&mut self, factor: f32) {
         match self {
             Self::Sphere { centre, radius } => {
                 *centre *= factor;

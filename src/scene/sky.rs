@@ -1,12 +1,20 @@
 //! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as a cube map in
 //! Vulkan's layout. Sky surfaces (windows) show it, and rays that leave the scene may return it.
 
-use super::pattern::{fractal, smoothstep};
+use crate::math::noise::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
-use rayon::prelude::*;
 
 /// Unit vector towards the sun. The light of the atrium comes from this direction.
 pub const SUN: Vec3 = Vec3::new(0.279_448, 0.931_493_4, -0.232_873_4);
+
+/// A cube of what is seen at infinity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SkyCube {
+    /// Width and height of a face in texels.
+    pub side: u32,
+    /// Linear colours of the six faces in Vulkan's order, one after the other, rows from the top.
+    pub texels: Vec<Vec3>,
+}
 
 /// The linear radiance from a direction (of any length but zero); each channel is in 0…1.
 pub fn radiance(direction: Vec3) -> Vec3 {
@@ -63,16 +71,18 @@ pub fn face_direction(face: usize, u: f32, v: f32) -> Vec3 {
 /// The sky as a cube map: six faces in Vulkan's order, each with `size` × `size` texels of linear RGBA with
 /// alpha 1, rows from the top.
 pub fn cube_map(size: u32) -> [Vec<[f32; 4]>; 6] {
-    std::array::from_fn(|face| {
-        (0..size * size)
-            .into_par_iter()
-            .map(|k| {
-                let texel = Vec2::new((k % size) as f32, (k / size) as f32);
-                let at = (texel + 0.5) / size as f32;
-                radiance(face_direction(face, at.x, at.y)).extend(1.0).to_array()
-            })
-            .collect()
-    })
+    let color = |face: usize, k: u32| {
+        let texel = Vec2::new((k % size) as f32, (k / size) as f32);
+        let at = (texel + 0.5) / size as f32;
+        radiance(face_direction(face, at.x, at.y)).extend(1.0).to_array()
+    };
+    let mut faces: [Vec<[f32; 4]>; 6] = Default::default();
+    std::thread::scope(|threads| {
+        for (face, texels) in faces.iter_mut().enumerate() {
+            threads.spawn(move || texels.extend((0..size * size).map(|k| color(face, k))));
+        }
+    });
+    faces
 }
 
 #[cfg(test)]

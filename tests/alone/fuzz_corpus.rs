@@ -7,7 +7,7 @@ mod entry;
 
 use crate::alone;
 use crate::memory::bounded;
-use ssct::scene::{CameraPath, Encoding, Texture, gbuffer_file};
+use ssct::scene::{Encoding, gbuffer_file, path, texture};
 use std::path::Path;
 
 /// Mutations of a target's inputs, all together.
@@ -75,7 +75,7 @@ fn refused(bytes: &[u8], load: impl FnOnce(&[u8]) -> Option<String>) -> String {
 }
 
 fn texture(name: &'static str, bytes: &[u8]) -> Option<String> {
-    Texture::from_bytes(bytes, Path::new(name), Encoding::Srgb).err().map(|e| e.to_string())
+    texture::from_bytes(bytes, Path::new(name), Encoding::Srgb).err().map(|e| e.to_string())
 }
 
 fn crc(bytes: &[u8]) -> u32 {
@@ -162,7 +162,7 @@ fn deep_nesting_and_huge_indices_are_refused() {
     for text in [nested("[", "]"), nested("{a=", "}"), format!("{}\n", "a.".repeat(100_000) + "b = 1")] {
         let load = |bytes: &[u8]| {
             let text = std::str::from_utf8(bytes).unwrap();
-            CameraPath::parse(text, Path::new("a.toml")).err().map(|e| e.to_string())
+            path::parse(text, Path::new("a.toml")).err().map(|e| e.to_string())
         };
         let said = refused(text.as_bytes(), load);
         assert!(said.starts_with("a.toml") && said.len() < 500, "{said}");

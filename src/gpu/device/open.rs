@@ -294,7 +294,7 @@ pub(super) fn open_device(
         compute_pipelines: ComputePipelines::default(),
         allocator: ManuallyDrop::new(Mutex::new(allocator)),
         submissions: AtomicU64::new(0),
-        #[cfg(feature = "window")]
+        #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
         info: listing.info,
         limits: properties.limits,

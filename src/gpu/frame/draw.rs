@@ -173,8 +173,7 @@ impl Frame<'_> {
 
     /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what
     /// they read must be ready.
-    #[cfg(feature = "window")]
-    pub(in crate::gpu) fn overlay(
+    pub fn overlay(
         &mut self,
         name: &str,
         slice: ImageSlice,

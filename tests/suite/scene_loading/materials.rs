@@ -1,7 +1,7 @@
 //! MTL files and the images that they name.
 
 use super::*;
-use ssct::scene::{Encoding, Material, Surface};
+use ssct::scene::{Encoding, Material, Surface, texture};
 
 /// A textured square in the material `m` of `a.mtl`.
 fn with_mtl(mtl: &str) -> Folder {
@@ -136,7 +136,7 @@ fn bump_is_a_normal_map_or_a_height_field_by_its_content() {
     heights.image("h.png", 8, 8, |x, _| [(x * 30) as u8, (x * 30) as u8, (x * 30) as u8, 255]);
     let scene = heights.scene();
     let map = &scene.textures[scene.materials[0].normal_map.unwrap()];
-    assert!(map.is_normal_map());
+    assert!(texture::is_normal_map(map));
     assert!(map.rgba[4 * 3] < 120 && map.rgba[4 * 3 + 2] > 200, "the rise to the right leans to the left");
 }
 

@@ -1,7 +1,7 @@
 //! The scenes in `../shared/scenes`, where they are there.
 
 use super::*;
-use ssct::scene::{Light, Surface, scene_file};
+use ssct::scene::{Light, Surface, scene_file, texture};
 use std::path::Path;
 use std::time::Instant;
 
@@ -51,7 +51,7 @@ fn sponza_loads_as_its_scene_file_says() {
     // Eight normal maps and the bricks' colour, which is taken for a height field.
     let maps: Vec<_> = scene.materials.iter().filter_map(|m| m.normal_map).collect();
     assert_eq!(maps.len(), 9);
-    assert!(maps.iter().all(|&i| scene.textures[i].is_normal_map()));
+    assert!(maps.iter().all(|&i| texture::is_normal_map(&scene.textures[i])));
     assert_eq!(scene.lights.len(), 1);
 }
 

@@ -1,0 +1,232 @@
+//! Parameters on the command line: the flags of methods, made from the methods' tables.
+
+use crate::methods::{self, Setup};
+use crate::parameter::{Choices, Domain, Parameter, Preset, Values};
+use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use std::path::PathBuf;
+
+/// How methods run: the values of the flags that were given.
+#[derive(Debug, Clone, Default)]
+pub struct MethodOptions {
+    /// By name.
+    pub values: Values,
+}
+
+/// The flag of the preset.
+const PRESET: &str = "preset";
+
+impl MethodOptions {
+    /// How methods are set up at a size.
+    pub fn setup(&self, extent: [u32; 2]) -> Setup {
+        Setup { extent, values: self.values.clone() }
+    }
+
+    /// From values as they are typed, by the names of the flags.
+    ///
+    /// # Errors
+    /// A sentence for a name that no method has, and for a value that its parameter does not take.
+    pub fn from_typed<'t>(typed: impl Iterator<Item = (&'t str, &'t str)>) -> crate::error::Result<Self> {
+        let usage = crate::error::Error::Usage;
+        let parameters = methods::parameters();
+        let mut values = Values::default();
+        for (name, text) in typed {
+            if name == PRESET {
+                let none = || usage(format!("there is no preset {text:?}"));
+                values.preset = Preset::of_name(text).ok_or_else(none)?;
+                continue;
+            }
+            let row = parameters.iter().map(|(p, _)| p).find(|p| p.typed_name() == name);
+            let row = row.ok_or_else(|| usage(format!("no method has a parameter {name:?}")))?;
+            values.set(row, row.parse(text)?);
+        }
+        Ok(Self { values })
+    }
+
+    /// What was given on a command line, as it was typed.
+    pub fn typed(matches: &ArgMatches) -> Vec<(String, String)> {
+        let given = |id: &String| {
+            let there = matches.try_contains_id(id).unwrap_or(false)
+                && matches.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
+            let raw = || matches.get_raw(id).and_then(|mut v| v.next()).map(|v| v.to_string_lossy().into_owned());
+            there.then(|| (id.clone(), raw().unwrap_or_default()))
+        };
+        let mut names: Vec<_> = methods::parameters().into_iter().map(|(p, _)| p.typed_name()).collect();
+        names.push(PRESET.to_owned());
+        names.sort_unstable();
+        names.dedup();
+        names.iter().filter_map(given).collect()
+    }
+}
+
+/// A parser of the names of choices.
+pub fn choice<T: Choices + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    let possible = T::CHOICES.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim()));
+    PossibleValuesParser::new(possible.collect::<Vec<_>>())
+        .try_map(|name| T::of_name(&name).ok_or_else(|| format!("there is no {name:?}")))
+}
+
+/// The flag of a name, from every parameter of that name with the methods that read it. Its help has the values of both
+/// presets, which may differ between methods; what it takes does not.
+fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
+    let (parameter, _) = &same[0];
+    let values = |(p, methods): &(Parameter, Vec<&methods::MethodInfo>)| {
+        let names: Vec<_> = methods.iter().map(|m| m.name).collect();
+        let names = if names.len() < 4 { format!("{}; ", names.join(", ")) } else { String::new() };
+        let author = if p.author == p.published { String::new() } else { format!("; author: {}", p.author) };
+        format!("[{names}published: {}{author}]", p.published)
+    };
+    let help = format!("{} {}", parameter.help, same.iter().map(values).collect::<Vec<_>>().join(" "));
+    let argument = Arg::new(parameter.typed_name()).long(parameter.typed_name()).help(help);
+    let row = parameter.clone();
+    let parsed = StringValueParser::new().try_map(move |text| match row.parse(&text) {
+        Ok(_) => Ok(text),
+        Err(_) => Err(format!("it takes {}", row.domain)),
+    });
+    match &parameter.domain {
+        Domain::Switch if parameter.published == crate::parameter::Value::Switch(false) => argument
+            .value_parser(possible(parameter))
+            .num_args(0..=1)
+            .require_equals(true)
+            .default_missing_value("on")
+            .value_name("on|off"),
+        Domain::Count(..) => argument.value_parser(parsed).value_name("N"),
+        Domain::Number { .. } => argument.value_parser(parsed).value_name("X"),
+        _ => argument.value_parser(possible(parameter)),
+    }
+}
+
+fn possible(parameter: &Parameter) -> ValueParser {
+    let few = match &parameter.domain {
+        Domain::Choices(all) => all.iter().map(|c| PossibleValue::new(c.name).help(c.help.trim())).collect(),
+        domain => {
+            domain.few().unwrap_or_default().iter().map(|v| PossibleValue::new(v.to_string())).collect::<Vec<_>>()
+        }
+    };
+    PossibleValuesParser::new(few).into()
+}
+
+impl Args for MethodOptions {
+    fn augment_args(command: Command) -> Command {
+        let preset = Arg::new(PRESET)
+            .long(PRESET)
+            .help("Whose constants a published method uses [default: published]")
+            .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
+        let mut all = methods::parameters();
+        let mut command = command.arg(preset);
+        while let Some((first, _)) = all.first().cloned() {
+            let (same, rest) = all.into_iter().partition::<Vec<_>, _>(|(p, _)| p.name == first.name);
+            (command, all) = (command.arg(flag(&same)), rest);
+        }
+        command
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for MethodOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let typed = Self::typed(matches);
+        Self::from_typed(typed.iter().map(|(name, text)| (name.as_str(), text.as_str())))
+            .map_err(|e| clap::Error::raw(clap::error::ErrorKind::ValueValidation, format!("{e}\n")))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+/// The flags of methods where a G-buffer comes without its scene: captures come from a folder.
+#[derive(Debug, Clone, Default)]
+pub struct BesideGBufferOptions {
+    /// All others.
+    pub method_options: MethodOptions,
+    /// The folder.
+    pub captures: Option<PathBuf>,
+}
+
+/// The flag of the captures.
+const CAPTURES: &str = "captures";
+
+impl Args for BesideGBufferOptions {
+    fn augment_args(command: Command) -> Command {
+        MethodOptions::augment_args(command).mut_arg(CAPTURES, |flag| {
+            flag.value_parser(clap::value_parser!(PathBuf)).value_name("DIR").help(
+                "Captures of what the G-buffer does not show, in which unified follows the rays that the screen loses: a \
+                 folder that `ssct captures -o` wrote, or that has the same files from any renderer; none for none",
+            )
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for BesideGBufferOptions {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let wrong = |message: String| clap::Error::raw(clap::error::ErrorKind::ValueValidation, message + "\n");
+        let typed = MethodOptions::typed(matches);
+        let of_methods = typed.iter().filter(|(name, _)| name != CAPTURES);
+        let method_options = MethodOptions::from_typed(of_methods.map(|(name, text)| (name.as_str(), text.as_str())))
+            .map_err(|e| wrong(e.to_string()))?;
+        let captures = matches.get_one::<PathBuf>(CAPTURES).filter(|folder| folder.as_os_str() != "none");
+        if let Some(folder) = captures.filter(|folder| !folder.is_dir()) {
+            return Err(wrong(format!(
+                "--{CAPTURES} {}: there is no such folder; a G-buffer has no scene to be captured, so that captures beside \
+                 it come from a folder that `ssct captures -o` wrote",
+                folder.display()
+            )));
+        }
+        if captures.is_some() && method_options.values.given().any(|name| name == "capture_side") {
+            return Err(wrong("--capture-side: captures that come from a folder have the side that they have".into()));
+        }
+        Ok(Self { method_options, captures: captures.cloned() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::methods::METHODS;
+
+    fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
+        let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);
+        MethodOptions::from_arg_matches(&command.try_get_matches_from(flags)?)
+    }
+
+    /// Every parameter of every method has a flag, and what the flag gives reaches the recorded setup.
+    #[test]
+    fn every_parameter_has_a_flag_that_reaches_the_record() {
+        for method in METHODS {
+            for row in method.reads() {
+                let values = row.domain.few().unwrap_or_else(|| vec![row.published, row.author]);
+                for value in values {
+                    let flag = format!("--{}={value}", row.typed_name());
+                    let options = parse(&[&flag]).unwrap_or_else(|e| panic!("{flag}: {e}"));
+                    assert_eq!(options.values.of(&row), value, "{flag}");
+                    let recorded = options.setup([8, 8]).recorded(Some(method));
+                    assert_eq!(recorded[row.name], value, "{flag}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn flags_read_as_they_always_did() {
+        let options = parse(&["--preset", "author", "--cone-samples=3", "--split", "--fade", "off"]).expect("flags");
+        assert_eq!(options.values.preset, Preset::Author);
+        assert_eq!(options.values.given().collect::<Vec<_>>(), ["cone_samples", "fade", "split"]);
+        for wrong in ["--cone-samples=0", "--cone-samples=many", "--fade=maybe", "--march-stride=0", "--preset=mine"] {
+            assert!(parse(&[wrong]).is_err(), "{wrong}");
+        }
+    }
+}

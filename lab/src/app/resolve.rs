@@ -1,0 +1,150 @@
+//! From flags to what they mean together: scene, view, device, factors.
+
+use super::cli::{DeviceOptions, SceneOptions};
+use crate::error::{Error, Result};
+use crate::gpu::{DeviceQuery, Gpu, Watch};
+use crate::scene::path::{self, VIEWS};
+use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
+use crate::study::Globals;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Opens the device.
+pub fn gpu(options: &DeviceOptions) -> Result<Gpu> {
+    Gpu::open(&DeviceQuery {
+        device: options.device.clone(),
+        validation: options.validation,
+        watch: watch()?,
+        ..DeviceQuery::default()
+    })
+}
+
+/// Makes a call fail for whoever tries what happens then: the variable SSCT_FAULT, as `submission:7`.
+fn watch() -> Result<Option<Arc<Watch>>> {
+    let Some(fault) = std::env::var("SSCT_FAULT").ok().filter(|f| !f.is_empty()) else { return Ok(None) };
+    let watch = Arc::<Watch>::default();
+    watch.arm(Some(fault.parse()?));
+    Ok(Some(watch))
+}
+
+/// Loads the scene that the flags name: built in, a scene file, or OBJ files.
+pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
+    let fallback = [PathBuf::from(default)];
+    load(if options.scene.is_empty() { &fallback } else { &options.scene }, options.scale)
+}
+
+/// Loads a scene: the name of one that is built in, a scene file, or OBJ files; enlarged by `scale`.
+pub fn load(sources: &[PathBuf], scale: f32) -> Result<Scene> {
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
+    }
+    let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
+    let scene = match sources {
+        [one] if extension(one).as_deref() == Some("toml") => scene_file::load(one, scale)?,
+        _ if sources.iter().all(|p| extension(p).as_deref() == Some("obj")) => {
+            let files: Vec<_> = sources.iter().map(obj::ObjFile::from).collect();
+            obj::load(&files, &obj::ObjOptions { scale, ..obj::ObjOptions::default() })?
+        }
+        [name] => {
+            let name = name.to_string_lossy();
+            let mut scene = library::scene(&name).ok_or_else(|| {
+                Error::Usage(format!(
+                    "--scene {name}: neither a built-in scene ({}) nor a .scene.toml or .obj file",
+                    library::names().join(", ")
+                ))
+            })?;
+            if scale != 1.0 {
+                scene.scale(scale);
+            }
+            scene
+        }
+        _ => return Err(Error::Usage("--scene may repeat for OBJ files only".into())),
+    };
+    for warning in &scene.warnings {
+        eprintln!("ssct: warning: {warning}");
+    }
+    Ok(scene)
+}
+
+/// The view that the flags name, else the default, else the scene's first; with the flags' lens.
+pub fn view(scene: &Scene, options: &SceneOptions, default: Option<&str>) -> Result<View> {
+    let view = match (options.view.as_deref().or(default), options.eye, options.look_at) {
+        (_, Some(eye), Some(look_at)) => {
+            if eye.distance(look_at) < 1e-6 {
+                return Err(Error::Usage("--eye and --look-at are the same point".into()));
+            }
+            View { name: "custom".into(), eye, look_at, ..View::default() }
+        }
+        (Some(name), ..) => scene.view(name)?.clone(),
+        _ => scene.views.first().cloned().ok_or_else(|| Error::Usage(format!("scene {} has no view", scene.name)))?,
+    };
+    with_lens(scene, view, options)
+}
+
+/// A view with the lens that the flags ask for.
+pub fn with_lens(scene: &Scene, mut view: View, options: &SceneOptions) -> Result<View> {
+    view.lens = Some(lens(options, view.lens.unwrap_or(scene.lens))?);
+    Ok(view)
+}
+
+/// A lens with what the flags replace of it.
+pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
+    if let Some(fov) = options.fov {
+        if !(fov > 0.0 && fov < 180.0) {
+            return Err(Error::Usage(format!("--fov {fov}: must lie between 0 and 180 degrees")));
+        }
+        lens.fov_y_radians = fov.to_radians();
+    }
+    lens.near_m = options.near.unwrap_or(lens.near_m);
+    lens.far_m = options.far.unwrap_or(lens.far_m);
+    if !(lens.near_m > 0.0 && lens.far_m > lens.near_m && lens.far_m.is_finite()) {
+        return Err(Error::Usage(format!(
+            "near {} and far {}: near must be above 0 and below far",
+            lens.near_m, lens.far_m
+        )));
+    }
+    Ok(lens)
+}
+
+/// The path that a flag names: `views`, one of the scene's, or a file.
+pub fn path(scene: &Scene, name: &Path) -> Result<CameraPath> {
+    if name.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+        return path::load(name);
+    }
+    let name = name.to_string_lossy();
+    if let Some(path) = scene.paths.iter().find(|p| p.name == name) {
+        return Ok(path.clone());
+    }
+    if name == VIEWS {
+        return CameraPath::through_views(scene);
+    }
+    let names: Vec<&str> = [VIEWS].into_iter().chain(scene.paths.iter().map(|p| p.name.as_str())).collect();
+    let there = names.join(", ");
+    Err(Error::Usage(format!("--path {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
+}
+
+/// The global factors: one for each `--roughness`, or one that keeps the materials' own.
+pub fn globals(options: &SceneOptions) -> Result<Vec<Globals>> {
+    let in_unit = |flag: &str, v: f32| {
+        if (0.0..=1.0).contains(&v) {
+            Ok(v)
+        } else {
+            Err(Error::Usage(format!("{flag} {v}: must lie between 0 and 1")))
+        }
+    };
+    let reflectivity = in_unit("--reflectivity", options.reflectivity)?;
+    let normal_deviation = options.normal_deviation.map(|d| in_unit("--normal-deviation", d)).transpose()?;
+    let of = |roughness| Globals { roughness, reflectivity, normal_deviation };
+    if options.roughness.is_empty() {
+        return Ok(vec![of(None)]);
+    }
+    options.roughness.iter().map(|r| Ok(of(Some(in_unit("--roughness", *r)?)))).collect()
+}
+
+/// The global factors where only one roughness makes sense; `why` says so.
+pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
+    match globals(options)?[..] {
+        [one] => Ok(one),
+        _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
+    }
+}

@@ -1,0 +1,93 @@
+//! Camera key frames: recording, saving, loading and playing. The files are those of `ssct time --path`.
+
+use super::fly_camera::FlyCamera;
+use crate::error::Result;
+use crate::report::files;
+use crate::scene::path::{self, CameraPath, KeyFrame};
+use glam::Vec3;
+use std::path::Path;
+
+/// The recorded key frames and the state of their playback.
+pub struct PathEditor {
+    /// The key frames in order.
+    pub keys: Vec<KeyFrame>,
+    /// The file in which they are saved.
+    pub file: String,
+    /// The outcome of the last saving, loading or playing.
+    pub message: String,
+    /// The duration of the playback in seconds.
+    pub seconds: f32,
+    playing: Option<(CameraPath, f32)>,
+}
+
+impl Default for PathEditor {
+    fn default() -> Self {
+        Self { keys: Vec::new(), file: "path.toml".into(), message: String::new(), seconds: 8.0, playing: None }
+    }
+}
+
+impl PathEditor {
+    /// Adds a key frame at the camera's current position.
+    pub fn record(&mut self, camera: &FlyCamera) {
+        let (eye, look_at) = camera.place();
+        self.keys.push(KeyFrame { eye, look_at, time_s: None });
+        // The times of a loaded path would not fit the added key frame.
+        self.keys.iter_mut().for_each(|k| k.time_s = None);
+        self.message = format!("key frame {} recorded", self.keys.len());
+    }
+
+    /// The path through the key frames.
+    pub fn path(&self) -> Result<CameraPath> {
+        let stem = Path::new(&self.file).file_stem().map_or("path".into(), |s| s.to_string_lossy());
+        // The name is the stem of "path.toml" or "path.path.toml".
+        CameraPath::new(stem.split('.').next().unwrap_or("path"), self.keys.clone())
+    }
+
+    /// Writes the file.
+    pub fn save(&mut self) {
+        let path = Path::new(&self.file);
+        let saved = self.path().and_then(|p| files::write(path, path::to_toml(&p).as_bytes()));
+        self.message = match saved {
+            Ok(()) => format!("saved as {}", self.file),
+            Err(e) => e.to_string(),
+        };
+    }
+
+    /// Reads a file; it replaces the recorded key frames.
+    ///
+    /// # Errors
+    /// The errors of [`path::load`].
+    pub fn load(&mut self, file: &Path) -> Result<()> {
+        let path = path::load(file)?;
+        self.keys = path.keys().to_vec();
+        self.file = file.display().to_string();
+        self.message = format!("{} key frames of {}", self.keys.len(), path.name);
+        Ok(())
+    }
+
+    /// Starts or stops the playback.
+    pub fn play_or_stop(&mut self) {
+        if self.playing.take().is_none() {
+            match self.path() {
+                Ok(path) => self.playing = Some((path, 0.0)),
+                Err(e) => self.message = e.to_string(),
+            }
+        }
+    }
+
+    /// The share of the path that was played, during playback.
+    pub fn playing(&self) -> Option<f32> {
+        self.playing.as_ref().map(|(_, share)| *share)
+    }
+
+    /// The camera's position `seconds` later, during playback; the playback stops at the end of the path.
+    pub fn advance(&mut self, seconds: f32) -> Option<(Vec3, Vec3)> {
+        let (path, share) = self.playing.as_mut()?;
+        *share += seconds / self.seconds.max(0.1);
+        let place = path.at(*share);
+        if *share >= 1.0 {
+            self.playing = None;
+        }
+        Some(place)
+    }
+}

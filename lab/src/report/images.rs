@@ -1,0 +1,234 @@
+//! Images: PNG to look at, EXR to compute with.
+
+use super::files::write;
+use crate::error::{Error, Result};
+use crate::gpu::Pixels;
+use crate::math::{display_byte, linear_to_srgb, srgb_to_linear};
+use crate::passes::Content;
+use crate::passes::PathCode;
+use crate::scene::Lens;
+use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
+use crate::study::Intermediates;
+use crate::study::compare::LinearImage;
+use std::io::Cursor;
+use std::path::Path;
+
+/// An 8-bit RGB image, rows from the top.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Rgb {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// 3 · width · height bytes.
+    pub bytes: Vec<u8>,
+}
+
+impl Rgb {
+    /// One colour a texel, by a function of its channels.
+    pub fn from_pixels(pixels: &Pixels, color: impl Fn(&[f32]) -> [u8; 3]) -> Self {
+        Self { width: pixels.width, height: pixels.height, bytes: pixels.texels().flat_map(color).collect() }
+    }
+
+    /// Writes a PNG.
+    pub fn write_png(&self, path: &Path) -> Result<()> {
+        write_png(path, [self.width, self.height], &self.bytes, image::ExtendedColorType::Rgb8)
+    }
+}
+
+/// Writes 8-bit RGBA, rows from the top, as it stands.
+pub fn write_rgba_png(path: &Path, extent: [u32; 2], rgba: &[u8]) -> Result<()> {
+    write_png(path, extent, rgba, image::ExtendedColorType::Rgba8)
+}
+
+fn write_png(path: &Path, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
+    let mut encoded = Cursor::new(Vec::new());
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
+        .map_err(|e| Error::io("encode", path, std::io::Error::other(e)))?;
+    write(path, encoded.get_ref())
+}
+
+/// The display image: clamped, sRGB-encoded, no tone mapping.
+pub fn display(pixels: &Pixels) -> Rgb {
+    Rgb::from_pixels(pixels, |c| [display_byte(c[0]), display_byte(c[1]), display_byte(c[2])])
+}
+
+/// An error unless a path ends as an image does that [`write_image`] writes: before the work, not after.
+pub fn check_extension(path: &Path) -> Result<()> {
+    if is(path, "png") || is(path, "exr") {
+        return Ok(());
+    }
+    Err(Error::Usage(format!("{}: an image is written as .png or .exr", path.display())))
+}
+
+/// Writes a linear image by its extension: `.png` (the display image) or `.exr` (32-bit floats).
+pub fn write_image(path: &Path, pixels: &Pixels) -> Result<()> {
+    check_extension(path)?;
+    if is(path, "exr") { write_exr(path, pixels, &["R", "G", "B", "A"]) } else { display(pixels).write_png(path) }
+}
+
+fn is(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Writes every channel as 32-bit floats, under the names given.
+pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
+    use exr::prelude::{
+        AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec, WritableImage,
+    };
+    let channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = (0..pixels.channels)
+        .map(|c| AnyChannel::new(names[c], FlatSamples::F32(pixels.texels().map(|t| t[c]).collect())))
+        .collect();
+    let layer = Layer::new(
+        (pixels.width as usize, pixels.height as usize),
+        LayerAttributes::default(),
+        Encoding::FAST_LOSSLESS,
+        AnyChannels::sort(channels),
+    );
+    let mut bytes = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        // In order, so that equal images are equal files.
+        .non_parallel()
+        .to_buffered(&mut bytes)
+        .map_err(|e| Error::io("encode", path, std::io::Error::other(e.to_string())))?;
+    write(path, bytes.get_ref())
+}
+
+/// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
+/// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
+///
+/// # Errors
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, or has more
+/// than [`MAX_EXTENT`] pixels on a side, which is found out before memory is taken for them.
+pub fn read_image(path: &Path) -> Result<LinearImage> {
+    if is(path, "exr") {
+        return read_exr(path);
+    }
+    let Texture { width, height, rgba, .. } = texture::decode(path, Encoding::Srgb)?;
+    let linear = |byte: u8| srgb_to_linear(f32::from(byte) / 255.0);
+    let rgb = rgba.chunks_exact(4).map(|t| [linear(t[0]), linear(t[1]), linear(t[2])]).collect();
+    Ok(LinearImage { width, height, rgb })
+}
+
+/// The first layer that has R, G and B.
+fn read_exr(path: &Path) -> Result<LinearImage> {
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
+    let limit = MAX_EXTENT as usize;
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
+        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
+    }
+    // The decoder of single channels takes every channel for one of full resolution.
+    let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
+    if let Some(c) = channels.find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
+        return Err(wrong(format!("channel {} is subsampled, which is not read", c.name)));
+    }
+    let layer = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .specific_channels()
+        .required("R")
+        .required("G")
+        .required("B")
+        .collect_pixels(
+            |size, _| (size.0, vec![[0.0; 3]; size.0 * size.1]),
+            |(width, rgb), at, (r, g, b): (f32, f32, f32)| rgb[at.1 * *width + at.0] = [r, g, b],
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(&bytes))
+        .map_err(unreadable)?
+        .layer_data;
+    // Both sides are at most MAX_EXTENT, so they fit.
+    let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
+    Ok(LinearImage { width, height, rgb: layer.channel_data.pixels.1 })
+}
+
+/// Writes intermediates, each as PNG and EXR.
+pub fn write_intermediates(folder: &Path, all: &Intermediates, lens: &Lens) -> Result<()> {
+    for (stem, kind, pixels) in all {
+        picture(*kind, pixels, lens).write_png(&folder.join(format!("{stem}.png")))?;
+        let names: &[&str] = match kind {
+            Content::Color => &["R", "G", "B", "A"],
+            Content::Normal => &["N.X", "N.Y", "N.Z", "N.W"],
+            Content::ReversedDepth => &["depth"],
+            Content::StandardDepth => &["min", "max"],
+            Content::LinearDepth => &["z"],
+            Content::Share => &["share"],
+            Content::Material => &["reflectivity", "roughness"],
+            Content::Hits => &["u", "v", "depth", "path"],
+            Content::Steps => &["steps"],
+        };
+        write_exr(&folder.join(format!("{stem}.exr")), pixels, names)?;
+        if *kind == Content::Hits {
+            paths(pixels).write_png(&folder.join("paths.png"))?;
+        }
+    }
+    Ok(())
+}
+
+/// An intermediate as a picture.
+pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
+    let unit = |v: f32| (v.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    match kind {
+        Content::Color => display(pixels),
+        Content::Normal => {
+            Rgb::from_pixels(pixels, |c| [0, 1, 2].map(|i| if c[..3] == [0.0; 3] { 0 } else { unit(c[i] * 0.5 + 0.5) }))
+        }
+        Content::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
+        Content::StandardDepth => {
+            Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0])
+        }
+        Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
+        Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),
+        Content::Steps => {
+            let most = pixels.texels().map(|c| c[0]).fold(1.0, f32::max);
+            Rgb::from_pixels(pixels, |c| [unit(c[0] / most); 3])
+        }
+        Content::Material => Rgb::from_pixels(pixels, |c| [unit(c[0]), unit(c[1]), 0]),
+        Content::Hits => Rgb::from_pixels(pixels, |c| {
+            if PathCode::from_channel(c[3]).is_some_and(PathCode::is_hit) {
+                [unit(c[0]), unit(c[1]), 0]
+            } else {
+                [0; 3]
+            }
+        }),
+    }
+}
+
+/// The figure 4.5 colouring of which path each ray took: Hi-Z green, linear march red; misses and
+/// rays out of iterations darker; what does not reflect black. With captures: hits in them blue, the sky light blue,
+/// and what no image sees violet.
+pub fn paths(hits: &Pixels) -> Rgb {
+    Rgb::from_pixels(hits, |c| match PathCode::from_channel(c[3]) {
+        Some(PathCode::HiZ) => [0, 200, 0],
+        Some(PathCode::Miss | PathCode::MissScreen | PathCode::MissNear | PathCode::MissSky) => [0, 90, 0],
+        Some(PathCode::MissBehind) => [0, 60, 60],
+        Some(PathCode::Exhausted | PathCode::Unfinished) => [160, 160, 0],
+        Some(PathCode::Linear) => [220, 0, 0],
+        Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
+        Some(PathCode::Sky) => [120, 180, 255],
+        Some(PathCode::Capture) => [0, 110, 200],
+        Some(PathCode::Unknown) => [120, 0, 120],
+        Some(PathCode::None) | None => [0; 3],
+    })
+}
+
+/// Brightness of a reversed depth; the sky is black.
+fn depth_shade(reversed: f32, lens: &Lens) -> u8 {
+    if reversed <= 0.0 {
+        return 0;
+    }
+    distance_shade(lens.near_m * lens.far_m / (lens.near_m + reversed * (lens.far_m - lens.near_m)), lens)
+}
+
+/// Brightness of a view-space z: near is bright. The logarithm spreads what depth compresses; a hundred
+/// times the near distance is mid-grey.
+fn distance_shade(z: f32, lens: &Lens) -> u8 {
+    let share = (z / lens.near_m).ln() / (1e4_f32).ln();
+    (linear_to_srgb((1.0 - share).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
+}

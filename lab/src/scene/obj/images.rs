@@ -1,0 +1,233 @@
+//! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
+//! missing.
+
+use crate::error::Result;
+use crate::scene::pattern;
+use crate::scene::{Encoding, Scene, Texture, texture};
+use rayon::prelude::*;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// The most texels that all images of a scene may have together: 4 GiB.
+const MAX_TEXELS: u64 = 1 << 30;
+
+/// An image as an MTL file names it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImageStatement {
+    /// The file name as written in the statement.
+    pub name: String,
+    /// The MTL file; the image is looked up relative to it.
+    pub mtl_path: PathBuf,
+    /// The line of the statement.
+    pub line: usize,
+    /// The bump multiplier (`-bm`).
+    pub multiplier: f32,
+    /// Whether the statement has `-s`, `-o` or `-t`, which transform texture coordinates.
+    pub transformed: bool,
+}
+
+/// The images that a material names.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct MaterialImages {
+    /// `map_Kd`.
+    pub albedo: Option<ImageStatement>,
+    /// `bump`.
+    pub normal: Option<ImageStatement>,
+    /// `map_d`.
+    pub mask: Option<ImageStatement>,
+    /// `map_Ks`.
+    pub reflectivity: Option<ImageStatement>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+enum Use {
+    Albedo,
+    /// Holds the bits of the bump multiplier.
+    Normal(u32),
+    Mask,
+    Reflectivity,
+}
+
+/// An image in one role. Materials that request the same image in the same role share it.
+#[derive(Debug, PartialEq, Eq, Hash, Clone)]
+struct Request {
+    path: PathBuf,
+    role: Use,
+}
+
+/// Loads the images of the scene's materials (`sources[i]` belongs to material i) into the scene.
+///
+/// Each image that is missing or cannot be read adds one warning. A generated image replaces it if its file
+/// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or a reflectivity of
+/// `Ks` alone.
+pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>) {
+    let mut requests = Requests::default();
+    let wanted: Vec<[Option<usize>; 4]> = sources
+        .iter()
+        .map(|s| {
+            let bits = |i: &ImageStatement| i.multiplier.to_bits();
+            [
+                s.albedo.as_ref().map(|i| requests.add(i, Use::Albedo)),
+                s.normal.as_ref().map(|i| requests.add(i, Use::Normal(bits(i)))),
+                s.mask.as_ref().map(|i| requests.add(i, Use::Mask)),
+                s.reflectivity.as_ref().map(|i| requests.add(i, Use::Reflectivity)),
+            ]
+        })
+        .collect();
+
+    let loaded: Vec<Loaded> = requests.within_budget().into_par_iter().map(load).collect();
+    let mut warned = Vec::new();
+    let mut index_of = Vec::with_capacity(loaded.len());
+    for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
+        if let Some(problem) = loaded.problem
+            && !warned.contains(&loaded.path)
+        {
+            let ImageStatement { name, mtl_path, line, .. } = statement;
+            let instead = loaded.instead;
+            scene.warnings.push(format!("{}:{line}: image {name} {problem}; {instead}", mtl_path.display()));
+            warned.push(loaded.path);
+        }
+        index_of.push(loaded.texture.map(|texture| {
+            scene.textures.push(texture);
+            scene.textures.len() - 1
+        }));
+    }
+    for (material, wanted) in scene.materials.iter_mut().zip(wanted) {
+        let [albedo, normal, mask, reflectivity] = wanted.map(|w| w.and_then(|i| index_of[i]));
+        material.albedo_map = albedo;
+        material.normal_map = normal;
+        material.alpha_mask = mask;
+        material.reflectivity_map = reflectivity;
+    }
+    warn_of_transforms(scene, &sources);
+}
+
+fn warn_of_transforms(scene: &mut Scene, sources: &[MaterialImages]) {
+    for (images, material) in sources.iter().zip(&scene.materials) {
+        let all = [&images.albedo, &images.normal, &images.mask, &images.reflectivity];
+        if let Some(image) = all.into_iter().flatten().find(|i| i.transformed) {
+            let place = format!("{}:{}", image.mtl_path.display(), image.line);
+            let what = "the options -s, -o and -t of maps are not supported and were ignored";
+            scene.warnings.push(format!("{place}: material {}: {what}", material.name));
+        }
+    }
+}
+
+#[derive(Default)]
+struct Requests {
+    list: Vec<Request>,
+    /// For each request, the statement that made it first.
+    statements: Vec<ImageStatement>,
+    index: HashMap<Request, usize>,
+    found: HashMap<(PathBuf, String), PathBuf>,
+}
+
+impl Requests {
+    fn add(&mut self, statement: &ImageStatement, role: Use) -> usize {
+        let folder = statement.mtl_path.parent().unwrap_or(Path::new(""));
+        let key = (folder.to_owned(), statement.name.clone());
+        let path = self.found.entry(key).or_insert_with(|| {
+            // If the image is missing, a path that does not exist takes its place.
+            resolve(folder, &statement.name).unwrap_or_else(|| folder.join(forward_slashes(&statement.name)))
+        });
+        let request = Request { path: path.clone(), role };
+        *self.index.entry(request.clone()).or_insert_with(|| {
+            self.list.push(request);
+            self.statements.push(statement.clone());
+            self.list.len() - 1
+        })
+    }
+
+    /// The requests, each with a flag that says whether it still fits into [`MAX_TEXELS`].
+    fn within_budget(&self) -> Vec<(&Request, bool)> {
+        let mut texels = 0;
+        let with_size = self.list.iter().map(|request| {
+            if let Ok((width, height)) = image::image_dimensions(&request.path) {
+                texels += u64::from(width) * u64::from(height);
+            }
+            (request, texels <= MAX_TEXELS)
+        });
+        with_size.collect()
+    }
+}
+
+/// The result of a request.
+struct Loaded {
+    path: PathBuf,
+    texture: Option<Texture>,
+    /// Why the requested image is not used, and what replaces it.
+    problem: Option<String>,
+    instead: &'static str,
+}
+
+fn load((request, fits): (&Request, bool)) -> Loaded {
+    let Request { path, role } = request.clone();
+    let problem = if !path.is_file() {
+        "is missing".to_owned()
+    } else if !fits {
+        format!("would exceed the {MAX_TEXELS} texels of a scene")
+    } else {
+        match decode(&path, role) {
+            Ok(texture) => return Loaded { path, texture: Some(texture), problem: None, instead: "" },
+            Err(error) => format!("cannot be used ({error})"),
+        }
+    };
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let texture = match role {
+        Use::Albedo => pattern::by_name(&name, pattern::Role::Albedo),
+        Use::Normal(_) => pattern::by_name(&name, pattern::Role::Normal),
+        Use::Mask | Use::Reflectivity => None,
+    };
+    let instead = match role {
+        _ if texture.is_some() => "a generated image takes its place",
+        Use::Albedo => "the material's colour takes its place",
+        Use::Normal(_) => "the surface is smooth",
+        Use::Mask => "the surface is opaque",
+        Use::Reflectivity => "white takes its place",
+    };
+    Loaded { path, texture, problem: Some(problem), instead }
+}
+
+fn decode(path: &Path, role: Use) -> Result<Texture> {
+    Ok(match role {
+        Use::Albedo => texture::decode(path, Encoding::Srgb)?,
+        Use::Mask => texture::into_mask(texture::decode(path, Encoding::Linear)?),
+        Use::Reflectivity => texture::into_reflectivity(texture::decode(path, Encoding::Linear)?),
+        Use::Normal(bits) => texture::into_normal_map(texture::decode(path, Encoding::Linear)?, f32::from_bits(bits)),
+    })
+}
+
+fn forward_slashes(name: &str) -> String {
+    name.trim_matches('"').replace('\\', "/")
+}
+
+/// Finds the file that a name refers to, starting from `folder`. Backslashes separate folders, as slashes do.
+/// If the name does not exist as written, case is ignored; if its folders do not exist (for example, because
+/// the path comes from the author's own machine), only its last component is looked up.
+pub(in crate::scene) fn resolve(folder: &Path, name: &str) -> Option<PathBuf> {
+    let name = forward_slashes(name);
+    let last = name.rsplit('/').next().unwrap_or(&name);
+    find(folder, &name).or_else(|| find(folder, last))
+}
+
+fn find(folder: &Path, name: &str) -> Option<PathBuf> {
+    let exact = folder.join(name);
+    if exact.is_file() {
+        return Some(exact);
+    }
+    let mut found = if name.starts_with('/') { PathBuf::from("/") } else { folder.to_owned() };
+    for component in name.split('/').filter(|c| !c.is_empty()) {
+        let next = found.join(component);
+        found = if next.exists() { next } else { entry_ignoring_case(&found, component)? };
+    }
+    found.is_file().then_some(found)
+}
+
+fn entry_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let wanted = name.to_lowercase();
+    let entries = std::fs::read_dir(folder).ok()?.flatten();
+    let matching = entries.filter(|e| e.file_name().to_string_lossy().to_lowercase() == wanted);
+    // The order of a folder's entries is arbitrary, so the first in order of name is taken.
+    matching.map(|e| e.path()).min()
+}

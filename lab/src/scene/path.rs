@@ -1,0 +1,129 @@
+//! Files of camera paths (TOML), and the sections of scene files that name one.
+
+use super::scene_file::{SourceText, read, stem};
+use crate::error::{Error, Result};
+use serde::Deserialize;
+use std::fmt::Write;
+use std::path::Path;
+use toml::Spanned;
+
+pub use ssct::scene::path::{CameraPath, KeyFrame, VIEWS};
+
+/// Reads a path file: an optional `name`, and `[[key]]` tables with `eye`, `look_at` and, in all of them or
+/// in none, `time` in seconds.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
+/// wrong.
+pub fn load(path: &Path) -> Result<CameraPath> {
+    parse(&read(path, "a path file")?, path)
+}
+
+/// Parses the text of a path file. Errors call the file `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] with file and line.
+pub fn parse(text: &str, path: &Path) -> Result<CameraPath> {
+    let source = SourceText { path, text };
+    let file: PathFile = toml::from_str(text).map_err(|e| source.syntax_error(&e))?;
+    source.path(&file.name.unwrap_or_else(|| stem(path)), &file.key, 1.0)
+}
+
+/// The path as the text of a path file.
+pub fn to_toml(path: &CameraPath) -> String {
+    let mut text = format!("name = {}\n", toml::Value::from(path.name.as_str()));
+    for key in path.keys() {
+        let [eye, look_at] = [key.eye, key.look_at].map(|p| format!("[{:?}, {:?}, {:?}]", p.x, p.y, p.z));
+        // Writing to a String cannot fail.
+        let _ = write!(text, "\n[[key]]\neye = {eye}\nlook_at = {look_at}\n");
+        if let Some(time) = key.time_s {
+            let _ = writeln!(text, "time = {time:?}");
+        }
+    }
+    text
+}
+
+/// A path file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PathFile {
+    name: Option<String>,
+    #[serde(default)]
+    key: Vec<Spanned<KeySection>>,
+}
+
+/// A path in a scene file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PathSection {
+    #[serde(default)]
+    pub(super) key: Vec<Spanned<KeySection>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct KeySection {
+    eye: Spanned<[f32; 3]>,
+    look_at: Spanned<[f32; 3]>,
+    time: Option<f32>,
+}
+
+impl SourceText<'_> {
+    /// Makes a path from the sections of a scene file. Errors name the line of the faulty section.
+    pub(super) fn path(&self, name: &str, sections: &[Spanned<KeySection>], extra_scale: f32) -> Result<CameraPath> {
+        let key = |section: &Spanned<KeySection>| {
+            let KeySection { eye, look_at, time } = section.get_ref();
+            let [eye, look_at] = [self.vector("eye", eye)?, self.vector("look_at", look_at)?].map(|p| p * extra_scale);
+            Ok(KeyFrame { eye, look_at, time_s: *time })
+        };
+        let keys = sections.iter().map(key).collect::<Result<Vec<_>>>()?;
+        CameraPath::joined(name, keys).map_err(|(index, what)| match index.and_then(|i| sections.get(i)) {
+            Some(section) => self.error(section.span(), what),
+            None => Error::malformed(self.path, None, format!("path {name}: {what}")),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn key(eye: [f32; 3], time_s: Option<f32>) -> KeyFrame {
+        let eye = Vec3::from(eye);
+        KeyFrame { eye, look_at: eye + Vec3::Z, time_s }
+    }
+
+    #[test]
+    fn a_written_file_reads_back_equal() {
+        let keys = vec![key([0.1, -2.0, 1e-7], Some(0.0)), key([1.0, 2.0, 3.0], Some(1.5))];
+        for keys in [keys.clone(), keys.into_iter().map(|k| KeyFrame { time_s: None, ..k }).collect()] {
+            let path = CameraPath::new("a \"walk\"", keys).expect("a path");
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), to_toml(&path)).expect("written");
+            assert_eq!(load(file.path()).expect("read"), path);
+        }
+    }
+
+    #[test]
+    fn errors_name_the_line() {
+        let two = "[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\n";
+        let cases = [
+            ("", "at least two key frames, not 0"),
+            (two, "not 1"),
+            ("[[key]]\neye = [0, 0]\n", ":2: "),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 0]\n"), ":4: it looks at its own eye"),
+            (&format!("{two}[[key]]\neye = [1, nan, 0]\nlook_at = [1, 0, 0]\n"), ":5: eye must have three finite"),
+            (&format!("{two}{two}"), ":4: it repeats"),
+            (&format!("{two}[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1.0\n"), ":4: either every"),
+            (&format!("{two}time = 1\n[[key]]\neye = [1, 0, 0]\nlook_at = [1, 0, 1]\ntime = 1\n"), ":5: its time"),
+            (&format!("{two}speed = 3\n"), ":4: unknown field"),
+        ];
+        for (text, expected) in cases {
+            let file = tempfile::Builder::new().suffix(".toml").tempfile().expect("a file");
+            std::fs::write(file.path(), text).expect("written");
+            let said = load(file.path()).expect_err(text).to_string();
+            assert!(said.contains(expected), "{said}\n{text}");
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The sections of a scene file that define probes, impostors and area lights ([`crate::scene::proxies`]).
+
+use super::SourceText;
+use crate::error::Result;
+use crate::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj, texture};
+use glam::Vec3;
+use serde::Deserialize;
+use std::path::Path;
+use toml::Spanned;
+
+/// Two halves of a rectangle count as orthogonal if the cosine of the angle between them is at most this.
+const ORTHOGONAL: f32 = 1e-3;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ProbeSection {
+    name: String,
+    position: Spanned<[f32; 3]>,
+    min: Spanned<[f32; 3]>,
+    max: Spanned<[f32; 3]>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ImpostorSection {
+    /// If absent, the file name is used.
+    name: Option<String>,
+    file: Spanned<String>,
+    centre: Spanned<[f32; 3]>,
+    half_u: Spanned<[f32; 3]>,
+    half_v: Spanned<[f32; 3]>,
+}
+
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "lowercase")]
+enum AreaKind {
+    Sphere,
+    Capsule,
+    Rectangle,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AreaLightSection {
+    kind: AreaKind,
+    radiance: Spanned<[f32; 3]>,
+    centre: Option<Spanned<[f32; 3]>>,
+    radius: Option<Spanned<f32>>,
+    a: Option<Spanned<[f32; 3]>>,
+    b: Option<Spanned<[f32; 3]>>,
+    half_u: Option<Spanned<[f32; 3]>>,
+    half_v: Option<Spanned<[f32; 3]>>,
+}
+
+impl SourceText<'_> {
+    pub(super) fn probe(&self, section: &ProbeSection) -> Result<Probe> {
+        let (min, max) = (self.vector("min", &section.min)?, self.vector("max", &section.max)?);
+        if !min.cmplt(max).all() {
+            return Err(self.error(section.max.span(), "max must be greater than min along every axis"));
+        }
+        let position = self.vector("position", &section.position)?;
+        if !(position.cmpge(min).all() && position.cmple(max).all()) {
+            return Err(self.error(section.position.span(), "position must lie between min and max"));
+        }
+        Ok(Probe { name: section.name.clone(), position, bounds: Aabb { min, max } })
+    }
+
+    /// Reads an impostor and its image. The caller sets the impostor's texture index.
+    pub(super) fn impostor(&self, section: &ImpostorSection) -> Result<(Impostor, Texture)> {
+        let centre = self.vector("centre", &section.centre)?;
+        let [half_u, half_v] = self.halves(&section.half_u, &section.half_v)?;
+        let name = section.file.get_ref();
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let Some(path) = obj::resolve(folder, name) else {
+            return Err(self.error(section.file.span(), format!("there is no file {name:?}")));
+        };
+        let texture = texture::decode(&path, Encoding::Srgb)?;
+        let name = section.name.clone().unwrap_or_else(|| texture.name.clone());
+        Ok((Impostor { name, centre, half_u, half_v, texture: 0 }, texture))
+    }
+
+    pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>) -> Result<AreaLight> {
+        let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v } = section.get_ref();
+        let span = radiance.span();
+        let radiance = self.vector("radiance", radiance)?;
+        if radiance.min_element() < 0.0 {
+            return Err(self.error(span, format!("radiance must not be negative, but is {radiance}")));
+        }
+        let shape = match (kind, centre, radius, [a, b], [half_u, half_v]) {
+            (AreaKind::Sphere, Some(centre), Some(radius), [None, None], [None, None]) => {
+                AreaShape::Sphere { centre: self.vector("centre", centre)?, radius: self.positive("radius", radius)? }
+            }
+            (AreaKind::Capsule, None, Some(radius), [Some(a), Some(b)], [None, None]) => AreaShape::Capsule {
+                a: self.vector("a", a)?,
+                b: self.vector("b", b)?,
+                radius: self.positive("radius", radius)?,
+            },
+            (AreaKind::Rectangle, Some(centre), None, [None, None], [Some(half_u), Some(half_v)]) => {
+                let centre = self.vector("centre", centre)?;
+                let [half_u, half_v] = self.halves(half_u, half_v)?;
+                AreaShape::Rectangle { centre, half_u, half_v }
+            }
+            _ => {
+                let has = match kind {
+                    AreaKind::Sphere => "a sphere has a centre and a radius",
+                    AreaKind::Capsule => "a capsule has a, b and a radius",
+                    AreaKind::Rectangle => "a rectangle has a centre, half_u and half_v",
+                };
+                return Err(self.error(section.span(), format!("{has} beside its radiance, and no other key")));
+            }
+        };
+        Ok(AreaLight { shape, radiance })
+    }
+
+    /// The two half vectors of a rectangle, which must not be zero and must be orthogonal.
+    fn halves(&self, half_u: &Spanned<[f32; 3]>, half_v: &Spanned<[f32; 3]>) -> Result<[Vec3; 2]> {
+        let (u, v) = (self.vector("half_u", half_u)?, self.vector("half_v", half_v)?);
+        for (what, vector, at) in [("half_u", u, half_u), ("half_v", v, half_v)] {
+            if vector.try_normalize().is_none() {
+                return Err(self.error(at.span(), format!("{what} must not be zero")));
+            }
+        }
+        if u.normalize().dot(v.normalize()).abs() > ORTHOGONAL {
+            return Err(self.error(half_v.span(), "half_u and half_v must stand at right angles"));
+        }
+        Ok([u, v])
+    }
+}

@@ -1,0 +1,89 @@
+//! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`], where each triangle comes from, and the
+//! holes that alpha masks cut.
+
+use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
+use super::texture::bilinear;
+use super::{Material, Scene, Vertex};
+use glam::{DVec2, Vec3};
+
+/// The triangles of a scene with the materials of a view.
+pub struct Triangles<'a> {
+    scene: &'a Scene,
+    materials: &'a [Material],
+    origins: Vec<TriangleRef>,
+    bvh: TriangleBvh,
+}
+
+/// The origin of a triangle.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TriangleRef {
+    /// Index into [`Scene::meshes`].
+    pub mesh: u32,
+    /// Index of the triangle in its mesh; its three vertex indices start at 3 · `triangle`.
+    pub triangle: u32,
+}
+
+impl<'a> Triangles<'a> {
+    /// Builds the hierarchy over all triangles of a scene. `materials` replace the scene's own, with the same indices.
+    pub fn new(scene: &'a Scene, materials: &'a [Material]) -> Self {
+        let mut origins = Vec::with_capacity(scene.triangle_count());
+        let mut corners = Vec::with_capacity(scene.triangle_count());
+        for (m, mesh) in scene.meshes.iter().enumerate() {
+            for (t, indices) in mesh.indices.as_chunks::<3>().0.iter().enumerate() {
+                origins.push(TriangleRef { mesh: m as u32, triangle: t as u32 });
+                corners.push(indices.map(|i| Vec3::from(mesh.vertices[i as usize].position)));
+            }
+        }
+        Self { scene, materials, origins, bvh: TriangleBvh::new(corners) }
+    }
+
+    /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
+    pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
+        self.bvh.closest(ray, &|hit| self.covers(hit))
+    }
+
+    /// Whether a ray hits anything in its range.
+    pub fn any(&self, ray: &WorldRay) -> bool {
+        self.bvh.any(ray, &|hit| self.covers(hit))
+    }
+
+    /// Where the triangle that was hit comes from.
+    pub fn origin(&self, hit: &TriangleHit) -> TriangleRef {
+        self.origins[hit.triangle as usize]
+    }
+
+    /// The corners of every triangle, in metres.
+    pub fn all(&self) -> &[[Vec3; 3]] {
+        self.bvh.triangles()
+    }
+
+    /// The corners of the triangle that was hit, in metres.
+    pub fn corners(&self, hit: &TriangleHit) -> [Vec3; 3] {
+        self.all()[hit.triangle as usize]
+    }
+
+    /// The material and the vertices of the triangle that was hit.
+    pub fn surface(&self, hit: &TriangleHit) -> (&'a Material, [&'a Vertex; 3]) {
+        let from = self.origin(hit);
+        let mesh = &self.scene.meshes[from.mesh as usize];
+        let first = 3 * from.triangle as usize;
+        (&self.materials[mesh.material], [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
+    }
+
+    /// Whether the surface has no hole there: an alpha mask below ½ is a hole.
+    fn covers(&self, hit: &TriangleHit) -> bool {
+        let mesh = &self.scene.meshes[self.origin(hit).mesh as usize];
+        let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
+        let (_, vertices) = self.surface(hit);
+        bilinear(&self.scene.textures[mask], interpolate_uv(&vertices, hit)).x >= 0.5
+    }
+}
+
+/// The texture coordinates where a triangle was hit.
+pub fn interpolate_uv(vertices: &[&Vertex; 3], hit: &TriangleHit) -> DVec2 {
+    vertices
+        .iter()
+        .zip(hit.barycentrics)
+        .map(|(v, weight)| weight * DVec2::new(f64::from(v.uv[0]), f64::from(v.uv[1])))
+        .sum()
+}

@@ -1,0 +1,316 @@
+//! Records: what a measurement was of, and what it found. One is one JSON object (docs/definitions.md,
+//! "Records").
+
+use super::stage::Globals;
+use crate::gpu::timing::PassWork;
+use crate::gpu::{DeviceInfo, Gpu, Skipped};
+use crate::methods::{self, EffectParams, MethodInfo, Setup};
+use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Value};
+use crate::passes::gbuffer::Drawn;
+use crate::scene::{Lens, Scene, View};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value as Json, json};
+
+/// The version of docs/definitions.md that figures are of unless another is asked for.
+pub const DEFINITIONS: u32 = 2;
+
+/// Median, minimum, 95th percentile and number of some samples, in milliseconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Stats {
+    /// Median; of an even number, the mean of the middle two.
+    pub median_ms: f64,
+    /// Least.
+    pub min_ms: f64,
+    /// The least sample that 95 % of the samples don't exceed.
+    pub p95_ms: f64,
+    /// How many.
+    pub samples: usize,
+}
+
+impl Stats {
+    /// Of any number of samples; all zero for none.
+    pub fn of(samples: &[f64]) -> Self {
+        let mut sorted = samples.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let n = sorted.len();
+        if n == 0 {
+            return Self { median_ms: 0.0, min_ms: 0.0, p95_ms: 0.0, samples: 0 };
+        }
+        let p95 = (0.95 * n as f64).ceil() as usize - 1;
+        Self {
+            median_ms: (sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0,
+            min_ms: sorted[0],
+            p95_ms: sorted[p95],
+            samples: n,
+        }
+    }
+}
+
+/// A pass's times.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PassRecord {
+    /// Label; a level of a chain follows a slash.
+    pub name: String,
+    /// Whether it counts towards the total (scene passes don't).
+    pub counted: bool,
+    /// Its times.
+    #[serde(flatten)]
+    pub stats: Stats,
+    /// Its work, counted in a frame of its own, where the device counts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub work: Option<PassWork>,
+}
+
+/// Which program measured, by which definitions, on which device.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// The version of docs/definitions.md that the figures are of.
+    pub definitions: u32,
+    /// Of this program.
+    pub version: String,
+    /// Of its source; "unknown" outside a repository.
+    pub commit: String,
+    /// Device.
+    pub device: DeviceInfo,
+}
+
+impl Provenance {
+    /// This program's version.
+    pub const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    /// The commit it was built from.
+    pub const COMMIT: &'static str = env!("SSCT_COMMIT");
+
+    /// This program on a device.
+    pub fn on(gpu: &Gpu) -> Self {
+        Self {
+            definitions: DEFINITIONS,
+            version: Self::VERSION.to_owned(),
+            commit: Self::COMMIT.to_owned(),
+            device: gpu.info().clone(),
+        }
+    }
+}
+
+/// Everything that was set for a measurement, by name: size, lens, the global factors, the preset, and every parameter
+/// of the effect and of the method. What is not set (a roughness that the materials keep) is null.
+pub type RecordedSetup = Map<String, Json>;
+
+/// The setup of a method seen through a lens.
+pub fn recorded(setup: &Setup, method: Option<&MethodInfo>, lens: &Lens, globals: &Globals) -> RecordedSetup {
+    let named = |(name, value): (&str, Value)| (name.to_owned(), json!(value));
+    let mut all: RecordedSetup = setup.recorded(method).into_iter().map(named).collect();
+    let factors = [
+        ("fov_degrees", Some(lens.fov_y_radians.to_degrees())),
+        ("near_m", Some(lens.near_m)),
+        ("far_m", Some(lens.far_m)),
+        ("roughness", globals.roughness),
+        ("reflectivity", Some(globals.reflectivity)),
+        ("normal_deviation", globals.normal_deviation),
+    ];
+    all.extend(factors.map(|(name, value)| (name.to_owned(), json!(value.map(Value::Number)))));
+    all
+}
+
+/// A value of a [`RecordedSetup`] as text: nothing for null.
+pub fn cell(value: &Json) -> String {
+    match value {
+        Json::Null => String::new(),
+        Json::String(text) => text.clone(),
+        Json::Number(n) => n.as_f64().map_or_else(|| n.to_string(), |n| n.to_string()),
+        other => other.to_string(),
+    }
+}
+
+/// What every record of a scene's view begins with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Head {
+    /// "time", "error", …
+    pub kind: String,
+    /// Which program measured on what.
+    #[serde(flatten)]
+    pub program: Provenance,
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Method name.
+    pub method: String,
+    /// Preset.
+    pub preset: Preset,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Global roughness; null where the materials keep theirs.
+    pub roughness: Option<f32>,
+    /// All that was set.
+    pub setup: RecordedSetup,
+}
+
+impl Head {
+    /// The head of a measurement by this program. What is of no method, such as a reference, is called by a name of its
+    /// own.
+    pub fn new(kind: &str, gpu: &Gpu, place: (&Scene, &View), of: Of, setup: &Setup, globals: &Globals) -> Self {
+        let (scene, view) = place;
+        let (name, method) = match of {
+            Of::Method(method) => (method.name, Some(method)),
+            Of::Other { name, method } => (name, method),
+        };
+        Self {
+            kind: kind.to_owned(),
+            program: Provenance { definitions: setup.effect().definitions.into(), ..Provenance::on(gpu) },
+            scene: scene.name.clone(),
+            view: view.name.clone(),
+            method: name.to_owned(),
+            preset: setup.values.preset,
+            width: setup.extent[0],
+            height: setup.extent[1],
+            roughness: globals.roughness,
+            setup: recorded(setup, method, &view.lens.unwrap_or(scene.lens), globals),
+        }
+    }
+
+    /// A value of the setup as text; nothing for what is null or not there.
+    pub fn setting(&self, name: &str) -> String {
+        self.setup.get(name).map(cell).unwrap_or_default()
+    }
+
+    /// The method and what is behind it, if anything is.
+    pub fn method_and_fallback(&self) -> String {
+        match self.setting("fallback").as_str() {
+            "" | "none" => self.method.clone(),
+            behind => format!("{} + {behind}", self.method),
+        }
+    }
+
+    /// What a variant of a method is called: method, fallback, preset, and the parameters that differ from the preset's
+    /// values.
+    pub fn variant(&self) -> String {
+        let rows = methods::find(&self.method).map_or_else(|_| EffectParams::table(), MethodInfo::reads);
+        let has_presets = rows.iter().any(|row| row.author != row.published);
+        let preset = Some(self.preset.name()).filter(|_| has_presets && self.preset != Preset::default());
+        let fallback = |row: &&Parameter| row.name != "fallback";
+        let differs =
+            rows.iter().filter(fallback).filter_map(|row| differing(row, self.preset, &self.setting(row.name)));
+        let words = preset.map(str::to_owned).into_iter().chain(differs);
+        words.fold(self.method_and_fallback(), |name, word| format!("{name} {word}"))
+    }
+}
+
+/// A parameter's value in a few words, if it is not the preset's; `text` is the value as a record has it. `None` also if a
+/// record does not say it: it is of a time before there was the parameter.
+pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> {
+    if text.is_empty() || text == cell(&json!(row.of(preset))) {
+        return None;
+    }
+    Some(match row.domain {
+        Domain::Switch if text == "true" => row.typed_name(),
+        Domain::Switch => format!("no {}", row.typed_name()),
+        // A number alone says nothing.
+        Domain::Choices(_) if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) => {
+            text.to_owned()
+        }
+        _ => format!("{} {text}", row.typed_name()),
+    })
+}
+
+/// What a record is of.
+#[derive(Clone, Copy)]
+pub enum Of<'a> {
+    /// A method.
+    Method(&'a MethodInfo),
+    /// Something else, with the method whose parameters it uses, if it uses any.
+    Other {
+        /// Its name in records.
+        name: &'a str,
+        /// The method.
+        method: Option<&'a MethodInfo>,
+    },
+}
+
+/// Times of one method on one view, size and roughness.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TimeRecord {
+    /// What it is of.
+    #[serde(flatten)]
+    pub head: Head,
+    /// Every pass of the frame, in order.
+    pub passes: Vec<PassRecord>,
+    /// Sum of the counted passes, sample by sample.
+    pub total: Stats,
+    /// From the frame's first timestamp to its last, scene passes included.
+    pub frame: Stats,
+    /// Meshes and triangles drawn.
+    pub drawn: Drawn,
+    /// Labels of the passes recorded.
+    pub recorded: Vec<String>,
+    /// Passes that the frame did not need.
+    pub skipped: Vec<Skipped>,
+    /// Raw samples, one row a sample: milliseconds of each pass, in order. Kept beside, as CSV.
+    #[serde(skip)]
+    pub samples: Vec<Vec<f64>>,
+}
+
+impl TimeRecord {
+    /// Sum of the medians of all passes over the median of the frame: 1 if nothing lies between.
+    pub fn sum_over_frame(&self) -> f64 {
+        self.passes.iter().map(|p| p.stats.median_ms).sum::<f64>() / self.frame.median_ms
+    }
+
+    /// Medians of the counted passes with the levels of a chain added up, in order.
+    pub fn stages(&self) -> Vec<(String, f64)> {
+        let mut stages: Vec<(String, f64)> = Vec::new();
+        for pass in self.passes.iter().filter(|p| p.counted) {
+            let name = pass.name.split('/').next().unwrap_or(&pass.name);
+            match stages.iter_mut().find(|(n, _)| n == name) {
+                Some((_, ms)) => *ms += pass.stats.median_ms,
+                None => stages.push((name.to_owned(), pass.stats.median_ms)),
+            }
+        }
+        stages
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::methods::METHODS;
+
+    /// A value that a parameter takes and that is not the given one.
+    pub(crate) fn another(parameter: &Parameter, value: Value) -> Value {
+        use crate::parameter::Domain;
+        let candidates = match parameter.domain {
+            Domain::Count(least, most) => vec![Value::Count(least), Value::Count(most)],
+            Domain::Number { least, most, .. } => vec![Value::Number(most), Value::Number(0.5 * (least + most))],
+            _ => parameter.domain.few().unwrap_or_default(),
+        };
+        candidates.into_iter().find(|c| *c != value && parameter.domain.has(*c)).expect("more than one value")
+    }
+
+    /// The property that keeps records honest: whatever is changed, the recorded setup says so.
+    #[test]
+    fn a_changed_parameter_changes_the_recorded_setup_of_each_method_that_reads_it() {
+        for method in METHODS {
+            for preset in [Preset::Published, Preset::Author] {
+                let base = Setup::new([64, 48]).of_preset(preset);
+                for parameter in method.reads() {
+                    let mut changed = base.clone();
+                    changed.values.set(&parameter, another(&parameter, base.values.of(&parameter)));
+                    let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));
+                    let differ: Vec<_> = before.iter().filter(|(k, v)| after.get(*k) != Some(v)).collect();
+                    assert_eq!(differ.len(), 1, "{} of {}: {differ:?}", parameter.name, method.name);
+                    assert_eq!(differ[0].0, parameter.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stats_are_those_of_a_hand_computation() {
+        let s = Stats::of(&[4.0, 1.0, 3.0, 2.0]);
+        assert_eq!((s.median_ms, s.min_ms, s.p95_ms, s.samples), (2.5, 1.0, 4.0, 4));
+        let twenty: Vec<f64> = (1..=20).map(f64::from).collect();
+        assert_eq!(Stats::of(&twenty).p95_ms, 19.0);
+        assert_eq!(Stats::of(&[]).samples, 0);
+    }
+}

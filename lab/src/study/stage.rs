@@ -1,0 +1,208 @@
+//! A scene on a device, and a shot of it: one camera, one size, one method.
+
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{Frame, FrameContext, FrameReport, Gpu};
+use crate::methods::{Effect, Input, MethodInfo, Output, Prepared, SceneInput, Setup, Wants};
+use crate::passes::gbuffer::{Drawn, GBufferPass};
+use crate::passes::lighting::LightingPass;
+use crate::passes::scene_data::SceneData;
+use crate::passes::{Captures, GBuffer};
+use crate::scene::{Camera, Capture, Material, Scene, View, placement};
+use glam::Vec3;
+
+/// The global factors of the command line; they replace or scale every material's values
+/// (docs/definitions.md, "Surfaces").
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Globals {
+    /// Replaces every roughness.
+    pub roughness: Option<f32>,
+    /// Scales every reflectivity.
+    pub reflectivity: f32,
+    /// Replaces every normal deviation.
+    pub normal_deviation: Option<f32>,
+}
+
+impl Default for Globals {
+    fn default() -> Self {
+        Self { roughness: None, reflectivity: 1.0, normal_deviation: None }
+    }
+}
+
+impl Globals {
+    /// The materials of a view with these factors.
+    pub fn materials(&self, scene: &Scene, view: &View) -> Vec<Material> {
+        let mut materials = scene.materials_in(view);
+        for m in &mut materials {
+            m.roughness = self.roughness.unwrap_or(m.roughness);
+            m.normal_deviation = self.normal_deviation.unwrap_or(m.normal_deviation);
+            m.reflectivity *= self.reflectivity;
+        }
+        materials
+    }
+}
+
+/// A scene on a device, and what frames are recorded with.
+pub struct Stage {
+    /// Records, submits and reads back.
+    pub context: FrameContext,
+    data: SceneData,
+}
+
+impl Stage {
+    /// Uploads a scene.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self> {
+        let mut context = FrameContext::new(gpu)?;
+        let mut data = SceneData::upload(&mut context, scene)?;
+        data.find_captures_by(placement::finder(scene));
+        Ok(Self { context, data })
+    }
+
+    /// The scene on the device, to change what moves in it between frames.
+    pub fn scene_mut(&mut self) -> &mut SceneData {
+        &mut self.data
+    }
+
+    /// Replaces the captures of the scene's file for shots that are made from now on; without any, they are placed.
+    pub fn set_captures(&mut self, captures: Vec<Capture>) {
+        self.data.set_captures(captures);
+    }
+
+    /// What frames are recorded with, and the scene.
+    pub(crate) fn parts(&mut self) -> (&mut FrameContext, &SceneData) {
+        (&mut self.context, &self.data)
+    }
+
+    /// Runs one frame of a shot.
+    pub fn run(&mut self, shot: &Shot, mode: Mode) -> Result<(FrameReport, Drawn)> {
+        let mut frame = self.context.begin(mode)?;
+        let (drawn, _) = shot.record(&mut frame, &self.data)?;
+        Ok((frame.finish()?, drawn))
+    }
+
+    /// Draws the scene of a shot without reflecting it.
+    pub fn draw(&mut self, shot: &Shot) -> Result<Drawn> {
+        let mut frame = self.context.begin(Mode::Plain)?;
+        let drawn = shot.draw(&mut frame, &self.data)?;
+        frame.finish()?;
+        Ok(drawn)
+    }
+
+    /// Runs one frame of a shot and hands over what it made.
+    pub fn output<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+        self.output_in(Mode::Plain, shot)
+    }
+
+    /// The same in a mode of choice.
+    pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+        let mut frame = self.context.begin(mode)?;
+        let (drawn, output) = shot.record(&mut frame, &self.data)?;
+        Ok((frame.finish()?, drawn, output))
+    }
+
+    /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last.
+    pub fn output_on<'s>(
+        &mut self,
+        mode: Mode,
+        shot: &'s Shot,
+        (other, drawn): (&'s Shot, &Drawn),
+    ) -> Result<(FrameReport, Output<'s>)> {
+        let mut frame = self.context.begin(mode)?;
+        frame.begin_effect();
+        let output = shot.reflect(&mut frame, &self.data, (other, drawn))?;
+        Ok((frame.finish()?, output))
+    }
+}
+
+/// One camera, one size, one method: the scene passes and the method's.
+pub struct Shot {
+    /// The G-buffer pass and its images.
+    pub gbuffer: GBufferPass,
+    lighting: LightingPass,
+    effect: Effect,
+    /// Where it looks from.
+    pub camera: Camera,
+    materials: Vec<Material>,
+}
+
+impl Shot {
+    /// Makes pipelines and images, and what the method captures of the scene.
+    pub fn new(
+        stage: &mut Stage,
+        method: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        camera: Camera,
+        materials: Vec<Material>,
+    ) -> Result<Self> {
+        let Stage { context, data } = stage;
+        let scene = SceneInput { data, materials: &materials };
+        let effect = Effect::new(context, method, setup, wants, Some(&scene))?;
+        let gpu = context.gpu();
+        Ok(Self {
+            gbuffer: GBufferPass::new(gpu, setup.extent)?,
+            lighting: LightingPass::new(gpu)?,
+            effect,
+            camera,
+            materials,
+        })
+    }
+
+    /// The captures in which rays go on, and where they stand; none if the method takes none.
+    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
+        self.effect.captures()
+    }
+
+    /// What the method made of the scene before the first frame.
+    pub fn prepared(&self) -> &Prepared {
+        self.effect.prepared()
+    }
+
+    /// Replaces the materials.
+    pub fn set_materials(&mut self, stage: &mut Stage, materials: Vec<Material>) -> Result<()> {
+        self.materials = materials;
+        let Stage { context, data } = stage;
+        self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
+    }
+
+    /// Faces of the captures that the method looks into; 0 without captures.
+    pub fn capture_faces(&self) -> u32 {
+        self.effect.capture_faces()
+    }
+
+    /// Moves the method's captures of the scene, as many as it has, and draws them anew there.
+    pub fn move_captures(&mut self, stage: &mut Stage, places: &[Vec3]) -> Result<()> {
+        let Stage { context, data } = stage;
+        self.effect.move_captures(context, &SceneInput { data, materials: &self.materials }, places)
+    }
+
+    /// The scene passes.
+    fn draw(&self, frame: &mut Frame, data: &SceneData) -> Result<Drawn> {
+        let drawn = self.gbuffer.record(frame, data, &self.materials, &self.camera)?;
+        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..self.gbuffer.gbuffer() };
+        self.lighting.record(frame, &gbuffer, self.gbuffer.albedo(), data, &self.camera)?;
+        Ok(drawn)
+    }
+
+    fn record<'s>(&'s self, frame: &mut Frame, data: &SceneData) -> Result<(Drawn, Output<'s>)> {
+        let drawn = self.draw(frame, data)?;
+        frame.begin_effect();
+        let output = self.reflect(frame, data, (self, &drawn))?;
+        Ok((drawn, output))
+    }
+
+    /// The method's passes, on the G-buffer of a shot, and from its camera.
+    fn reflect<'s>(
+        &'s self,
+        frame: &mut Frame,
+        data: &SceneData,
+        (of, drawn): (&'s Shot, &Drawn),
+    ) -> Result<Output<'s>> {
+        let gbuffer = GBuffer { reflectors: drawn.reflectors, ..of.gbuffer.gbuffer() };
+        let scene = SceneInput { data, materials: &self.materials };
+        self.effect.record(
+            frame,
+            &Input { scene: Some(scene), sky: Some(data.sky()), ..Input::of_screen(gbuffer, &of.camera) },
+        )
+    }
+}

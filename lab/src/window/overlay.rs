@@ -1,0 +1,159 @@
+//! egui's triangles over an image, through egui-ash-renderer and within a [`Frame`]. Its pipeline and
+//! descriptor pool are its own; its buffers and textures are ours, which go before their memory does (the
+//! allocators that come with it free the memory first, and the validation layers object).
+
+use crate::error::{Error, Result};
+use crate::gpu::device::{Gpu, vulkan};
+use crate::gpu::frame::Frame;
+use crate::gpu::image::{Image, ImageDesc, ImageSlice};
+use crate::gpu::memory::{Buffer, Place};
+use ash::vk;
+use egui_ash_renderer::allocator::Allocator;
+use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError, RendererResult};
+
+/// Draws what egui tessellated.
+pub struct Overlay {
+    renderer: Renderer<Memory>,
+    /// For the uploads of textures.
+    pool: vk::CommandPool,
+    /// Not drawn any more; freed before the next drawing.
+    unused: Vec<egui::TextureId>,
+    gpu: Gpu,
+}
+
+impl Overlay {
+    /// For targets of an sRGB format.
+    pub fn new(gpu: &Gpu, format: vk::Format) -> Result<Self> {
+        let mode = RenderMode::DynamicRendering(DynamicRendering {
+            color_attachment_format: format,
+            depth_attachment_format: None,
+            stencil_attachment_format: None,
+        });
+        // One frame at a time is under way (`FrameContext`).
+        let options = Options { in_flight_frames: 1, srgb_framebuffer: true, ..Options::default() };
+        let renderer = Renderer::with_allocator(Memory(gpu.clone()), gpu.raw().clone(), mode, options)
+            .map_err(failed("making its pipeline"))?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(gpu.shared().queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the create info is complete; destroyed in `drop`.
+        let pool = unsafe { gpu.raw().create_command_pool(&info, None) }.map_err(vulkan("vkCreateCommandPool"))?;
+        gpu.name(pool, "overlay textures");
+        Ok(Self { renderer, pool, unused: Vec::new(), gpu: gpu.clone() })
+    }
+
+    /// Uploads what changed of egui's textures, in submissions of their own, which are waited for.
+    pub fn update_textures(&mut self, changes: &mut egui::TexturesDelta) -> Result<()> {
+        for id in self.unused.drain(..) {
+            self.renderer.free_texture(id).map_err(failed("freeing a texture"))?;
+        }
+        let queue = self.gpu.queue();
+        for (id, delta) in changes.set.drain().flat_map(|(id, deltas)| deltas.into_iter().map(move |d| (id, d))) {
+            self.gpu.count_submission();
+            self.renderer.set_texture(*queue, self.pool, id, &delta).map_err(failed("uploading a texture"))?;
+        }
+        self.unused.extend(changes.free.drain());
+        Ok(())
+    }
+
+    /// Pass "panel": draws over what the target holds.
+    pub fn record(
+        &mut self,
+        frame: &mut Frame,
+        target: ImageSlice,
+        pixels_per_point: f32,
+        triangles: &[egui::ClippedPrimitive],
+    ) -> Result<()> {
+        let [width, height] = target.extent();
+        frame.overlay("panel", target, |commands| {
+            self.renderer
+                .cmd_draw(commands, vk::Extent2D { width, height }, pixels_per_point, triangles)
+                .map_err(failed("drawing"))
+        })
+    }
+}
+
+impl Drop for Overlay {
+    fn drop(&mut self) {
+        // SAFETY: uploads and frames are waited for, so nothing of the pool is under way.
+        unsafe { self.gpu.raw().destroy_command_pool(self.pool, None) };
+    }
+}
+
+/// Makes the renderer's buffers and textures.
+struct Memory(Gpu);
+
+/// One of them.
+enum Held {
+    Buffer(Buffer),
+    /// Never read: it holds the texture for as long as the renderer has it.
+    Image(#[allow(dead_code)] Image),
+}
+
+impl Allocator for Memory {
+    type Allocation = Held;
+
+    fn create_buffer(
+        &mut self,
+        _: &ash::Device,
+        size: usize,
+        usage: vk::BufferUsageFlags,
+    ) -> RendererResult<(vk::Buffer, Held)> {
+        let buffer = Buffer::new(&self.0, "panel", size as u64, usage, Place::Upload).map_err(refused)?;
+        Ok((buffer.handle(), Held::Buffer(buffer)))
+    }
+
+    fn create_image(&mut self, _: &ash::Device, width: u32, height: u32) -> RendererResult<(vk::Image, Held)> {
+        let image = Image::new(
+            &self.0,
+            &ImageDesc {
+                name: "panel texture",
+                // What the renderer makes its own view of.
+                format: vk::Format::R8G8B8A8_SRGB,
+                extent: [width, height],
+                levels: 1,
+                layers: 1,
+                usage: vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED,
+            },
+        )
+        .map_err(refused)?;
+        Ok((image.handle(), Held::Image(image)))
+    }
+
+    fn destroy_buffer(&mut self, _: &ash::Device, _: vk::Buffer, memory: Held) -> RendererResult<()> {
+        drop(memory);
+        Ok(())
+    }
+
+    fn destroy_image(&mut self, _: &ash::Device, _: vk::Image, memory: Held) -> RendererResult<()> {
+        drop(memory);
+        Ok(())
+    }
+
+    fn update_buffer<T: Copy>(&mut self, _: &ash::Device, memory: &mut Held, data: &[T]) -> RendererResult<()> {
+        let Held::Buffer(buffer) = memory else {
+            return Err(RendererError::Allocator("a texture is no buffer".into()));
+        };
+        let size = size_of_val(data);
+        let Some(bytes) = buffer.bytes_mut().map_err(refused)?.get_mut(..size) else {
+            return Err(RendererError::Allocator(format!("a buffer has no room for {size} bytes")));
+        };
+        // SAFETY: both are `size` bytes long, and none of the buffer's are among the data's.
+        unsafe { std::ptr::copy_nonoverlapping(data.as_ptr().cast(), bytes.as_mut_ptr(), size) };
+        Ok(())
+    }
+}
+
+fn refused(error: Error) -> RendererError {
+    match error {
+        Error::Vulkan { result, .. } => RendererError::Vulkan(result),
+        other => RendererError::Allocator(other.to_string()),
+    }
+}
+
+fn failed(what: &'static str) -> impl Fn(RendererError) -> Error {
+    move |e| match e {
+        RendererError::Vulkan(result) => Error::Vulkan { what: format!("the panel: {what}"), result },
+        other => Error::Memory { what: format!("the panel ({what})"), message: other.to_string() },
+    }
+}

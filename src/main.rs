@@ -1,5 +1,0 @@
-//! The `ssct` command. Everything is in the library, under `app`.
-
-fn main() -> std::process::ExitCode {
-    ssct::app::run()
-}
