@@ -13,12 +13,12 @@
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use ssct::reference::first_hits::FirstHits;
-use ssct::reference::surface::World;
-use ssct::reference::world::RAY_START_M;
-use ssct::scene::bvh::WorldRay;
-use ssct::scene::placement::{Wanted, place, sees};
-use ssct::scene::{Camera, Capture, Scene, Triangles, View, library, scene_file};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::RAY_START_M;
+use ssct_lab::scene::bvh::WorldRay;
+use ssct_lab::scene::placement::{Wanted, place, sees};
+use ssct_lab::scene::{Camera, Capture, Scene, Triangles, View, library, scene_file};
 use std::path::Path;
 use std::time::Instant;
 

@@ -7,8 +7,8 @@ use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::scene::library;
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::scene::library;
+use ssct_lab::study::{Globals, Shot, Stage};
 use std::time::Duration;
 
 const SIZE: [u32; 2] = [480, 270];

@@ -18,9 +18,9 @@ use ssct::methods::{Effect, Input, Setup, Wants, unified};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::tiles::TILE;
 use ssct::passes::{GBuffer, Reflectors};
-use ssct::reference::unified::Traversal;
-use ssct::scene::{Camera, GBufferData, library};
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::reference::unified::Traversal;
+use ssct_lab::scene::{Camera, GBufferData, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeSet;
 
 const FRAMES: usize = 7;

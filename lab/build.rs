@@ -17,7 +17,8 @@ fn commit() -> String {
     for sources in ["src", "../src", "../shaders-glsl", "../build.rs"] {
         println!("cargo:rerun-if-changed={sources}");
     }
-    for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--path-format=absolute", "--git-path", f])) {
+    for file in ["HEAD", "index"].iter().filter_map(|f| git(&["rev-parse", "--path-format=absolute", "--git-path", f]))
+    {
         println!("cargo:rerun-if-changed={file}");
     }
     match git(&["rev-parse", "--short=10", "HEAD"]) {

@@ -428,7 +428,10 @@ macro_rules! parameters {
     (@list $self:ident.$field:ident) => { $crate::parameter::Parameters::list(&$self.$field) };
     (@list $self:ident.$field:ident, $row:expr) => { vec![$crate::parameter::Field::value($self.$field)] };
 }
+#[cfg(feature = "internals")]
 pub use parameters;
+#[cfg(not(feature = "internals"))]
+pub(crate) use parameters;
 
 /// Declares an enum whose values have names, the first of which is the default:
 /// `/// What it does.` `Value = "name",`, or `Value(CODE) = "name",` where a shader knows it by a code.
@@ -457,7 +460,10 @@ macro_rules! choices {
         }
     };
 }
+#[cfg(feature = "internals")]
 pub use choices;
+#[cfg(not(feature = "internals"))]
+pub(crate) use choices;
 
 impl Serialize for Preset {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {

@@ -95,7 +95,7 @@ fn largest_first(mut groups: Vec<CoplanarGroup>) -> Vec<CoplanarGroup> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh, Vertex, library};
+    use crate::scene::{Material, Mesh, Vertex};
 
     fn quad(corner: Vec3, u: Vec3, v: Vec3, material: usize) -> Mesh {
         let at = |p: Vec3| Vertex { position: p.to_array(), normal: [0.0; 3], uv: [0.0; 2], tangent: [0.0; 4] };
@@ -141,13 +141,5 @@ mod tests {
         let groups = merged(coplanar_groups(&scene).iter(), 8);
         let share = groups[0].triangles.len() as f32 / 3200.0;
         assert!(share > 0.99, "{share} of the triangles in {} groups", groups.len());
-    }
-
-    #[test]
-    fn the_floor_of_the_rooms_is_found() {
-        let scene = library::scene("rooms").expect("a built-in scene");
-        let groups = coplanar_groups(&scene);
-        let up = groups.iter().find(|g| g.plane.y > 0.999).expect("a floor");
-        assert!(up.area_m2 > 40.0, "{} m²", up.area_m2);
     }
 }

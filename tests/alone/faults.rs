@@ -11,9 +11,9 @@ use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
-use ssct::scene::{Camera, Lens, Scene, View};
-use ssct::study::image::render;
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::scene::{Camera, Lens, Scene, View};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage};
 use std::sync::Arc;
 
 const EXTENT: [u32; 2] = [16, 9];

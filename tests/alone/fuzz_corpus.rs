@@ -6,8 +6,9 @@
 mod entry;
 
 use crate::alone;
+use crate::common::repository;
 use crate::memory::bounded;
-use ssct::scene::{Encoding, gbuffer_file, path, texture};
+use ssct_lab::scene::{Encoding, gbuffer_file, path, texture};
 use std::path::Path;
 
 /// Mutations of a target's inputs, all together.
@@ -54,7 +55,7 @@ fn mutate(input: &[u8], other: &[u8], random: &mut Random) -> Vec<u8> {
 fn kept_inputs_and_their_mutations_are_loaded_or_refused() {
     let _alone = alone();
     for (name, entry) in entry::ENTRIES {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+        let folder = repository().join("fuzz/corpus").join(name);
         let mut files: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().path()).collect();
         files.sort();
         let inputs: Vec<Vec<u8>> = files.iter().map(|f| std::fs::read(f).unwrap()).collect();

@@ -9,15 +9,15 @@ pub mod html;
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{self, EffectParams, Setup, Wants};
-use ssct::scene::{
+use ssct_lab::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View,
 };
-use ssct::study::image::{RenderedImage, render};
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::study::image::{RenderedImage, render};
+use ssct_lab::study::{Globals, Shot, Stage};
 use std::num::NonZero;
 use std::ops::Deref;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A device under the validation layers, for one test at a time; GPU-assisted too where the variable SSCT_GPU_AV is 1.
@@ -101,10 +101,15 @@ pub fn check_validation(gpu: &Gpu) -> Result<(), String> {
     wrong.first().map_or(Ok(()), |first| Err(format!("{} message(s), the first: {}", wrong.len(), first.text)))
 }
 
+/// The root of the repository. The tests are of the package in a folder of it.
+pub fn repository() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
 /// The folder of the scenes that are too large for the repository, or a line that says why the
 /// test does nothing.
 pub fn shared_scenes() -> Option<PathBuf> {
-    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes"));
+    let folder = repository().join("../shared/scenes");
     if !folder.is_dir() {
         println!("skipped: ../shared/scenes is absent");
         return None;

@@ -1,13 +1,14 @@
 //! The import rules and the other invariants of the architecture, read off the sources: imports point
-//! down only, a pass knows no other pass, one file writes barriers, `unsafe` stays in one folder, no shader is a
-//! wrapper, and no number is declared in GLSL and in Rust.
+//! down only, what others embed depends on little, a pass knows no other pass, one file writes barriers, `unsafe` stays
+//! in two folders, no shader is a wrapper, and no number is declared in GLSL and in Rust.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+use crate::common::repository;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// A module of the crate's root, and those that it may import.
+/// A module at the root of a package, and those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
     ("error", &[]),
     // Values and their names: what every layer may have parameters by.
@@ -21,13 +22,40 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
     ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
     ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
+    ("window", &["error", "parameter", "gpu"]),
     (
         "app",
-        &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study", "report"],
+        &[
+            "error",
+            "parameter",
+            "math",
+            "scene",
+            "gpu",
+            "reference",
+            "metrics",
+            "passes",
+            "methods",
+            "study",
+            "report",
+            "window",
+        ],
     ),
     ("main", &["app"]),
     ("lib", &[]),
 ];
+
+/// The two packages: where their sources are, and the modules at their roots. Of `scene`, the plain types are in the
+/// one, and what loads and generates scenes is in the other.
+const PACKAGES: &[(&str, &[&str])] = &[
+    ("src", &["error", "parameter", "math", "scene", "gpu", "passes", "methods", "lib"]),
+    ("lab/src", &["scene", "reference", "metrics", "study", "report", "window", "app", "main", "lib"]),
+];
+
+/// The most direct dependencies of the package that others embed, those of optional features included.
+const MOST_DEPENDENCIES: usize = 10;
+
+/// What it never depends on: command lines, plots, windows.
+const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "winit"];
 
 /// Modules of `passes` that are no pass: what several of them read.
 const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles"];
@@ -53,8 +81,9 @@ const SHARED_TYPE_NAMES: &[&str] =
 /// This file replaces the module `app::view` where the window is not built, so its types have the same names.
 const ALTERNATIVE: &str = "app/no_view.rs";
 
-/// A source file: its path under `src/`, and its code without comments and unit tests.
+/// A source file: the folder of its package's sources, its path in it, and its code without comments and unit tests.
 struct Source {
+    package: &'static str,
     path: String,
     code: String,
 }
@@ -71,7 +100,7 @@ fn code(text: &str) -> String {
 
 /// The files below a folder of the repository with one of some extensions: their paths in it, and their texts.
 fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
+    let root = repository().join(folder);
     let (mut folders, mut found) = (vec![root.clone()], Vec::new());
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
@@ -89,15 +118,19 @@ fn files(folder: &str, extensions: &[&str]) -> Vec<(String, String)> {
 
 fn sources() -> Vec<Source> {
     let shipped = |(path, _): &(String, String)| Path::new(path).file_stem().is_some_and(|stem| stem != "tests");
-    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
-    let found: Vec<_> = files("src", &["rs"]).into_iter().filter(shipped).map(source).collect();
-    assert!(found.len() > 50, "only {} sources found", found.len());
-    found
+    let of = |(package, _): &(&'static str, _)| {
+        let package = *package;
+        let source = move |(path, text): (String, String)| Source { package, path, code: code(&text) };
+        let found: Vec<_> = files(package, &["rs"]).into_iter().filter(shipped).map(source).collect();
+        assert!(found.len() > 50, "only {} sources found in {package}", found.len());
+        found
+    };
+    PACKAGES.iter().flat_map(of).collect()
 }
 
 /// The shaders' sources, without comments.
 fn shaders() -> Vec<Source> {
-    let source = |(path, text): (String, String)| Source { path, code: code(&text) };
+    let source = |(path, text): (String, String)| Source { package: "shaders-glsl", path, code: code(&text) };
     let found: Vec<_> = files("shaders-glsl", &["glsl", "vert", "frag", "comp"]).into_iter().map(source).collect();
     assert!(found.len() > 50, "only {} shaders found", found.len());
     found
@@ -151,7 +184,7 @@ impl Number {
 }
 
 /// `#define NAME 1.0` and `const float NAME = 1.0;` of a shader.
-fn numbers_of_glsl(Source { path, code }: &Source) -> Vec<Number> {
+fn numbers_of_glsl(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
         let declared = match (line.strip_prefix("#define "), line.strip_prefix("const ")) {
@@ -167,7 +200,7 @@ fn numbers_of_glsl(Source { path, code }: &Source) -> Vec<Number> {
 }
 
 /// `const NAME: f32 = 1.0;` of a Rust source, and `Name = 1,` of an enum.
-fn numbers_of_rust(Source { path, code }: &Source) -> Vec<Number> {
+fn numbers_of_rust(Source { path, code, .. }: &Source) -> Vec<Number> {
     let found = code.lines().filter_map(|line| {
         let line = line.trim();
         let constant = line.split_once("const ").and_then(|(_, rest)| rest.strip_suffix(';')?.split_once(" = "));
@@ -219,15 +252,32 @@ fn names_after(code: &str, prefix: &str) -> Vec<String> {
     names
 }
 
-/// What a file imports against the rule of the layers.
-fn wrong_imports(path: &str, code: &str) -> Vec<String> {
-    let module = path.split(['/', '.']).next().unwrap();
+/// The module at the root of its package that a file belongs to.
+fn module(path: &str) -> &str {
+    path.split(['/', '.']).next().unwrap()
+}
+
+/// What a file imports against the rule of the layers. The laboratory may name a module of the other package by either
+/// crate.
+fn wrong_imports(package: &str, path: &str, code: &str) -> Vec<String> {
+    let module = module(path);
     let Some((_, below)) = LAYERS.iter().find(|(name, _)| *name == module) else {
         return vec![format!("{path}: the module {module} stands in no layer")];
     };
-    let prefix = if module == "main" { "ssct::" } else { "crate::" };
+    let prefixes: &[&str] = match (package, module) {
+        (_, "lib") => &[],
+        (_, "main") => &["ssct_lab::", "ssct::"],
+        ("src", _) => &["crate::"],
+        _ => &["crate::", "ssct::"],
+    };
+    // `ssct` is a method, too, whose items are no modules.
+    let is_module = |n: &String| LAYERS.iter().any(|(name, _)| n == name);
     let wrong = |n: &String| n != module && !below.contains(&n.as_str());
-    names_after(code, prefix).into_iter().filter(wrong).map(|n| format!("{path} imports {n}")).collect()
+    let named = |prefix: &&str| {
+        let names = names_after(code, prefix).into_iter();
+        names.filter(|n| *prefix != "ssct::" || is_module(n)).collect::<Vec<_>>()
+    };
+    prefixes.iter().flat_map(named).filter(wrong).map(|n| format!("{path} imports {n}")).collect()
 }
 
 /// The types and traits that a file declares with `pub`, with or without a scope.
@@ -251,8 +301,31 @@ fn wrong_siblings(path: &str, code: &str, passes: &[String]) -> Vec<String> {
 
 #[test]
 fn imports_point_down_only() {
-    let wrong: Vec<_> = sources().iter().flat_map(|s| wrong_imports(&s.path, &s.code)).collect();
+    let wrong: Vec<_> = sources().iter().flat_map(|s| wrong_imports(s.package, &s.path, &s.code)).collect();
     assert_eq!(wrong, [""; 0]);
+}
+
+#[test]
+fn what_others_embed_knows_nothing_of_the_laboratory() {
+    for s in sources() {
+        let (_, modules) = PACKAGES.iter().find(|(package, _)| *package == s.package).unwrap();
+        assert!(modules.contains(&module(&s.path)), "{} is in {}", s.path, s.package);
+        assert!(s.package != "src" || !s.code.contains("ssct_lab"), "{} names the laboratory", s.path);
+    }
+}
+
+#[test]
+fn what_others_embed_depends_on_little() {
+    let text = std::fs::read_to_string(repository().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = text.parse().unwrap();
+    assert!(!manifest.contains_key("target"), "dependencies of one system count, too: count them here");
+    let names: Vec<_> = manifest["dependencies"].as_table().unwrap().keys().map(String::as_str).collect();
+    assert!(names.contains(&"ash") && names.len() <= MOST_DEPENDENCIES, "{}: {names:?}", names.len());
+    for table in ["dependencies", "build-dependencies", "dev-dependencies"] {
+        for name in manifest[table].as_table().unwrap().keys() {
+            assert!(!NOT_EMBEDDED.contains(&name.as_str()), "{name} in {table}");
+        }
+    }
 }
 
 #[test]
@@ -291,10 +364,11 @@ fn one_file_writes_barriers_timestamps_and_labels() {
 }
 
 #[test]
-fn unsafe_code_stays_in_gpu() {
+fn unsafe_code_stays_in_gpu_and_window() {
     let mut found = 0;
     for s in sources().iter().filter(|s| !names_after(&s.code, "unsafe").is_empty() || s.code.contains("unsafe {")) {
-        assert!(s.path.starts_with("gpu/"), "{}", s.path);
+        let is_there = s.path.starts_with(if s.package == "src" { "gpu/" } else { "window/" });
+        assert!(is_there, "{} in {}", s.path, s.package);
         found += 1;
     }
     assert!(found >= 5, "the word is found where it is");
@@ -367,7 +441,7 @@ fn no_constant_is_declared_in_both_languages() {
 fn the_scan_of_shaders_sees_what_it_should() {
     let wrapper = "#version 460\n// Says nothing.\n\n#define HITS\n#include \"a.glsl\"\n";
     assert!(is_wrapper(&code(wrapper)) && !is_wrapper(&code(&format!("{wrapper}void main() {{}}"))));
-    let source = |code: &str| Source { path: "x".into(), code: code.into() };
+    let source = |code: &str| Source { package: "", path: "x".into(), code: code.into() };
     let glsl = numbers_of_glsl(&source(
         "#define XI 0.244\n#define FLAG\n#define F(x) x\nconst int WIDE_LIST = 2;\nconst uint BITS = 4u;\n\
          layout(constant_id = 0) const int STRIP = 2;\nconst vec3 A = vec3(1.0);",
@@ -412,11 +486,14 @@ fn the_scan_sees_what_it_should() {
     let text = "use crate::gpu::{Frame, Gpu};\nuse crate::{\n    math::cone::{a, b},\n    methods, // crate::study\n};\n\
                 fn f() -> crate::app::X { my_crate::report::y() }\n#[cfg(test)]\nmod tests { use crate::study; }";
     assert_eq!(names_after(&code(text), "crate::"), ["gpu", "math", "methods", "app"]);
-    assert_eq!(wrong_imports("scene/obj.rs", "use crate::gpu::Image;"), ["scene/obj.rs imports gpu"]);
-    assert_eq!(wrong_imports("reference/oracle.rs", "use crate::passes::HiZ;"), ["reference/oracle.rs imports passes"]);
-    assert_eq!(wrong_imports("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
-    assert_eq!(wrong_imports("main.rs", "ssct::app::run(); ssct::gpu::x();"), ["main.rs imports gpu"]);
-    assert_eq!(wrong_imports("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
+    let wrong = |path, code| wrong_imports("lab/src", path, code);
+    assert_eq!(wrong("scene/obj.rs", "use crate::gpu::Image;"), ["scene/obj.rs imports gpu"]);
+    assert_eq!(wrong("reference/oracle.rs", "use ssct::passes::HiZ;"), ["reference/oracle.rs imports passes"]);
+    assert_eq!(wrong("main.rs", "ssct_lab::app::run(); ssct_lab::study::x();"), ["main.rs imports study"]);
+    assert_eq!(wrong("extra/mod.rs", "").len(), 1, "a new module must be given a layer");
+    let wrong = |path, code| wrong_imports("src", path, code);
+    assert_eq!(wrong("gpu/image.rs", "use crate::scene::Camera;"), ["gpu/image.rs imports scene"]);
+    assert_eq!(wrong("methods/mod.rs", "ssct::INFO, crate::study::x()"), ["methods/mod.rs imports study"]);
     assert_eq!(code("a\n#[cfg(test)]\nmod tests;\nb\n#[cfg(test)]\nmod tests {\n}"), "a\n#[cfg(test)]\nmod tests;\nb");
     let types =
         "pub struct A;\n    pub(in crate::gpu) enum B {\npub type C<T> = T;\npub a: u32,\nstruct D;\npub fn e() {}";

@@ -5,11 +5,11 @@ use crate::common::{Builder, camera, gpu};
 use glam::{DVec3, Vec3};
 use ssct::math::phong;
 use ssct::methods::{Setup, Wants, find};
-use ssct::reference::first_hits::{FirstHits, Receiver};
-use ssct::reference::lobe::lobe_direction;
-use ssct::scene::{AreaLight, AreaShape, Material, Scene};
-use ssct::study::image::render;
-use ssct::study::{Shot, Stage, gbuffer};
+use ssct_lab::reference::first_hits::{FirstHits, Receiver};
+use ssct_lab::reference::lobe::lobe_direction;
+use ssct_lab::scene::{AreaLight, AreaShape, Material, Scene};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [64, 48];
 /// Directions along each side of the grid.

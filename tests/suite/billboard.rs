@@ -7,12 +7,12 @@ use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::billboard::BillboardParams;
 use ssct::methods::{Setup, Wants, find};
 use ssct::passes::billboard::{Occlusion, Order};
-use ssct::reference::first_hits::FirstHits;
-use ssct::reference::surface::World;
-use ssct::reference::world::{Escape, WorldReference};
-use ssct::scene::{Encoding, Impostor, Scene, Texture};
-use ssct::study::image::render;
-use ssct::study::{Shot, Stage, gbuffer};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);

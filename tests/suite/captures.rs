@@ -14,12 +14,12 @@ use ssct::methods::{EffectParams, SceneInput, Setup, Wants, unified};
 use ssct::passes::PathCode;
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct::reference::images::EndInImages;
-use ssct::reference::unified::{CubeWalk, Ended, Seen, Traversal};
-use ssct::reference::{CaptureData, Images};
-use ssct::scene::capture::face_camera;
-use ssct::scene::{Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
-use ssct::study::{Globals, Shot, Stage, gbuffer, stress};
+use ssct_lab::reference::images::EndInImages;
+use ssct_lab::reference::unified::{CubeWalk, Ended, Seen, Traversal};
+use ssct_lab::reference::{CaptureData, Images};
+use ssct_lab::scene::capture::face_camera;
+use ssct_lab::scene::{Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
 
 /// What the device drew and where its rays ended.
 struct Drawn {
@@ -153,7 +153,7 @@ fn check_twin(drawn: &Drawn) -> Count {
     count
 }
 
-fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct::reference::unified::Hit) -> bool {
+fn of_hit(found: &[f32], screen: &Traversal, hit: &ssct_lab::reference::unified::Hit) -> bool {
     let uv = hit.position * screen.parameters.pixel_to_clip;
     let bits = [uv.x, uv.y, 1.0 - hit.depth].map(f32::to_bits);
     PathCode::from_channel(found[3]) == Some(PathCode::HiZ) && bits == [0, 1, 2].map(|c| found[c].to_bits())

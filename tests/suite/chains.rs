@@ -10,11 +10,11 @@ use ssct::methods::Setup;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct::reference::Level;
-use ssct::reference::hi_z::{self, MinMax};
-use ssct::reference::visibility::{self, Range};
-use ssct::scene::{GBufferData, Surface, scene_file};
-use ssct::study::Globals;
+use ssct_lab::reference::Level;
+use ssct_lab::reference::hi_z::{self, MinMax};
+use ssct_lab::reference::visibility::{self, Range};
+use ssct_lab::scene::{GBufferData, Surface, scene_file};
+use ssct_lab::study::Globals;
 
 const SIZES: [[u32; 2]; 14] = [
     [1, 1],
@@ -266,6 +266,6 @@ fn the_two_filters_differ() {
     let gpu = gpu();
     let [a, b] = [ChainFilter::Hardware, ChainFilter::Gaussian].map(|f| render(&gpu, [64, 64], f));
     assert_eq!(a.get("color"), b.get("color"), "level 0 is the lit colour either way");
-    let difference = ssct::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
+    let difference = ssct_lab::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
     assert!(difference > 0.005, "{difference}");
 }

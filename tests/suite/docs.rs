@@ -4,6 +4,7 @@
 mod headline;
 mod records;
 
+use crate::common::repository;
 use ssct::methods::METHODS;
 use std::collections::BTreeMap;
 use std::fs;
@@ -21,6 +22,7 @@ const CITING: &[&str] = &[
     "benches",
     "docs",
     "fuzz",
+    "lab",
     "scripts",
     "shaders-glsl",
     "src",
@@ -31,7 +33,7 @@ const CITING: &[&str] = &[
 const NOT_TEXT: &[&str] = &["benches/runs/2", "fuzz/corpus", "fuzz/target", "tests/golden"];
 
 fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+    repository().to_owned()
 }
 
 /// Path below the root and content of every text file that may cite a page.
@@ -145,7 +147,7 @@ fn links_lead_to_files_and_headings_that_exist() {
 
 /// Whether a piece of code in a page is the path of a file of the repository.
 fn is_path(code: &str) -> bool {
-    let folders = ["benches/", "docs/", "scripts/", "shaders-glsl/", "src/", "tests/"];
+    let folders = ["benches/", "docs/", "lab/", "scripts/", "shaders-glsl/", "src/", "tests/"];
     folders.iter().any(|f| code.starts_with(f)) && code.contains('.') && !code.contains([' ', '*', '<', '{'])
 }
 

@@ -1,6 +1,7 @@
 //! `ssct error` on a small view: finite figures for every reference, kept cells, files; and the time
 //! records whose passes add up to the frame.
 
+use crate::common::repository;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
@@ -167,7 +168,7 @@ fn the_passes_add_up_to_the_frame() {
 
 #[test]
 fn in_the_kept_records_the_passes_are_within_a_tenth_of_the_frame() {
-    let runs = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/runs/2026-11-21-lavapipe");
+    let runs = repository().join("benches/runs/2026-11-21-lavapipe");
     for table in ["table-5.8-atrium", "table-5.8-sponza"] {
         let text = std::fs::read_to_string(runs.join(table).join("time.json")).unwrap();
         let records: Vec<Value> = serde_json::from_str(&text).unwrap();

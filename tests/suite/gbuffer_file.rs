@@ -4,8 +4,8 @@
 use crate::common::folder::Folder;
 use crate::common::gpu;
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::scene::{gbuffer_file, library};
-use ssct::study::{Globals, Shot, Stage, gbuffer, image};
+use ssct_lab::scene::{gbuffer_file, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
 use std::process::Command;
 

@@ -6,11 +6,11 @@ use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{self, EffectParams, Setup, Wants};
-use ssct::metrics::image::masked_rmse;
-use ssct::reference::screen::{Sampling, ScreenReference};
-use ssct::scene::{GBufferData, View, library};
-use ssct::study::gbuffer::{self, reflect};
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::reference::screen::{Sampling, ScreenReference};
+use ssct_lab::scene::{GBufferData, View, library};
+use ssct_lab::study::gbuffer::{self, reflect};
+use ssct_lab::study::{Globals, Shot, Stage};
 
 /// The G-buffer of a built-in view, moved aside by a part of a metre.
 fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32, aside_m: f32) -> GBufferData {

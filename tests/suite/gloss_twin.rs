@@ -16,10 +16,10 @@ use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::tiles::UnifiedSetup;
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
-use ssct::reference::Level;
-use ssct::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
-use ssct::scene::{Camera, GBufferData, Lens, Surface, library};
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::reference::Level;
+use ssct_lab::reference::unified::{Aim, Cell, Gathered, Gloss, Traversal};
+use ssct_lab::scene::{Camera, GBufferData, Lens, Surface, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// The numbers of fade that `unified::parameters` gives.
 const FADE: [f32; 2] = [0.8, 1.0];

@@ -1,17 +1,17 @@
 //! Small images of the built-in scenes, kept in `tests/golden/`, and compared by FLIP. To renew them
 //! after a change that is meant: `SSCT_UPDATE_GOLDEN=1 cargo test --test suite golden::`, and look at them.
 
-use crate::common::{gpu, unfaded};
+use crate::common::{gpu, repository, unfaded};
 use ssct::gpu::{DeviceQuery, Gpu};
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::metrics::flip::FlipMap;
 use ssct::parameter::Preset;
 use ssct::passes::color_chain::ChainFilter;
-use ssct::report::images::{Rgb, display};
-use ssct::scene::library;
-use ssct::study::image::render;
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::metrics::flip::FlipMap;
+use ssct_lab::report::images::{Rgb, display};
+use ssct_lab::scene::library;
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage};
 use std::path::{Path, PathBuf};
 
 const EXTENT: [u32; 2] = [192, 108];
@@ -35,7 +35,7 @@ const VIEWS: [(&str, &str, Option<f32>); 7] = [
 ];
 
 fn golden(stem: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden").join(format!("{stem}.png"))
+    repository().join("tests/golden").join(format!("{stem}.png"))
 }
 
 /// Where images of a failed comparison go.

@@ -5,13 +5,13 @@ use ssct::gpu::Pixels;
 use ssct::methods::thesis::{self, HiZParams};
 use ssct::methods::{self, Setup, Wants};
 use ssct::passes::{Content, PathCode};
-use ssct::reference::Level;
-use ssct::reference::hi_z::MinMax;
-use ssct::reference::hi_z_ray_trace::{End, reflection_ray, trace};
-use ssct::scene::library;
-use ssct::study::image::render;
-use ssct::study::twin::hi_z_constants;
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::reference::Level;
+use ssct_lab::reference::hi_z::MinMax;
+use ssct_lab::reference::hi_z_ray_trace::{End, reflection_ray, trace};
+use ssct_lab::scene::library;
+use ssct_lab::study::image::render;
+use ssct_lab::study::twin::hi_z_constants;
+use ssct_lab::study::{Globals, Shot, Stage};
 
 /// No power of two, so that levels have odd sides.
 const SIZE: [u32; 2] = [97, 55];

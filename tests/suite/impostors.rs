@@ -4,9 +4,9 @@
 use glam::{DVec3, Vec3};
 use ssct::math::srgb_to_linear;
 use ssct::passes::scene_data::MAX_LIGHTS;
-use ssct::reference::surface::World;
-use ssct::scene::bvh::WorldRay;
-use ssct::scene::{Encoding, Impostor, Material, Scene, library};
+use ssct_lab::reference::surface::World;
+use ssct_lab::scene::bvh::WorldRay;
+use ssct_lab::scene::{Encoding, Impostor, Material, Scene, library};
 
 /// Points along each side of an image that are looked at.
 const GRID: u32 = 24;

@@ -8,17 +8,17 @@ use rayon::prelude::*;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{self, Setup, Wants};
-use ssct::metrics::HitAgreement;
-use ssct::metrics::image::{masked_relative_mse, masked_rmse};
-use ssct::metrics::world::agreement as agreement_with_world;
 use ssct::parameter::Preset;
-use ssct::reference::screen::Sampling;
-use ssct::reference::surface::World;
-use ssct::reference::world_hits::world_hits;
-use ssct::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
-use ssct::scene::{GBufferData, Scene, Vertex, scene_file};
-use ssct::study::gbuffer::{self, hit_positions};
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::metrics::HitAgreement;
+use ssct_lab::metrics::image::{masked_relative_mse, masked_rmse};
+use ssct_lab::metrics::world::agreement as agreement_with_world;
+use ssct_lab::reference::screen::Sampling;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world_hits::world_hits;
+use ssct_lab::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
+use ssct_lab::scene::{GBufferData, Scene, Vertex, scene_file};
+use ssct_lab::study::gbuffer::{self, hit_positions};
+use ssct_lab::study::{Globals, Shot, Stage};
 use std::time::Instant;
 
 fn rooms() -> Option<Scene> {

@@ -5,17 +5,17 @@ use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{Prepared, Setup, find};
-use ssct::metrics::HitAgreement;
 use ssct::parameter::Preset;
 use ssct::passes::gbuffer::Drawn;
-use ssct::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
-use ssct::report::images::Rgb;
-use ssct::report::{error_report, plot};
-use ssct::scene::Lens;
-use ssct::study::error::{Against, ErrorRecord};
-use ssct::study::record::{Head, PassRecord, Provenance, recorded};
-use ssct::study::table::compare;
-use ssct::study::{Globals, Stats, TimeRecord};
+use ssct_lab::metrics::HitAgreement;
+use ssct_lab::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
+use ssct_lab::report::images::Rgb;
+use ssct_lab::report::{error_report, plot};
+use ssct_lab::scene::Lens;
+use ssct_lab::study::error::{Against, ErrorRecord};
+use ssct_lab::study::record::{Head, PassRecord, Provenance, recorded};
+use ssct_lab::study::table::compare;
+use ssct_lab::study::{Globals, Stats, TimeRecord};
 use std::path::Path;
 
 /// Phone and desktop, in CSS pixels.

@@ -7,12 +7,12 @@ use ssct::gpu::Gpu;
 use ssct::methods::planar::PlanarParams;
 use ssct::methods::{Setup, Wants, find};
 use ssct::passes::planar::MirrorDrawing;
-use ssct::reference::first_hits::FirstHits;
-use ssct::reference::surface::World;
-use ssct::reference::world::{Escape, WorldReference};
-use ssct::scene::{Camera, Scene};
-use ssct::study::image::render;
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::scene::{Camera, Scene};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [321, 239];
 
@@ -21,7 +21,7 @@ const EXTENT: [u32; 2] = [321, 239];
 fn scene() -> Scene {
     let mut b = Builder::new("mirrors");
     b.light(Vec3::new(0.3, -0.6, 0.5));
-    b.0.lights.push(ssct::scene::Light::Point { position: Vec3::new(-1.0, 2.0, 2.0), energy: 3.0 });
+    b.0.lights.push(ssct_lab::scene::Light::Point { position: Vec3::new(-1.0, 2.0, 2.0), energy: 3.0 });
     let mirror = b.mirror();
     let up = Vec3::new(0.0, 1.0, -0.15).normalize();
     b.quad(mirror, Vec3::new(-2.5, 0.0, 5.0), Vec3::X * 5.0, up * 3.0, Vec3::X.cross(up) * -1.0);

@@ -7,10 +7,10 @@ use ssct::gpu::FrameContext;
 use ssct::math::DefinitionsVersion;
 use ssct::methods::{self, EffectParams, Setup};
 use ssct::passes::gbuffer::GBufferImages;
-use ssct::reference::surface::World;
-use ssct::scene::library;
-use ssct::study::Globals;
-use ssct::study::precision::{
+use ssct_lab::reference::surface::World;
+use ssct_lab::scene::library;
+use ssct_lab::study::Globals;
+use ssct_lab::study::precision::{
     ColorFormat, DepthFormat, Exact, NormalFormat, ORACLE, PrecisionSpec, Storage, measure, rungs,
 };
 
@@ -53,7 +53,7 @@ fn errors_begin_at_nothing_and_grow_with_coarser_formats() {
         } else {
             // Its normals are 16-bit floats at best. What they cost is what they cost the oracle.
             assert_eq!((wrong(finest), rmse(finest)), (wrong(halves), rmse(halves)), "{method}");
-            let oracle = ssct::study::precision::rungs(&records, ORACLE);
+            let oracle = ssct_lab::study::precision::rungs(&records, ORACLE);
             let cost = oracle.iter().find(|r| r.storage == halves).unwrap();
             assert!((rmse(halves) - cost.rmse[0]).abs() < 1e-3, "{method}: {} {}", rmse(halves), cost.rmse[0]);
         }

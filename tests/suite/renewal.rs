@@ -10,9 +10,9 @@ use ssct::methods::setup::CaptureCount;
 use ssct::methods::{EffectParams, Fallback, MethodInfo, SceneInput, Setup, Wants, captures, ssct as thesis, unified};
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
-use ssct::scene::{Capture, Light, Scene, View, library};
-use ssct::study::age::{self, AgeSpec};
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::scene::{Capture, Light, Scene, View, library};
+use ssct_lab::study::age::{self, AgeSpec};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::sync::Arc;
 
 /// A mirror floor, a lit wall, and a red screen behind the eye that reflections of the floor and the mirror wall show.

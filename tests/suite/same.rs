@@ -2,14 +2,14 @@
 //! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
 //! a process of its own.
 
-use crate::common::{clutter, clutter_camera, expected_failures, gpu};
+use crate::common::{clutter, clutter_camera, expected_failures, gpu, repository};
 use sha2::{Digest, Sha256};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::scene::{View, gbuffer_file};
-use ssct::study::image::render;
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::scene::{View, gbuffer_file};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
@@ -121,7 +121,7 @@ fn an_image_is_the_same_in_every_run_on_any_threads_and_subgroups() {
 #[test]
 fn no_shader_asks_for_subgroups() {
     // What cannot ask cannot depend on them: operations of subgroups need an extension in GLSL.
-    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders-glsl")];
+    let mut folders = vec![repository().join("shaders-glsl")];
     let mut read = 0;
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {

@@ -9,14 +9,14 @@ use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::math::random::Stream;
 use ssct::math::{DefinitionsVersion, OracleVersion};
 use ssct::methods::{EffectParams, Fallback, Input, Method, Setup, Wants, unified};
-use ssct::metrics::hits::HitAgreement;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::pyramid::{self, PyramidPass};
 use ssct::passes::{GBuffer, PathCode, Reflectors};
-use ssct::reference::unified::{Code, Parameters, Traversal};
-use ssct::reference::{Hierarchy, MissReason, Outcome};
-use ssct::scene::{Camera, GBufferData, Lens, Material, Scene, Surface, View, library, scene_file};
-use ssct::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::metrics::hits::HitAgreement;
+use ssct_lab::reference::unified::{Code, Parameters, Traversal};
+use ssct_lab::reference::{Hierarchy, MissReason, Outcome};
+use ssct_lab::scene::{Camera, GBufferData, Lens, Material, Scene, Surface, View, library, scene_file};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
 const SIZES: [[u32; 2]; 12] = [

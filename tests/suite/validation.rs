@@ -21,9 +21,9 @@ use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
-use ssct::scene::View;
-use ssct::study::image::render;
-use ssct::study::{Globals, Shot, Stage};
+use ssct_lab::scene::View;
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage};
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {

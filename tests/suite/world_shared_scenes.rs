@@ -1,15 +1,15 @@
 //! The world reference on Crytek Sponza, where `../shared/scenes` is there: a quarter of a million
 //! triangles and masked plants.
 
-use ssct::reference::first_hits::FirstHits;
-use ssct::reference::surface::World;
-use ssct::scene::{Camera, scene_file};
-use std::path::Path;
+use crate::common::repository;
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::scene::{Camera, scene_file};
 use std::time::Instant;
 
 #[test]
 fn sponza_is_ready_for_rays_in_seconds_and_has_no_cracks() {
-    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes/sponza/sponza.scene.toml"));
+    let file = &repository().join("../shared/scenes/sponza/sponza.scene.toml");
     if !file.exists() {
         println!("skipped: ../shared/scenes is absent");
         return;

@@ -4,11 +4,11 @@
 use glam::{DVec3, Vec3};
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{METHODS, Setup, Wants};
-use ssct::reference::first_hits::FirstHits;
-use ssct::reference::surface::World;
-use ssct::reference::world_hits::{WorldHit, world_hits};
-use ssct::scene::{Camera, GBufferData, Surface, library};
-use ssct::study::{Globals, Shot, Stage, image};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world_hits::{WorldHit, world_hits};
+use ssct_lab::scene::{Camera, GBufferData, Surface, library};
+use ssct_lab::study::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
 

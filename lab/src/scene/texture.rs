@@ -83,7 +83,8 @@ pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
     let at = (uv - uv.floor()) * size - 0.5;
     let (corner, weight) = (at.floor(), at - at.floor());
     let wrap = |v: f64, size: u32| (v as i64).rem_euclid(i64::from(size)) as usize;
-    let texel = |dx: f64, dy: f64| decoded(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height));
+    let texel =
+        |dx: f64, dy: f64| decoded(texture, wrap(corner.x + dx, texture.width), wrap(corner.y + dy, texture.height));
     let above = texel(0.0, 0.0).lerp(texel(1.0, 0.0), weight.x);
     above.lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), weight.x), weight.y)
 }

@@ -299,7 +299,7 @@ pub(crate) mod tests {
                     let (before, after) = (base.recorded(Some(method)), changed.recorded(Some(method)));
                     let differ: Vec<_> = before.iter().filter(|(k, v)| after.get(*k) != Some(v)).collect();
                     assert_eq!(differ.len(), 1, "{} of {}: {differ:?}", parameter.name, method.name);
-                    assert_eq!(differ[0].0, parameter.name);
+                    assert_eq!(*differ[0].0, parameter.name);
                 }
             }
         }

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3, Vec3};
 use ssct::math::display_byte;
 use ssct::math::projection::{project, unproject};
 use ssct::passes::PathCode;
-use ssct::scene::{Camera, Scene};
+use ssct_lab::scene::{Camera, Scene};
 
 const WALL_Z: f64 = 6.0;
 /// Side of a cell of the wall's pattern in metres.

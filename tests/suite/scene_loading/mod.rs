@@ -9,8 +9,8 @@ mod scene_files;
 mod shared_scenes;
 
 use glam::{Vec2, Vec3};
-use ssct::scene::obj::{Handedness, ObjFile, ObjOptions};
-use ssct::scene::{Mesh, Scene, Vertex, obj};
+use ssct_lab::scene::obj::{Handedness, ObjFile, ObjOptions};
+use ssct_lab::scene::{Mesh, Scene, Vertex, obj};
 use std::path::PathBuf;
 use tempfile::TempDir;
 

@@ -2,7 +2,9 @@
 
 use super::*;
 use ssct::error::Result;
-use ssct::scene::{Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file};
+use ssct_lab::scene::{
+    Aabb, AreaLight, AreaShape, Capture, Encoding, Impostor, Lens, Light, Probe, Surface, scene_file,
+};
 
 fn folder(text: &str) -> Folder {
     let folder = square("mtllib a.mtl\nusemtl floor\nf 1 2 3\nusemtl wall\nf 1 3 4\n");

@@ -1,13 +1,14 @@
 //! The scenes in `../shared/scenes`, where they are there.
 
 use super::*;
-use ssct::scene::{Light, Surface, scene_file, texture};
-use std::path::Path;
+use crate::common::repository;
+use ssct_lab::scene::{Light, Surface, scene_file, texture};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// The folder of the scenes, or a line that says why the test does nothing.
-fn shared() -> Option<&'static Path> {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes"));
+fn shared() -> Option<PathBuf> {
+    let folder = repository().join("../shared/scenes");
     if !folder.is_dir() {
         println!("skipped: ../shared/scenes is absent");
         return None;
@@ -40,7 +41,7 @@ fn sponza_loads_as_its_scene_file_says() {
     assert_eq!(scene.warnings.len(), 2, "{:?}", scene.warnings);
     assert!(scene.warnings[0].ends_with("sponza.obj: 1 triangle without area was left out"));
 
-    let reflecting = |materials: &[ssct::scene::Material]| -> Vec<String> {
+    let reflecting = |materials: &[ssct_lab::scene::Material]| -> Vec<String> {
         materials.iter().filter(|m| m.reflectivity > 1e-4).map(|m| m.name.clone()).collect()
     };
     let views: Vec<_> = scene.views.iter().map(|v| (v.name.as_str(), reflecting(&scene.materials_in(v)))).collect();

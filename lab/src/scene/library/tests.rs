@@ -1,6 +1,7 @@
 //! Invariants of every triangle, material and view of the built-in scenes.
 
 use super::*;
+use crate::scene::planes::coplanar_groups;
 use crate::scene::{AreaShape, Light, Vertex};
 use std::sync::LazyLock;
 
@@ -260,4 +261,11 @@ fn scenes_are_the_same_at_every_call() {
         assert_eq!((&a.materials, &a.lights, &a.views), (&b.materials, &b.lights, &b.views), "{name}");
         assert_eq!((&a.probes, &a.impostors, &a.area_lights), (&b.probes, &b.impostors, &b.area_lights), "{name}");
     }
+}
+
+#[test]
+fn the_floor_of_the_rooms_is_found() {
+    let groups = coplanar_groups(built("rooms"));
+    let up = groups.iter().find(|g| g.plane.y > 0.999).expect("a floor");
+    assert!(up.area_m2 > 40.0, "{} m²", up.area_m2);
 }

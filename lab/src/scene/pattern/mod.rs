@@ -9,8 +9,8 @@ mod designs;
 mod lettering;
 pub mod pictures;
 
-pub use lettering::Text;
 pub(crate) use crate::math::noise::{fractal, smoothstep, unit};
+pub use lettering::Text;
 pub use pictures::{Cut, Painting, Picture, Sign};
 
 use super::{Encoding, Texture};
