@@ -70,7 +70,8 @@ fuzz: setup
 lint: setup
 	$(CARGO) fmt --check
 	$(CARGO) clippy --all-targets -- -D warnings
-	$(CARGO) clippy --no-default-features -- -D warnings
+	$(CARGO) clippy --package ssct -- -D warnings
+	cd lab && $(CARGO) clippy --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 
 bench: setup
@@ -84,7 +85,8 @@ docs: setup
 	SSCT_WRITE_DOCS=1 $(CARGO) test --test suite docs::
 
 doc: setup
-	$(CARGO) doc --no-deps --open
+	$(CARGO) doc --no-deps
+	$(CARGO) doc --no-deps --package ssct-lab --open
 
 clean:
 	$(CARGO) clean

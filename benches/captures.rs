@@ -7,7 +7,7 @@
 //! escape have no end and do not count. The placement knows nothing of the views. The lines before the table of a
 //! scene give the places, what the placement itself expects of them, and how long it took.
 //!
-//! Usage: `cargo bench --bench captures [-- SCENE…]`, with names of built-in scenes or files.
+//! Usage: `cargo bench --bench captures [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
 #![allow(clippy::expect_used)]
 

@@ -9,7 +9,7 @@
 //! the screen shows where the ray ends but no block there meets it. `ssct` is the share that the thesis's
 //! method gets wrong.
 //!
-//! Usage: `cargo bench --bench truth [-- SCENE…]`, with names of built-in scenes or files.
+//! Usage: `cargo bench --bench truth [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
 #![allow(clippy::expect_used)]
 

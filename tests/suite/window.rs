@@ -1,6 +1,6 @@
 //! `ssct view` as a user runs it: under an X server without a screen, by arguments and by mouse and keys
 //! (xdotool), without any display, and in a build without the window. What needs no window system is
-//! tested in `src/app/view/tests`.
+//! tested in `lab/src/app/view/tests`.
 
 use std::path::Path;
 use std::process::{Command, Output};
