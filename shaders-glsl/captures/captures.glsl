@@ -15,7 +15,7 @@ layout(std140, binding = 16) uniform CaptureBlock {
     float face_unit;             // the same of the faces' cameras
 } captures;
 
-layout(binding = 17) uniform samplerCube environment; // in world axes
+layout(binding = 17) uniform sampler2DArray environment; // the faces of a cube map in world axes
 
 // In this order (the twin's).
 vec3 ToWorld(vec3 view) {
@@ -28,9 +28,22 @@ vec3 ToView(vec3 world) {
     return world * mat3(captures.view_to_world);
 }
 
-// What is seen of the sky along a direction in world axes.
+// Where a direction meets a cube map: texture coordinates, and the face (Vulkan's order, +x -x +y -y +z -z).
+vec3 CubePlace(vec3 v) {
+    vec3 a = abs(v);
+    bool is_x = a.x >= a.y && a.x >= a.z;
+    bool is_y = !is_x && a.y >= a.z;
+    float major = is_x ? v.x : is_y ? v.y : v.z;
+    float sign_of = major < 0.0 ? -1.0 : 1.0;
+    vec2 across = vec2(is_x ? -sign_of * v.z : is_y ? v.x : sign_of * v.x, is_y ? sign_of * v.z : -v.y);
+    float face = (is_x ? 0.0 : is_y ? 2.0 : 4.0) + (major < 0.0 ? 1.0 : 0.0);
+    return vec3(across * (0.5 / abs(major)) + 0.5, face);
+}
+
+// What is seen of the sky along a direction in world axes. The sky is smooth across the edges of its faces, and is looked
+// up as six images: a device without hardware for cube maps pays several times as much for seamless edges.
 vec3 Sky(vec3 direction) {
-    return Sound(textureLod(environment, direction, 0.0).rgb);
+    return Sound(textureLod(environment, CubePlace(direction), 0.0).rgb);
 }
 
 #endif

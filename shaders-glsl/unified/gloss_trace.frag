@@ -32,11 +32,12 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
         return seen;
     Ray ray = RayAlong(pixel, depth, direction);
     hit = Traverse(ray);
+    vec3 along = Sky(ToWorld(direction));
     if (EndsInSky(ray, hit)) {
         hit.position = ray.start;
         hit.depth = 0.0;
         seen.density = density;
-        seen.color = vec4(Sky(ToWorld(direction)), 1.0);
+        seen.color = vec4(along, 1.0);
         return seen;
     }
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
@@ -45,7 +46,7 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
         return seen;
     float level = FootprintLevel(point, ViewPoint(hit.position, hit.depth), density, share);
     seen.density = density;
-    seen.color = vec4(ColorSeen(hit.position, level, direction), Fade(hit.position * unified.pixel_to_clip));
+    seen.color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
     return seen;
 }
 

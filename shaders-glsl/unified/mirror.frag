@@ -40,14 +40,15 @@ void main() {
     Ray ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
     bool is_hit = hit.code == PATH_HI_Z && faces;
-    if (is_hit)
-        out_reflection = vec4(ColorSeen(hit.position, 0.0, ray.direction), Fade(hit.position * unified.pixel_to_clip));
     bool in_sky = faces && EndsInSky(ray, hit);
-    if (in_sky)
-        out_reflection = vec4(Sky(ToWorld(ray.direction)), 1.0);
-    else if (faces)
+    if (is_hit || in_sky) {
+        vec3 along = Sky(ToWorld(ray.direction));
+        out_reflection = in_sky ? vec4(along, 1.0)
+                                : vec4(ColorMirrored(hit.position, along), Fade(hit.position * unified.pixel_to_clip));
+    } else if (faces) {
         PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit,
                    2.0 * unified.pixel_to_view.y);
+    }
     if (is_hit || in_sky) {
         vec3 seen = out_color.rgb + material.x * out_reflection.a * out_reflection.rgb;
         out_color.rgb = min(seen, GREATEST_HALF);

@@ -49,6 +49,8 @@ pub struct Image {
     allocation: Option<Allocation>,
     level_views: Vec<vk::ImageView>,
     whole_view: vk::ImageView,
+    /// The faces of a cube map as an array of images; null for what is no cube map.
+    faces_view: vk::ImageView,
     /// Depth and stencil together, where there is a stencil: the other views see the depth alone.
     stencil_view: vk::ImageView,
     format: vk::Format,
@@ -83,6 +85,7 @@ pub struct ImageSlice<'a> {
     base: u32,
     count: u32,
     slice: Option<u32>,
+    by_face: bool,
 }
 
 impl Image {
@@ -185,6 +188,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            faces_view: vk::ImageView::null(),
             stencil_view: vk::ImageView::null(),
             format: desc.format,
             extent: desc.extent,
@@ -211,6 +215,9 @@ impl Image {
             // A view of depth and stencil is one of the depth, where a shader reads it.
             let shown = |image: &Self, range| vk::ImageSubresourceRange { aspect_mask: image.shown_aspect(), ..range };
             image.whole_view = image.view(view_type, shown(&image, image.range(0, desc.levels)))?;
+            if view_type == V::CUBE {
+                image.faces_view = image.view(V::TYPE_2D_ARRAY, shown(&image, image.range(0, desc.levels)))?;
+            }
             for level in 0..desc.levels {
                 image.level_views.push(image.view(view_type, shown(&image, image.range(level, 1)))?);
             }
@@ -242,6 +249,7 @@ impl Image {
             allocation: None,
             level_views: Vec::new(),
             whole_view: vk::ImageView::null(),
+            faces_view: vk::ImageView::null(),
             stencil_view: vk::ImageView::null(),
             format,
             extent,
@@ -309,13 +317,13 @@ impl Image {
     /// One mip level.
     pub fn level(&self, level: u32) -> ImageSlice<'_> {
         assert!(level < self.levels(), "{} has {} levels, not {level}", self.name, self.levels());
-        ImageSlice { image: self, base: level, count: 1, slice: None }
+        ImageSlice { image: self, base: level, count: 1, slice: None, by_face: false }
     }
 
     /// One slice of a volume.
     pub fn slice(&self, slice: u32) -> ImageSlice<'_> {
         assert!((slice as usize) < self.slice_views.len(), "{} has no slice {slice}", self.name);
-        ImageSlice { image: self, base: 0, count: 1, slice: Some(slice) }
+        ImageSlice { image: self, base: 0, count: 1, slice: Some(slice), by_face: false }
     }
 
     /// What can be read back at once: the slices of a volume, else the mip levels.
@@ -328,7 +336,13 @@ impl Image {
 
     /// All mip levels.
     pub fn all(&self) -> ImageSlice<'_> {
-        ImageSlice { image: self, base: 0, count: self.levels(), slice: None }
+        ImageSlice { image: self, base: 0, count: self.levels(), slice: None, by_face: false }
+    }
+
+    /// All mip levels of a cube map, whose faces shaders see as an array of six images.
+    pub fn faces(&self) -> ImageSlice<'_> {
+        assert!(self.faces_view != vk::ImageView::null(), "{} is no cube map that shaders see", self.name);
+        ImageSlice { by_face: true, ..self.all() }
     }
 
     /// The handle, for whoever makes views of its own.
@@ -382,7 +396,9 @@ impl<'a> ImageSlice<'a> {
     }
 
     pub(crate) fn view(&self) -> vk::ImageView {
-        if let Some(slice) = self.slice {
+        if self.by_face {
+            self.image.faces_view
+        } else if let Some(slice) = self.slice {
             self.image.slice_views[slice as usize]
         } else if self.count == self.image.levels() {
             self.image.whole_view
@@ -413,6 +429,7 @@ impl Drop for Image {
                 device.destroy_image_view(view, None);
             }
             device.destroy_image_view(self.whole_view, None);
+            device.destroy_image_view(self.faces_view, None);
             device.destroy_image_view(self.stencil_view, None);
             if !self.borrowed {
                 device.destroy_image(self.handle, None);

@@ -26,7 +26,7 @@ pub struct LostRays {
 pub struct Beyond<'a> {
     /// The camera among the captures.
     pub block: &'a CaptureBlock,
-    /// The sky in world axes.
+    /// The faces of the sky's cube map in world axes.
     pub sky: Sampled<'a>,
     /// How many rays there are.
     pub counts: &'a Buffer,
@@ -74,7 +74,7 @@ impl LostRays {
         if sky.is_none() {
             frame.clear("no sky", self.no_sky.all(), [0.0; 4])?;
         }
-        let sky = Sampled::trilinear(sky.unwrap_or(&self.no_sky).all());
+        let sky = Sampled::trilinear(sky.unwrap_or(&self.no_sky).faces());
         Ok(Beyond { block, sky, counts: &self.counts, rays: &self.rays })
     }
 }
