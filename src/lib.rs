@@ -34,3 +34,15 @@ pub mod passes;
 mod scene;
 #[cfg(feature = "internals")]
 pub mod scene;
+
+mod embed;
+
+pub use embed::{
+    CameraInput, CaptureFaceInput, Captures, CapturesInfo, ClipY, Context, FactorInput, FrameInput, ImageInput,
+    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, enable_features, methods,
+};
+pub use error::{Error, Result};
+pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures};
+pub use gpu::memory::{DeviceMemory, MemoryBlock, Place};
+pub use gpu::sync::ImageUse;
+pub use gpu::{PassTime, Skipped};

@@ -43,6 +43,13 @@ const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray 
 const float GETS_ON = 1e-4;       // A ray that a capture loses has got on in it if it went farther than this, in metres.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 
+// How another renderer stores normals (`passes::import`).
+const int NORMAL_FLOAT = 0;             // As they are.
+const int NORMAL_UNORM = 1;             // 0 to 1 for -1 to 1.
+const int NORMAL_OCTAHEDRAL = 2;        // On an octahedron, -1 to 1.
+const int NORMAL_OCTAHEDRAL_UNORM = 3;  // On an octahedron, 0 to 1.
+const int NORMAL_OF_DEPTH = 4;          // Not at all: from the depth of neighbours.
+
 // Roughness above which `unified` takes a lobe for wide. Up to this, a ray a pixel is traced; above, one for 2 x 2, of
 // which more are gathered: a wider lobe needs more rays, and those of farther neighbours fit it.
 const float WIDE_ABOVE = 0.2;

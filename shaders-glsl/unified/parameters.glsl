@@ -17,6 +17,7 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     float fade_start;    // I_start and I_end of Eq. 4.7
     float fade_end;
     int fade;            // 0: no fade at all
+    vec2 shift;          // how far the image is shifted against the axis of the view, in half pixels: x to the right, y up
     int sky;             // 1: what shows the environment shows it along the ray, and `environment` holds it
 } unified;
 
@@ -45,7 +46,8 @@ ivec2 UnpackTile(uint word) {
 
 // The view-space direction in which continuous pixel coordinates are seen; z is 1.
 vec3 ViewRay(vec2 position) {
-    precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y);
+    precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y)
+                         - unified.shift;
     precise vec2 view = centred * unified.pixel_to_view;
     return vec3(view, 1.0);
 }

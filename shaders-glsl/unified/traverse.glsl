@@ -74,9 +74,9 @@ Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
     return ray;
 }
 
-// The point of a pixel, divided by its view depth, as a view-space vector, and as ndc.
+// The point of a pixel, divided by its view depth, as a view-space vector, and as ndc from the axis of the view.
 void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
-    vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1);
+    precise vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1) - unified.shift;
     precise vec2 v = centre * unified.pixel_to_view;
     precise vec2 c = centre * unified.pixel_to_clip;
     view = vec3(v, 1.0);

@@ -4,11 +4,11 @@ mod open;
 
 use super::image::{Sampler, Samplers};
 use super::pipeline::ComputePipelines;
+use super::memory::{DeviceMemory, Source};
 use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
 use crate::error::{Error, Result};
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 use open::{create_instance, list, open_device};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
@@ -58,6 +58,37 @@ pub struct DeviceListing {
     pub unsuitable: Option<String>,
 }
 
+/// The features that were on when a device was made.
+#[derive(Clone, Default)]
+pub struct EnabledFeatures {
+    /// Those of Vulkan 1.0.
+    pub core: vk::PhysicalDeviceFeatures,
+    /// Those of Vulkan 1.2, whatever is chained to it.
+    pub vulkan12: vk::PhysicalDeviceVulkan12Features<'static>,
+    /// Those of Vulkan 1.3, whatever is chained to it.
+    pub vulkan13: vk::PhysicalDeviceVulkan13Features<'static>,
+}
+
+/// A device that somebody else made.
+pub struct DeviceHandles {
+    /// The loader.
+    pub entry: ash::Entry,
+    /// The instance.
+    pub instance: ash::Instance,
+    /// The physical device.
+    pub physical: vk::PhysicalDevice,
+    /// The device.
+    pub device: ash::Device,
+    /// The family of the queues that command buffers are submitted to.
+    pub queue_family: u32,
+    /// What was on when it was made.
+    pub enabled: EnabledFeatures,
+    /// Whether the instance has VK_EXT_debug_utils on: passes and objects then have names.
+    pub debug_utils: bool,
+    /// Where memory comes from; `None` for an allocator of the crate's own.
+    pub memory: Option<Box<dyn DeviceMemory>>,
+}
+
 /// A handle to an open device. Clones share it; it is destroyed with the last one.
 #[derive(Clone)]
 pub struct Gpu {
@@ -75,14 +106,16 @@ pub struct Shared {
     pub physical: vk::PhysicalDevice,
     /// The device.
     pub device: ash::Device,
-    pub(crate) push_descriptor: ash::khr::push_descriptor::Device,
     debug_device: Option<ash::ext::debug_utils::Device>,
     /// The family of the queue.
     pub queue_family: u32,
-    queue: Mutex<vk::Queue>,
+    /// None where somebody else submits.
+    queue: Option<Mutex<vk::Queue>>,
     samplers: Samplers,
     pub(crate) compute_pipelines: ComputePipelines,
-    allocator: ManuallyDrop<Mutex<Allocator>>,
+    memory: ManuallyDrop<Source>,
+    /// Whether instance and device go with the last handle, or are somebody else's.
+    owned: bool,
     submissions: AtomicU64,
     /// Code that stands for shaders that changed.
     #[cfg(feature = "reload")]
@@ -91,8 +124,6 @@ pub struct Shared {
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) timestamp_mask: u64,
     pub(crate) has_pipeline_statistics: bool,
-    /// Whether descriptors are pushed, or else bound as allocated sets (`frame/quirks/sets.rs`).
-    pub(crate) pushes_descriptors: bool,
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
 }
@@ -139,6 +170,24 @@ impl Gpu {
             unsafe { instance.destroy_instance(None) };
         }
         Ok(Self { shared: Arc::new(opened?) })
+    }
+
+    /// A device that somebody else made, and destroys.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] with what the device or what was enabled on it lacks.
+    ///
+    /// # Safety
+    /// The handles belong together and outlive every handle of this, and what it makes; what is said to be on is on. The
+    /// device is done with everything that was recorded when the last handle goes.
+    pub unsafe fn of_others(device: DeviceHandles) -> Result<Self> {
+        // SAFETY: by the contract.
+        Ok(Self { shared: Arc::new(unsafe { open::of_others(device) }?) })
+    }
+
+    /// Whether the queues have timestamps.
+    pub fn has_timestamps(&self) -> bool {
+        self.shared.timestamp_mask != 0
     }
 
     /// What the device calls itself.
@@ -190,13 +239,19 @@ impl Gpu {
         self.shared.submissions.fetch_add(1, Ordering::Relaxed);
     }
 
-    pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
-        self.shared.allocator.lock().unwrap_or_else(|e| e.into_inner())
+    pub(super) fn memory(&self) -> &Source {
+        &self.shared.memory
     }
 
     /// The device's queue, for as long as it is held.
-    pub fn queue(&self) -> MutexGuard<'_, vk::Queue> {
-        self.shared.queue.lock().unwrap_or_else(|e| e.into_inner())
+    /// The queue that frames are submitted to.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] on a device of somebody else, who submits.
+    pub fn queue(&self) -> Result<MutexGuard<'_, vk::Queue>> {
+        let queue = self.shared.queue.as_ref();
+        let queue = queue.ok_or_else(|| Error::Usage("whoever made this device submits to its queues".into()))?;
+        Ok(queue.lock().unwrap_or_else(|e| e.into_inner()))
     }
 
     pub(crate) fn sampler(&self, sampler: Sampler) -> vk::Sampler {
@@ -205,12 +260,12 @@ impl Gpu {
 
     /// Bytes of device memory now allocated through this handle.
     pub fn allocated_bytes(&self) -> u64 {
-        self.allocator().generate_report().total_allocated_bytes
+        self.memory().bytes().0
     }
 
     /// Bytes of the blocks of device memory that it holds to allocate from.
     pub fn reserved_bytes(&self) -> u64 {
-        self.allocator().generate_report().total_capacity_bytes
+        self.memory().bytes().1
     }
 
     /// Invocations of a subgroup.
@@ -292,11 +347,16 @@ impl Gpu {
 impl Drop for Shared {
     fn drop(&mut self) {
         // SAFETY: the last handle is gone, and with it every resource, since each keeps one; the
-        // device is idle before anything is destroyed.
+        // device is idle before anything is destroyed, for which whoever owns it vouches (`Gpu::of_others`).
         unsafe {
-            let _ = self.device.device_wait_idle();
+            if self.owned {
+                let _ = self.device.device_wait_idle();
+            }
             self.samplers.destroy(&self.device);
-            ManuallyDrop::drop(&mut self.allocator);
+            ManuallyDrop::drop(&mut self.memory);
+            if !self.owned {
+                return;
+            }
             self.device.destroy_device(None);
             if let Some(debug) = self.debug.take() {
                 debug.destroy();

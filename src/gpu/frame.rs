@@ -7,22 +7,23 @@
 mod bind;
 mod draw;
 mod quirks;
+mod sets;
 mod target;
 mod transfer;
 mod uniforms;
 
 use super::device::{Gpu, vulkan};
-use super::image::ImageSlice;
+use super::image::{Image, ImageSlice};
 use super::memory::Buffer;
 use super::program::Sampled;
-use super::sync::{Access, State, Transition};
+use super::sync::{Access, ImageUse, State, Tracked, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
 use crate::error::Result;
 use ash::vk;
 use bind::Given;
-use quirks::{sets, settle};
-use std::cell::Cell;
-use std::rc::Rc;
+use quirks::settle;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 pub use target::Target;
 
 /// What a frame is recorded for.
@@ -79,54 +80,115 @@ pub struct Skipped {
     pub why: String,
 }
 
-/// The command buffer, queries and uniform memory that frames reuse. One frame at a time.
+/// What frames reuse: uniform memory, descriptor sets and queries, and, for frames that are submitted here, a command
+/// buffer and a fence. It records one frame at a time.
 pub struct FrameContext {
+    gpu: Gpu,
+    /// The command buffer that is recorded into.
+    commands: vk::CommandBuffer,
+    /// None where somebody else submits.
+    own: Option<OwnCommands>,
+    slots: Vec<Slot>,
+    /// The slot of the frame that is recorded.
+    slot: usize,
+    statistics: Option<Statistics>,
+    settling: Option<settle::Settling>,
+}
+
+/// What is submitted here.
+struct OwnCommands {
     gpu: Gpu,
     pool: vk::CommandPool,
     commands: vk::CommandBuffer,
     fence: vk::Fence,
-    uniforms: uniforms::Uniforms,
-    timestamps: Timestamps,
-    statistics: Option<Statistics>,
-    settling: Option<settle::Settling>,
-    /// None where descriptors are pushed.
-    sets: Option<sets::DescriptorSets>,
 }
 
-impl FrameContext {
-    /// What frames need on a device.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+/// What a frame keeps until the device is done with it. One frame at a time, of which as many may be under way as there
+/// are slots.
+struct Slot {
+    uniforms: uniforms::Uniforms,
+    sets: sets::DescriptorSets,
+    timestamps: Timestamps,
+    /// The passes between whose timestamps the last frame's times lie.
+    timed: Vec<(String, bool)>,
+}
+
+impl Slot {
+    fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            uniforms: uniforms::Uniforms::new(gpu)?,
+            sets: sets::DescriptorSets::new(gpu),
+            timestamps: Timestamps::new(gpu)?,
+            timed: Vec::new(),
+        })
+    }
+
+    /// Milliseconds of each timed pass, and of all of them together.
+    fn times(&self) -> Result<(Vec<PassTime>, f64)> {
+        let stamps = self.timestamps.milliseconds()?;
+        let pairs = stamps.get(1..).unwrap_or_default().chunks_exact(2);
+        let time = |((name, counted), pair): (&(String, bool), &[f64])| PassTime {
+            name: name.clone(),
+            ms: pair[1] - pair[0],
+            counted: *counted,
+        };
+        Ok((self.timed.iter().zip(pairs).map(time).collect(), stamps.last().copied().unwrap_or(0.0)))
+    }
+}
+
+impl OwnCommands {
+    fn new(gpu: &Gpu) -> Result<Self> {
         let device = gpu.raw();
-        let uniforms = uniforms::Uniforms::new(gpu)?;
-        let timestamps = Timestamps::new(gpu)?;
-        let statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
-        let settling = settle::Settling::new(gpu)?;
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(gpu.shared().queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the create infos are complete; what is made is destroyed in `drop` (a failure
         // after the pool leaves it to a struct with null handles, which `drop` accepts).
         let pool = unsafe { device.create_command_pool(&info, None) }.map_err(vulkan("vkCreateCommandPool"))?;
-        let mut context = Self {
-            gpu: gpu.clone(),
-            pool,
-            commands: vk::CommandBuffer::null(),
-            fence: vk::Fence::null(),
-            uniforms,
-            timestamps,
-            statistics,
-            settling,
-            sets: (!gpu.shared().pushes_descriptors).then(|| sets::DescriptorSets::new(gpu)),
-        };
+        let (commands, fence) = (vk::CommandBuffer::null(), vk::Fence::null());
+        let mut own = Self { gpu: gpu.clone(), pool, commands, fence };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
         // SAFETY: as above; the pool frees its command buffers.
         unsafe {
-            context.commands = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?[0];
-            context.fence =
-                device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
+            own.commands = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?[0];
+            own.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
         }
-        gpu.name(context.commands, "frame");
+        gpu.name(own.commands, "frame");
+        Ok(own)
+    }
+}
+
+impl Drop for OwnCommands {
+    fn drop(&mut self) {
+        let device = self.gpu.raw();
+        // SAFETY: no submission is under way; null handles are allowed.
+        unsafe {
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+impl FrameContext {
+    /// For frames that are submitted here and waited for, one at a time.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let mut context = Self::in_others(gpu, 1)?;
+        context.statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
+        context.own = Some(OwnCommands::new(gpu)?);
         Ok(context)
+    }
+
+    /// For frames that are recorded into somebody else's command buffers, of which so many may be under way at once.
+    pub fn in_others(gpu: &Gpu, slots: usize) -> Result<Self> {
+        Ok(Self {
+            gpu: gpu.clone(),
+            commands: vk::CommandBuffer::null(),
+            own: None,
+            slots: (0..slots.max(1)).map(|_| Slot::new(gpu)).collect::<Result<_>>()?,
+            slot: 0,
+            statistics: None,
+            settling: settle::Settling::new(gpu)?,
+        })
     }
 
     /// The device.
@@ -134,25 +196,53 @@ impl FrameContext {
         &self.gpu
     }
 
-    /// Begins a frame. A mode whose queries the device lacks records none.
+    /// Begins a frame that is submitted here. A mode whose queries the device lacks records none.
+    ///
+    /// # Errors
+    /// [`Error::Usage`](crate::error::Error::Usage) for a context of somebody else's command buffers.
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
+        let Some(own) = &self.own else {
+            return Err(crate::error::Error::Usage("these frames are recorded into the caller's command buffers".into()));
+        };
+        self.commands = own.commands;
         // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
         // never submitted.
         unsafe {
             device
-                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
+                .reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty())
                 .map_err(vulkan("vkResetCommandPool"))?;
             let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-            device.begin_command_buffer(self.commands, &info).map_err(vulkan("vkBeginCommandBuffer"))?;
-            if let Some(sets) = &mut self.sets {
-                sets.reset()?;
-            }
+            device.begin_command_buffer(own.commands, &info).map_err(vulkan("vkBeginCommandBuffer"))?;
+            self.begin_slot(0, mode)
         }
-        self.uniforms.reset();
+    }
+
+    /// Begins a frame in somebody else's command buffer. It ends with [`Frame::end`].
+    ///
+    /// # Safety
+    /// The command buffer is recording, outside rendering, for a queue of the device's family. What an earlier frame of
+    /// the slot recorded is no longer under way. What is recorded is submitted before anything that a later frame of
+    /// this context records, or the frame is dropped without [`Frame::end`] and its command buffer thrown away.
+    pub unsafe fn begin_in(&mut self, commands: vk::CommandBuffer, slot: usize, mode: Mode) -> Result<Frame<'_>> {
+        assert!(slot < self.slots.len(), "there are {} slots, not {slot}", self.slots.len());
+        self.commands = commands;
+        // SAFETY: by the contract.
+        unsafe { self.begin_slot(slot, mode) }
+    }
+
+    /// # Safety
+    /// The command buffer is recording, and nothing that the slot recorded is under way.
+    unsafe fn begin_slot(&mut self, slot: usize, mode: Mode) -> Result<Frame<'_>> {
+        self.slot = slot;
+        let kept = &mut self.slots[slot];
+        // SAFETY: by the contract.
+        unsafe { kept.sets.reset() }?;
+        kept.uniforms.reset();
+        kept.timed.clear();
         match mode {
             Mode::Plain => {}
-            Mode::Timed => self.timestamps.reset(),
+            Mode::Timed => kept.timestamps.reset(),
             Mode::Counted => {
                 if let Some(statistics) = &mut self.statistics {
                     statistics.reset();
@@ -173,22 +263,17 @@ impl FrameContext {
         Ok(frame)
     }
 
+    /// The times of the last frame of a slot that was recorded with [`Mode::Timed`], after the device is done with it;
+    /// empty if there was none.
+    pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
+        Ok(self.slots[slot].times()?.0)
+    }
+
     /// Records passes and submits them, for uploads and the like.
     pub fn once(&mut self, record: impl FnOnce(&mut Frame) -> Result<()>) -> Result<()> {
         let mut frame = self.begin(Mode::Plain)?;
         record(&mut frame)?;
         frame.finish().map(|_| ())
-    }
-}
-
-impl Drop for FrameContext {
-    fn drop(&mut self) {
-        let device = self.gpu.raw();
-        // SAFETY: no submission is under way; null handles are allowed.
-        unsafe {
-            device.destroy_fence(self.fence, None);
-            device.destroy_command_pool(self.pool, None);
-        }
     }
 }
 
@@ -202,13 +287,13 @@ pub struct Frame<'c> {
     pending: Barriers,
     undo: Undo,
     /// Pipelines that this frame settles, once it is submitted.
-    settled: Vec<Rc<Cell<bool>>>,
+    settled: Vec<Arc<AtomicBool>>,
 }
 
 /// What images and buffers were before the frame, for as long as it may fail: barriers that were never
 /// submitted changed nothing.
 #[derive(Default)]
-struct Undo(Vec<(Rc<Cell<State>>, State)>);
+struct Undo(Vec<(Tracked, State)>);
 
 impl Drop for Undo {
     fn drop(&mut self) {
@@ -242,6 +327,26 @@ impl Frame<'_> {
         self.flush();
     }
 
+    /// An image of somebody else is as they left it.
+    pub fn take_over(&mut self, image: &Image, left: ImageUse) {
+        for (_, state) in image.all().states() {
+            self.undo.0.push((state.clone(), state.get()));
+            state.set(State::left(left));
+        }
+    }
+
+    /// Moves an image to somebody else's use: what is recorded here is done with it before that.
+    pub fn hand_over(&mut self, image: &Image, to: ImageUse) {
+        for (level, state) in image.all().states() {
+            let mut s = state.get();
+            self.undo.0.push((state.clone(), s));
+            let transition = s.hand_over(to);
+            state.set(s);
+            self.image_barrier(image, level, transition);
+        }
+        self.flush();
+    }
+
     /// Submits, waits, and reads the queries.
     pub fn finish(self) -> Result<FrameReport> {
         self.submit(&[], &[])
@@ -262,21 +367,24 @@ impl Frame<'_> {
     fn submit(mut self, waits: &[vk::SemaphoreSubmitInfo], signals: &[vk::SemaphoreSubmitInfo]) -> Result<FrameReport> {
         self.stamp()?;
         let device = self.context.gpu.raw();
-        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.context.commands)];
+        let Some(own) = &self.context.own else {
+            return Err(crate::error::Error::Usage("this frame is submitted by whoever began its command buffer".into()));
+        };
+        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(own.commands)];
         let submit = vk::SubmitInfo2::default()
             .wait_semaphore_infos(waits)
             .command_buffer_infos(&commands)
             .signal_semaphore_infos(signals);
-        let fences = [self.context.fence];
+        let fences = [own.fence];
         // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
         // anything is reused or destroyed.
         unsafe {
-            device.end_command_buffer(self.context.commands).map_err(vulkan("vkEndCommandBuffer"))?;
-            let queue = self.context.gpu.queue();
+            device.end_command_buffer(own.commands).map_err(vulkan("vkEndCommandBuffer"))?;
+            let queue = self.context.gpu.queue()?;
             self.context.gpu.count_submission();
             device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
             self.undo.0.clear();
-            self.settled.iter().for_each(|pipeline| pipeline.set(true));
+            self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
             let waited = device.wait_for_fences(&fences, true, u64::MAX);
             if waited.is_err() {
                 // A lost device is idle; any other must be before what it uses goes.
@@ -285,26 +393,39 @@ impl Frame<'_> {
             device.reset_fences(&fences).map_err(vulkan("vkResetFences"))?;
             waited.map_err(vulkan("vkWaitForFences"))?;
         }
-        let mut report = FrameReport {
-            recorded: self.passes.iter().map(|(n, _)| n.clone()).collect(),
-            skipped: std::mem::take(&mut self.skipped),
-            ..FrameReport::default()
-        };
+        let mut report = self.recorded();
         match (self.mode, &self.context.statistics) {
             (Mode::Timed, _) => {
-                let stamps = self.context.timestamps.milliseconds()?;
-                report.frame_ms = stamps.last().copied().unwrap_or(0.0);
-                report.passes = self
-                    .passes
-                    .into_iter()
-                    .zip(stamps[1..].chunks_exact(2))
-                    .map(|((name, counted), pair)| PassTime { name, ms: pair[1] - pair[0], counted })
-                    .collect();
+                let slot = self.slot();
+                (report.passes, report.frame_ms) = slot.times()?;
             }
             (Mode::Counted, Some(statistics)) => report.work = statistics.results()?,
             _ => {}
         }
         Ok(report)
+    }
+
+    /// Ends a frame of somebody else's command buffer, who submits it. The report says what was recorded; the times are
+    /// known later ([`FrameContext::times`]).
+    pub fn end(mut self) -> Result<FrameReport> {
+        self.stamp()?;
+        self.undo.0.clear();
+        self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
+        Ok(self.recorded())
+    }
+
+    /// What was recorded and skipped; the slot keeps the names of timed passes.
+    fn recorded(&mut self) -> FrameReport {
+        let passes = std::mem::take(&mut self.passes);
+        let recorded = passes.iter().map(|(name, _)| name.clone()).collect();
+        if self.mode == Mode::Timed {
+            self.slot().timed = passes;
+        }
+        FrameReport { recorded, skipped: std::mem::take(&mut self.skipped), ..FrameReport::default() }
+    }
+
+    fn slot(&mut self) -> &mut Slot {
+        &mut self.context.slots[self.context.slot]
     }
 
     /// Label, timestamps and statistics of a pass, around what `record` records.
@@ -330,7 +451,7 @@ impl Frame<'_> {
 
     fn stamp(&mut self) -> Result<()> {
         let commands = self.context.commands;
-        if self.mode == Mode::Timed { self.context.timestamps.stamp(commands) } else { Ok(()) }
+        if self.mode == Mode::Timed { self.slot().timestamps.stamp(commands) } else { Ok(()) }
     }
 
     fn device(&self) -> &ash::Device {
@@ -367,23 +488,27 @@ impl Frame<'_> {
 
     fn use_image(&mut self, slice: ImageSlice, access: Access) {
         for (level, state) in slice.states() {
-            if let Some(t) = step(&mut self.undo, state, access) {
-                let image = slice.image();
-                self.pending.images.push(
-                    vk::ImageMemoryBarrier2::default()
-                        .src_stage_mask(t.src_stages)
-                        .src_access_mask(t.src_access)
-                        .dst_stage_mask(t.dst_stages)
-                        .dst_access_mask(t.dst_access)
-                        .old_layout(t.old_layout)
-                        .new_layout(t.new_layout)
-                        .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                        .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-                        .image(image.handle())
-                        .subresource_range(image.range(level, 1)),
-                );
-            }
+            let transition = step(&mut self.undo, state, access);
+            self.image_barrier(slice.image(), level, transition);
         }
+    }
+
+    /// The barrier of a level, with the next [`Self::flush`].
+    fn image_barrier(&mut self, image: &Image, level: u32, transition: Option<Transition>) {
+        let Some(t) = transition else { return };
+        self.pending.images.push(
+            vk::ImageMemoryBarrier2::default()
+                .src_stage_mask(t.src_stages)
+                .src_access_mask(t.src_access)
+                .dst_stage_mask(t.dst_stages)
+                .dst_access_mask(t.dst_access)
+                .old_layout(t.old_layout)
+                .new_layout(t.new_layout)
+                .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
+                .image(image.handle())
+                .subresource_range(image.range(level, 1)),
+        );
     }
 
     fn use_buffer(&mut self, buffer: &Buffer, access: Access) {
@@ -415,9 +540,9 @@ impl Frame<'_> {
     }
 }
 
-fn step(undo: &mut Undo, state: &Rc<Cell<State>>, access: Access) -> Option<Transition> {
+fn step(undo: &mut Undo, state: &Tracked, access: Access) -> Option<Transition> {
     let mut s = state.get();
-    undo.0.push((Rc::clone(state), s));
+    undo.0.push((state.clone(), s));
     let transition = s.transition(access);
     state.set(s);
     transition

@@ -1,14 +1,10 @@
 //! Images with one view per mip level (or slice of a volume) and one over all of them, and the samplers.
 
 use super::device::{Gpu, vulkan};
-use super::memory;
-use super::sync::State;
+use super::memory::{self, Allocation, Place};
+use super::sync::{State, Tracked};
 use crate::error::{Error, Result};
 use ash::vk;
-use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::Allocation;
-use std::cell::Cell;
-use std::rc::Rc;
 
 /// What an image is to be.
 #[derive(Debug, Clone, Copy)]
@@ -59,10 +55,12 @@ pub struct Image {
     depth: u32,
     slice_views: Vec<vk::ImageView>,
     layers: u32,
-    states: Vec<Rc<Cell<State>>>,
+    states: Vec<Tracked>,
     name: String,
-    /// Whether a swapchain destroys the handle.
+    /// Whether the handle and its views are somebody else's.
     borrowed: bool,
+    /// The part of somebody else's image that this is.
+    part: Option<vk::ImageSubresourceRange>,
 }
 
 /// What the layers or slices of an image are.
@@ -195,13 +193,14 @@ impl Image {
             depth,
             slice_views: Vec::new(),
             layers: desc.layers,
-            states: (0..desc.levels).map(|_| Rc::default()).collect(),
+            states: (0..desc.levels).map(|_| Tracked::default()).collect(),
             name: desc.name.to_owned(),
             borrowed: false,
+            part: None,
         };
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
-        let allocation = memory::allocate(gpu, desc.name, requirements, MemoryLocation::GpuOnly, false)?;
+        let allocation = memory::allocate(gpu, desc.name, requirements, Place::Device, false)?;
         // SAFETY: the memory fits the requirements and is freed after the image.
         let bound = unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) };
         // Whatever came of it, the memory goes with what it was for.
@@ -243,6 +242,23 @@ impl Image {
     /// An image of a swapchain: of one level, without views, and destroyed by the swapchain.
     pub fn of_swapchain(gpu: &Gpu, handle: vk::Image, format: vk::Format, extent: [u32; 2]) -> Self {
         gpu.name(handle, "swapchain");
+        Self::bare(gpu, "swapchain", handle, (format, extent))
+    }
+
+    /// One level and layer of an image of somebody else, seen through a view of theirs; both outlive this.
+    pub fn of_others(
+        gpu: &Gpu,
+        name: &str,
+        (handle, view): (vk::Image, vk::ImageView),
+        part: vk::ImageSubresourceRange,
+        like: (vk::Format, [u32; 2]),
+    ) -> Self {
+        let mut image = Self::bare(gpu, name, handle, like);
+        (image.whole_view, image.part) = (view, Some(part));
+        image
+    }
+
+    fn bare(gpu: &Gpu, name: &str, handle: vk::Image, (format, extent): (vk::Format, [u32; 2])) -> Self {
         Self {
             gpu: gpu.clone(),
             handle,
@@ -256,9 +272,10 @@ impl Image {
             depth: 1,
             slice_views: Vec::new(),
             layers: 1,
-            states: vec![Rc::default()],
-            name: "swapchain".to_owned(),
+            states: vec![Tracked::default()],
+            name: name.to_owned(),
             borrowed: true,
+            part: None,
         }
     }
 
@@ -364,6 +381,9 @@ impl Image {
     }
 
     pub(crate) fn range(&self, base: u32, count: u32) -> vk::ImageSubresourceRange {
+        if let Some(part) = self.part {
+            return part;
+        }
         vk::ImageSubresourceRange {
             aspect_mask: self.aspect(),
             base_mip_level: base,
@@ -414,7 +434,7 @@ impl<'a> ImageSlice<'a> {
 
     /// The tracked state of each level. The slices of a volume share that of their level, as Vulkan has
     /// one layout for them all.
-    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Rc<Cell<State>>)> + use<'a> {
+    pub(crate) fn states(&self) -> impl Iterator<Item = (u32, &'a Tracked)> + use<'a> {
         let (base, count) = (self.base as usize, self.count as usize);
         self.image.states[base..base + count].iter().enumerate().map(move |(i, s)| ((base + i) as u32, s))
     }
@@ -423,6 +443,9 @@ impl<'a> ImageSlice<'a> {
 impl Drop for Image {
     fn drop(&mut self) {
         let device = self.gpu.raw();
+        if self.borrowed {
+            return;
+        }
         // SAFETY: submissions are waited for before resources go (`FrameContext`); null is allowed.
         unsafe {
             for view in self.level_views.drain(..).chain(self.slice_views.drain(..)) {
@@ -431,9 +454,7 @@ impl Drop for Image {
             device.destroy_image_view(self.whole_view, None);
             device.destroy_image_view(self.faces_view, None);
             device.destroy_image_view(self.stencil_view, None);
-            if !self.borrowed {
-                device.destroy_image(self.handle, None);
-            }
+            device.destroy_image(self.handle, None);
         }
         memory::release(&self.gpu, self.allocation.take());
     }

@@ -5,7 +5,7 @@ use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
 
-/// The most descriptors of one kind that a set has. Sets are pushed, and Vulkan promises `maxPushDescriptors` of 32.
+/// The most descriptors of one kind that a set has.
 pub(super) const MAX_DESCRIPTORS: u32 = 32;
 
 /// Whether a device can run some shaders together.

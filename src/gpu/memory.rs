@@ -1,13 +1,13 @@
-//! Buffers with their memory.
+//! Memory, of the crate's allocator or of the caller's, and buffers with theirs.
 
 use super::device::{Gpu, vulkan};
-use super::sync::State;
+use super::sync::Tracked;
 use crate::error::{Error, Result};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
-use std::cell::Cell;
-use std::rc::Rc;
+use gpu_allocator::vulkan::{self as ours, AllocationCreateDesc, AllocationScheme};
+use std::ptr::NonNull;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A buffer that owns its memory and destroys itself.
 pub struct Buffer {
@@ -15,11 +15,11 @@ pub struct Buffer {
     handle: vk::Buffer,
     allocation: Option<Allocation>,
     size: u64,
-    state: Rc<Cell<State>>,
+    state: Tracked,
     name: String,
 }
 
-/// Where a buffer lives.
+/// What kind of memory a buffer or an image lives in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
     /// Device memory.
@@ -28,6 +28,154 @@ pub enum Place {
     Upload,
     /// Memory that the device writes and the host reads.
     Readback,
+}
+
+/// An allocator of the caller's, in place of the crate's own.
+///
+/// # Safety
+/// A block that [`allocate`](Self::allocate) gives fits the requirements, is of the context's device, is nobody else's
+/// until it is [freed](Self::free), and is mapped as [`MemoryBlock::mapped`] says.
+pub unsafe trait DeviceMemory: Send {
+    /// Memory for an image or a buffer; `linear` is false for images of optimal tiling.
+    ///
+    /// # Errors
+    /// A clause that says why there is none.
+    fn allocate(
+        &mut self,
+        name: &str,
+        requirements: &vk::MemoryRequirements,
+        place: Place,
+        linear: bool,
+    ) -> std::result::Result<MemoryBlock, String>;
+
+    /// Takes a block back. What it was for is destroyed.
+    fn free(&mut self, block: MemoryBlock);
+}
+
+/// A part of a memory object.
+#[derive(Debug)]
+pub struct MemoryBlock {
+    /// The object.
+    pub memory: vk::DeviceMemory,
+    /// Where the part begins, in bytes.
+    pub offset: u64,
+    /// Where the host sees that part, for [`Place::Upload`] and [`Place::Readback`]; coherent.
+    pub mapped: Option<NonNull<u8>>,
+    /// Whatever the allocator wants to know when it gets the block back.
+    pub key: u64,
+}
+
+// SAFETY: the pointer is into mapped memory that is this block's alone (`DeviceMemory`).
+unsafe impl Send for MemoryBlock {}
+// SAFETY: as above; through a shared block the memory is only read.
+unsafe impl Sync for MemoryBlock {}
+
+/// Where memory comes from.
+pub(super) enum Source {
+    /// The crate's own allocator.
+    Ours(Mutex<ours::Allocator>),
+    /// The caller's.
+    Theirs(Mutex<Box<dyn DeviceMemory>>),
+}
+
+/// Memory of an image or a buffer.
+pub(super) enum Allocation {
+    Ours(ours::Allocation),
+    /// And its size.
+    Theirs(MemoryBlock, u64),
+}
+
+impl Source {
+    /// Bytes that are allocated, and bytes of the blocks that they are parts of; 0 of an allocator of the caller's, who
+    /// knows them.
+    pub fn bytes(&self) -> (u64, u64) {
+        let Self::Ours(allocator) = self else { return (0, 0) };
+        let report = locked(allocator).generate_report();
+        (report.total_allocated_bytes, report.total_capacity_bytes)
+    }
+
+    fn allocate(
+        &self,
+        name: &str,
+        requirements: vk::MemoryRequirements,
+        place: Place,
+        linear: bool,
+    ) -> std::result::Result<Allocation, String> {
+        match self {
+            Self::Ours(allocator) => locked(allocator)
+                .allocate(&AllocationCreateDesc {
+                    name,
+                    requirements,
+                    location: match place {
+                        Place::Device => MemoryLocation::GpuOnly,
+                        Place::Upload => MemoryLocation::CpuToGpu,
+                        Place::Readback => MemoryLocation::GpuToCpu,
+                    },
+                    linear,
+                    allocation_scheme: AllocationScheme::GpuAllocatorManaged,
+                })
+                .map(Allocation::Ours)
+                .map_err(|e| e.to_string()),
+            Self::Theirs(allocator) => {
+                let block = locked(allocator).allocate(name, &requirements, place, linear)?;
+                Ok(Allocation::Theirs(block, requirements.size))
+            }
+        }
+    }
+
+    fn free(&self, allocation: Allocation) {
+        match (self, allocation) {
+            (Self::Ours(allocator), Allocation::Ours(allocation)) => {
+                // A drop has no other way to say it.
+                if let Err(e) = locked(allocator).free(allocation) {
+                    tracing::error!("device memory could not be freed: {e}");
+                }
+            }
+            (Self::Theirs(allocator), Allocation::Theirs(block, _)) => locked(allocator).free(block),
+            _ => unreachable!("a device has one source of memory"),
+        }
+    }
+}
+
+fn locked<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Allocation {
+    pub fn memory(&self) -> vk::DeviceMemory {
+        match self {
+            // SAFETY: the memory is bound, and freed through this allocation alone.
+            Self::Ours(allocation) => unsafe { allocation.memory() },
+            Self::Theirs(block, _) => block.memory,
+        }
+    }
+
+    pub fn offset(&self) -> u64 {
+        match self {
+            Self::Ours(allocation) => allocation.offset(),
+            Self::Theirs(block, _) => block.offset,
+        }
+    }
+
+    fn bytes(&self) -> Option<&[u8]> {
+        match self {
+            Self::Ours(allocation) => allocation.mapped_slice(),
+            // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
+            Self::Theirs(block, size) => {
+                block.mapped.map(|at| unsafe { std::slice::from_raw_parts(at.as_ptr(), *size as usize) })
+            }
+        }
+    }
+
+    fn bytes_mut(&mut self) -> Option<&mut [u8]> {
+        match self {
+            Self::Ours(allocation) => allocation.mapped_slice_mut(),
+            // SAFETY: as in `bytes`.
+            Self::Theirs(block, size) => {
+                block.mapped.map(|at| unsafe { std::slice::from_raw_parts_mut(at.as_ptr(), *size as usize) })
+            }
+        }
+    }
 }
 
 impl Buffer {
@@ -39,16 +187,11 @@ impl Buffer {
         let handle =
             unsafe { gpu.raw().create_buffer(&info, None) }.map_err(vulkan(format!("vkCreateBuffer for {name}")))?;
         let mut buffer =
-            Self { gpu: gpu.clone(), handle, allocation: None, size, state: Rc::default(), name: name.to_owned() };
+            Self { gpu: gpu.clone(), handle, allocation: None, size, state: Tracked::default(), name: name.to_owned() };
         gpu.name(handle, name);
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_buffer_memory_requirements(handle) };
-        let location = match place {
-            Place::Device => MemoryLocation::GpuOnly,
-            Place::Upload => MemoryLocation::CpuToGpu,
-            Place::Readback => MemoryLocation::GpuToCpu,
-        };
-        let allocation = allocate(gpu, name, requirements, location, true)?;
+        let allocation = allocate(gpu, name, requirements, place, true)?;
         // SAFETY: the memory fits the requirements and is freed after the buffer.
         let bound = unsafe { gpu.raw().bind_buffer_memory(handle, allocation.memory(), allocation.offset()) };
         // Whatever came of it, the memory goes with what it was for.
@@ -73,7 +216,7 @@ impl Buffer {
     pub fn bytes(&self) -> Result<&[u8]> {
         self.allocation
             .as_ref()
-            .and_then(|a| a.mapped_slice())
+            .and_then(|a| a.bytes())
             .map(|s| &s[..self.size as usize])
             .ok_or_else(|| self.unmapped())
     }
@@ -81,7 +224,7 @@ impl Buffer {
     /// What the host may write of an upload buffer.
     pub fn bytes_mut(&mut self) -> Result<&mut [u8]> {
         let (size, error) = (self.size as usize, self.unmapped());
-        self.allocation.as_mut().and_then(|a| a.mapped_slice_mut()).map(|s| &mut s[..size]).ok_or(error)
+        self.allocation.as_mut().and_then(|a| a.bytes_mut()).map(|s| &mut s[..size]).ok_or(error)
     }
 
     fn unmapped(&self) -> Error {
@@ -93,7 +236,7 @@ impl Buffer {
         self.handle
     }
 
-    pub(crate) fn state(&self) -> &Rc<Cell<State>> {
+    pub(crate) fn state(&self) -> &Tracked {
         &self.state
     }
 }
@@ -111,23 +254,17 @@ pub(super) fn allocate(
     gpu: &Gpu,
     name: &str,
     requirements: vk::MemoryRequirements,
-    location: MemoryLocation,
+    place: Place,
     linear: bool,
 ) -> Result<Allocation> {
-    gpu.allocator()
-        .allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location,
-            linear,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        })
-        .map_err(|e| Error::Memory { what: name.to_owned(), message: e.to_string() })
+    gpu.memory()
+        .allocate(name, requirements, place, linear)
+        .map_err(|message| Error::Memory { what: name.to_owned(), message })
 }
 
-/// Gives memory back; what can't be freed is reported, since a drop has no other way.
+/// Gives memory back.
 pub(super) fn release(gpu: &Gpu, allocation: Option<Allocation>) {
-    if let Some(Err(e)) = allocation.map(|a| gpu.allocator().free(a)) {
-        tracing::error!("device memory could not be freed: {e}");
+    if let Some(allocation) = allocation {
+        gpu.memory().free(allocation);
     }
 }

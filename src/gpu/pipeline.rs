@@ -1,6 +1,5 @@
-//! Graphics and compute pipelines, typed by their programs. Set 0 is pushed (VK_KHR_push_descriptor; but for
-//! GPU-assisted validation, `frame/quirks/sets.rs`) and laid out as the shaders' reflection says, so that there is no
-//! descriptor pool.
+//! Graphics and compute pipelines, typed by their programs. Set 0 is laid out as the shaders' reflection says, and is
+//! bound from pools (`frame/sets.rs`).
 
 use super::device::{Gpu, vulkan};
 use super::image;
@@ -10,10 +9,9 @@ use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
-use std::cell::Cell;
 use std::collections::HashMap;
 use std::marker::PhantomData;
-use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Layouts that a pipeline of either kind has.
@@ -37,7 +35,7 @@ pub(crate) struct Graphics {
     pub handle: vk::Pipeline,
     pub name: &'static str,
     /// Whether it drew before (`frame/quirks/settle.rs`).
-    pub settled: Rc<Cell<bool>>,
+    pub settled: Arc<AtomicBool>,
 }
 
 /// A compute program. Those who use one program at the same time have one pipeline: a driver may take long to compile
@@ -118,12 +116,7 @@ impl Layout {
                     .stage_flags(stages)
             })
             .collect();
-        let flags = if gpu.shared().pushes_descriptors {
-            vk::DescriptorSetLayoutCreateFlags::PUSH_DESCRIPTOR_KHR
-        } else {
-            vk::DescriptorSetLayoutCreateFlags::empty()
-        };
-        let info = vk::DescriptorSetLayoutCreateInfo::default().flags(flags).bindings(&descriptors);
+        let info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&descriptors);
         // SAFETY: the create infos live through the calls; both handles are destroyed in `drop`.
         let set = unsafe { gpu.raw().create_descriptor_set_layout(&info, None) }
             .map_err(vulkan(format!("vkCreateDescriptorSetLayout for {name}")))?;
@@ -328,7 +321,7 @@ impl Graphics {
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
-        Ok(Self { layout, handle, name: fragment.name, settled: Rc::default() })
+        Ok(Self { layout, handle, name: fragment.name, settled: Arc::default() })
     }
 }
 

@@ -2,6 +2,7 @@
 //! says which barrier the next use needs. Nothing else in the crate writes a barrier.
 
 use ash::vk;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How a pass uses an image or a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -130,6 +131,37 @@ impl Access {
     }
 }
 
+/// How somebody else uses an image: the layout in which it is, and the stages and accesses of the last or the next use.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageUse {
+    /// The image's layout.
+    pub layout: vk::ImageLayout,
+    /// Pipeline stages that touch it.
+    pub stages: vk::PipelineStageFlags2,
+    /// How they access it.
+    pub access: vk::AccessFlags2,
+}
+
+impl ImageUse {
+    /// Drawn into as a colour attachment.
+    pub const COLOR_ATTACHMENT: Self = Self::of(Access::ColorAttachment);
+    /// Drawn into as a depth attachment; the layout is that of the depth aspect alone.
+    pub const DEPTH_ATTACHMENT: Self = Self::of(Access::DepthAttachment);
+    /// Sampled in fragment shaders, in `SHADER_READ_ONLY_OPTIMAL`.
+    pub const FRAGMENT_SAMPLED: Self = Self::of(Access::FragmentSampled);
+    /// Sampled in compute shaders, in `SHADER_READ_ONLY_OPTIMAL`.
+    pub const COMPUTE_SAMPLED: Self = Self::of(Access::ComputeSampled);
+    /// Copied or blitted from.
+    pub const TRANSFER_SOURCE: Self = Self::of(Access::TransferRead);
+    /// Copied, blitted or cleared.
+    pub const TRANSFER_TARGET: Self = Self::of(Access::TransferWrite);
+
+    const fn of(access: Access) -> Self {
+        let AccessInfo { stages, access, layout, .. } = access.info();
+        Self { layout, stages, access }
+    }
+}
+
 /// A barrier's two sides, ready for an image or a memory barrier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Transition {
@@ -159,6 +191,20 @@ pub struct State {
     read_access: vk::AccessFlags2,
 }
 
+/// The state of an image's level or of a buffer. Clones share it: a frame keeps one to undo what it changed.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Tracked(Arc<Mutex<State>>);
+
+impl Tracked {
+    pub fn get(&self) -> State {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub fn set(&self, state: State) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = state;
+    }
+}
+
 impl Default for State {
     /// Fresh memory: nothing written, layout undefined.
     fn default() -> Self {
@@ -184,9 +230,23 @@ impl State {
         self.layout
     }
 
+    /// As somebody else left it.
+    pub(super) fn left(by: ImageUse) -> Self {
+        Self { layout: by.layout, write_stages: by.stages, write_access: by.access, ..Self::default() }
+    }
+
     /// Moves to the next use; returns the barrier that it needs, if any.
     pub fn transition(&mut self, next: Access) -> Option<Transition> {
-        let info = next.info();
+        self.transition_to(next.info())
+    }
+
+    /// Moves to somebody else's use, for which everything before must be done; returns the barrier that it needs.
+    pub(super) fn hand_over(&mut self, to: ImageUse) -> Option<Transition> {
+        let ImageUse { layout, stages, access } = to;
+        self.transition_to(AccessInfo { stages, access, layout, writes: true })
+    }
+
+    fn transition_to(&mut self, info: AccessInfo) -> Option<Transition> {
         let moves = info.layout != vk::ImageLayout::UNDEFINED && info.layout != self.layout;
         let sees = self.read_stages.contains(info.stages) && self.read_access.contains(info.access);
         let untouched = self.write_stages.is_empty() && self.read_stages.is_empty();

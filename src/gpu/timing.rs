@@ -84,7 +84,7 @@ impl Queries {
                     *pool,
                     0,
                     results,
-                    vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT,
+                    vk::QueryResultFlags::TYPE_64,
                 )
             }
             .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;

@@ -2,7 +2,7 @@
 //! both filtered by roughness. Not part of any frame's time.
 
 use super::SceneInput;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::sync::Access;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
@@ -82,6 +82,17 @@ pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
 }
 
+/// The number of a face (0 to 5) of a capture: the layer of its images.
+///
+/// # Errors
+/// [`Error::Usage`] for a face or a capture that does not exist.
+pub(crate) fn face_number(capture: usize, face: usize, captures: usize) -> Result<u32> {
+    if capture >= captures || face >= 6 {
+        return Err(Error::Usage(format!("there is no face {face} of capture {capture}: there are {captures} with 6 each")));
+    }
+    Ok((6 * capture + face) as u32)
+}
+
 /// Captures of a scene with all that rays are followed by in them (docs/definitions.md, "Images").
 pub struct CaptureImages {
     pyramid: Image,
@@ -139,10 +150,15 @@ impl CaptureImages {
 
     /// Images for some captures, without content.
     fn empty(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
         let places: Vec<Vec3> = taken.iter().map(|c| c.position).collect();
-        let extent = [taken.first().map_or(1, |c| c.resolution); 2];
         let forward = face_camera(Vec3::ZERO, 4, common_near_m(taken));
+        Self::of_camera(gpu, places, taken.first().map_or(1, |c| c.resolution), &forward)
+    }
+
+    /// The same with the projection of a camera, whatever it looks at.
+    pub(crate) fn of_camera(gpu: &Gpu, places: Vec<Vec3>, side: u32, forward: &Camera) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let extent = [side; 2];
         let desc = |name, format, extent, levels, usage| ImageDesc {
             name,
             format,
@@ -159,15 +175,15 @@ impl CaptureImages {
             pyramid: Image::array(gpu, &desc("capture pyramids", rg32, strips, 1, U::STORAGE))?,
             normal: Image::array(gpu, &desc("capture normals", snorm, extent, 1, U::STORAGE))?,
             color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
-            face: super::unified::parameters(&forward, extent, false),
-            face_unit: lost::unit(&forward),
+            face: super::unified::parameters(forward, extent, false),
+            face_unit: lost::unit(forward),
             places,
         })
     }
 
     /// Takes over the images of a face, number 6 k + f for face f of capture k, and makes its part of the colour's chain.
     /// No other face changes: the chain is made of each face alone.
-    fn take_face(&self, frame: &mut Frame, pyramids: &PyramidPass, face: &GBuffer, number: u32) -> Result<()> {
+    pub(crate) fn take_face(&self, frame: &mut Frame, pyramids: &PyramidPass, face: &GBuffer, number: u32) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
         let blocks = pyramids.record(frame, face, &self.face)?;
         frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), number)?;

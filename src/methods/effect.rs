@@ -48,18 +48,12 @@ pub struct Prepared {
 struct Captured {
     /// Where the scene is captured; empty for captures that come from elsewhere.
     places: Vec<Capture>,
+    /// Width and height of the faces.
+    face: [u32; 2],
     images: Option<CaptureImages>,
     of: Vec<Material>,
     /// `None` where the captures stay as and where they are.
     renewal: Option<Renewal>,
-}
-
-impl Captured {
-    /// Width and height of the faces.
-    fn face(&self) -> [u32; 2] {
-        let wanted = self.places.first().map_or([1; 2], |c| [c.resolution; 2]);
-        self.images.as_ref().map_or(wanted, CaptureImages::extent)
-    }
 }
 
 impl Effect {
@@ -81,7 +75,8 @@ impl Effect {
         let is_renewed = effect.captures_per_frame > 0 && !places.is_empty();
         let renewal =
             is_renewed.then(|| Renewal::new(context.gpu(), &places, effect.captures_per_frame)).transpose()?;
-        let captured = (!places.is_empty()).then(|| Captured { places, images: None, of: Vec::new(), renewal });
+        let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
+        let captured = (!places.is_empty()).then(|| Captured { places, face, images: None, of: Vec::new(), renewal });
         let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured))?;
         let Some(scene) = scene else { return Ok(made) };
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
@@ -106,18 +101,25 @@ impl Effect {
         wants: Wants,
         captures: CaptureImages,
     ) -> Result<Self> {
-        let is_behind = setup.effect().fallback.method().is_some_and(|m| m.takes_captures);
-        if !info.takes_captures && !is_behind {
-            let name = info.name;
-            return Err(Error::Usage(format!(
-                "the method {name} follows no rays in captures; the methods unified and captures do, and the fallback \
-                 captures behind every screen-space method"
-            )));
-        }
-        if setup.effect().captures_per_frame > 0 {
-            return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
-        }
-        let captured = Captured { places: Vec::new(), images: Some(captures), of: Vec::new(), renewal: None };
+        takes_captures(info, setup)?;
+        let face = captures.extent();
+        let captured = Captured { places: Vec::new(), face, images: Some(captures), of: Vec::new(), renewal: None };
+        Self::beside(context, info, setup, wants, (false, Some(captured)))
+    }
+
+    /// The same for captures that each input brings along ([`Input::captures`]), with faces of a size in texels.
+    ///
+    /// # Errors
+    /// As for [`Self::with_captures`].
+    pub fn for_captures(
+        context: &mut FrameContext,
+        info: &MethodInfo,
+        setup: &Setup,
+        wants: Wants,
+        face: [u32; 2],
+    ) -> Result<Self> {
+        takes_captures(info, setup)?;
+        let captured = Captured { places: Vec::new(), face, images: None, of: Vec::new(), renewal: None };
         Self::beside(context, info, setup, wants, (false, Some(captured)))
     }
 
@@ -140,7 +142,7 @@ impl Effect {
             return Err(Error::Usage(message));
         }
         let gpu: Gpu = context.gpu().clone();
-        let face = captured.as_ref().map(Captured::face);
+        let face = captured.as_ref().map(|c| c.face);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -249,7 +251,7 @@ impl Effect {
         if let (Some(Captured { renewal: Some(renewal), .. }), Some(images)) = (&self.captures, images) {
             renewal.record(frame, &input.scene()?, images)?;
         }
-        let captures = images.map(CaptureImages::captures);
+        let captures = images.map(CaptureImages::captures).or(input.captures);
         let input = &Input { captures, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
@@ -299,4 +301,22 @@ fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
     let placed = scene.data.captures(wanted);
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
+}
+
+/// # Errors
+/// [`Error::Usage`] if neither a method nor what is behind it follows rays in captures, or captures are to be drawn.
+fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
+    let effect = setup.effect();
+    let is_behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
+    if !info.takes_captures && !is_behind {
+        let name = info.name;
+        return Err(Error::Usage(format!(
+            "the method {name} follows no rays in captures; the methods unified and captures do, and the fallback \
+             captures behind every screen-space method"
+        )));
+    }
+    if effect.captures_per_frame > 0 {
+        return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
+    }
+    Ok(())
 }

@@ -108,7 +108,7 @@ impl<'a> Traced<'a> {
 }
 
 /// A method of one size on one device.
-pub trait Method {
+pub trait Method: Send {
     /// Makes what outlives frames (captured maps) from the scene. Called before the first frame and
     /// again when materials change; not part of any frame's time.
     fn prepare(&mut self, _context: &mut FrameContext, _scene: &SceneInput) -> Result<()> {

@@ -62,7 +62,7 @@ impl SsctParams {
 }
 
 /// Fills in the parameters of a method.
-pub(super) type Fill = Box<dyn Fn(ThesisBlock) -> ThesisBlock>;
+pub(super) type Fill = Box<dyn Fn(ThesisBlock) -> ThesisBlock + Send>;
 
 /// The thesis's passes in their order.
 pub struct ThesisMethod {

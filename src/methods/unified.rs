@@ -260,6 +260,7 @@ pub fn parameters(camera: &Camera, extent: [u32; 2], fade: bool) -> UnifiedBlock
         padded: pyramid::padded(extent).map(|v| v as i32),
         top_level: pyramid::top_level(extent) as i32,
         depth_offset: -projection.z_axis.z as f32,
+        shift: [0, 1].map(|i| (side[i] * [projection.z_axis.x, projection.z_axis.y][i]) as f32),
         fade_start: 0.8,
         fade_end: 1.0,
         fade: i32::from(fade),

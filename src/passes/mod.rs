@@ -16,6 +16,7 @@ pub mod filtered_gbuffer;
 pub mod follow;
 pub mod gbuffer;
 pub mod hi_z;
+pub mod import;
 pub mod lighting;
 pub mod linear_trace;
 pub mod look;
@@ -100,6 +101,18 @@ pub const WIDE_ABOVE: f32 = constants::WIDE_ABOVE as f32;
 impl Reflectors {
     /// Nothing is known: there may be both.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
+
+    /// Of a frame whose reflectivity or roughness is the same everywhere, where that is known.
+    pub fn of(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
+        let reflects = reflectivity.is_none_or(|r| f64::from(r) > constants::REFLECTS_ABOVE);
+        let may = |is: fn(f32) -> bool| reflects && roughness.is_none_or(is);
+        Self {
+            mirrors: may(|r| r <= 0.0),
+            narrow: may(|r| r > 0.0 && r <= WIDE_ABOVE),
+            wide: may(|r| r > WIDE_ABOVE),
+            everywhere: reflects && reflectivity.is_some(),
+        }
+    }
 
     /// Whether anything may reflect.
     pub fn any(self) -> bool {

@@ -49,6 +49,28 @@ pub struct Camera {
     /// A plane in view space that replaces the near plane where depth is reversed: points with n · x + w < 0
     /// are not drawn. The camera must be behind it.
     pub near_plane: Option<Vec4>,
+    /// A projection that is known by its numbers alone, in place of lens and aspect.
+    pub projection: Option<Projection>,
+}
+
+/// What of a perspective projection with reversed depth is neither 0 nor 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// M_00 and M_11, both above 0: y is up in clip space.
+    pub scale: [f32; 2],
+    /// How far the image is shifted against the axis of the view: M_02 and M_12, in units of ndc.
+    pub shift: [f32; 2],
+    /// M_22 and M_23: depth is the first plus the second over z.
+    pub depth: [f32; 2],
+}
+
+impl Projection {
+    /// The matrix, with reversed depth or with standard depth, which is one minus that.
+    fn matrix(self, reversed: bool) -> Mat4 {
+        let Self { scale: [x, y], shift: [u, v], depth: [a, b] } = self;
+        let [a, b] = if reversed { [a, b] } else { [1.0 - a, -b] };
+        Mat4::from_cols_array_2d(&[[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [u, v, a, 1.0], [0.0, 0.0, b, 0.0]])
+    }
 }
 
 /// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect
@@ -61,7 +83,7 @@ impl Camera {
     pub fn new(eye: Vec3, look_at: Vec3, lens: Lens, aspect: f32) -> Self {
         let forward = (look_at - eye).normalize_or(Vec3::Z);
         let up = if forward.y.abs() > 0.999_999 { Vec3::Z * -forward.y.signum() } else { Vec3::Y };
-        Self { world_to_view: look_to_mat4(eye, forward, up), lens, aspect, near_plane: None }
+        Self { world_to_view: look_to_mat4(eye, forward, up), lens, aspect, near_plane: None, projection: None }
     }
 
     /// Whether the camera can be used: the lens is within its ranges, and the matrices are finite and
@@ -79,6 +101,9 @@ impl Camera {
 
     /// View to clip space with standard depth (near 0, far 1), which the published methods use.
     pub fn view_to_clip(&self) -> Mat4 {
+        if let Some(projection) = self.projection {
+            return projection.matrix(false);
+        }
         perspective(self.lens.fov_y_radians, self.aspect, self.lens.near_m, self.lens.far_m)
     }
 
@@ -88,6 +113,9 @@ impl Camera {
     /// (Lengyel 2005, for reversed depth): depth is 1 − s (n · x + w) / z, with s chosen so that depth stays
     /// above 0 at the frustum's corners.
     pub fn view_to_clip_reversed(&self) -> Mat4 {
+        if let Some(projection) = self.projection {
+            return projection.matrix(true);
+        }
         let usual = perspective(self.lens.fov_y_radians, self.aspect, self.lens.far_m, self.lens.near_m);
         let Some(plane) = self.near_plane.map(|p| p.as_dvec4()) else { return usual };
         let up = f64::from(0.5 * self.lens.fov_y_radians).tan();

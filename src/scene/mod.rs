@@ -15,7 +15,7 @@ pub mod texture;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-pub use camera::{Camera, Lens, View};
+pub use camera::{Camera, Lens, Projection, View};
 pub use capture::Capture;
 pub use gbuffer::GBufferData;
 pub use path::CameraPath;

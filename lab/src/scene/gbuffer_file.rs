@@ -124,7 +124,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
             );
         }
     };
-    let made = Camera { world_to_view, lens, aspect, near_plane: None };
+    let made = Camera { world_to_view, lens, aspect, near_plane: None, projection: None };
     if !made.is_sound() {
         let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
         return Err(format!("a projection with fov {fov}, near {near}, far {far} and aspect {aspect} cannot be used"));

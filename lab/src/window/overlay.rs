@@ -47,7 +47,7 @@ impl Overlay {
         for id in self.unused.drain(..) {
             self.renderer.free_texture(id).map_err(failed("freeing a texture"))?;
         }
-        let queue = self.gpu.queue();
+        let queue = self.gpu.queue()?;
         for (id, delta) in changes.set.drain().flat_map(|(id, deltas)| deltas.into_iter().map(move |d| (id, d))) {
             self.gpu.count_submission();
             self.renderer.set_texture(*queue, self.pool, id, &delta).map_err(failed("uploading a texture"))?;

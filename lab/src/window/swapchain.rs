@@ -190,7 +190,7 @@ impl Swapchain {
         let info = vk::PresentInfoKHR::default().wait_semaphores(&waits).swapchains(&handles).image_indices(&indices);
         // SAFETY: the image is acquired and in the layout to present, by the submission that signals
         // the semaphore.
-        let shown = unsafe { self.swapchains.queue_present(*self.gpu.queue(), &info) };
+        let shown = unsafe { self.swapchains.queue_present(*self.gpu.queue()?, &info) };
         match shown {
             Ok(also_suboptimal) => {
                 self.stale |= suboptimal || also_suboptimal;

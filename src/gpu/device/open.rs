@@ -1,8 +1,9 @@
 //! Opening a device: the instance, the choice among what the loader lists, and the logical device.
 
-use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
+use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, DeviceHandles, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
+use crate::gpu::memory::Source;
 use crate::gpu::pipeline::ComputePipelines;
 use crate::gpu::testing::watch;
 use ash::vk;
@@ -112,11 +113,10 @@ fn describe(instance: &ash::Instance, physical: vk::PhysicalDevice) -> DeviceInf
 /// Why a device can't be used, if it can't.
 fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<String> {
     // SAFETY: the physical device belongs to the instance.
-    let (properties, families, extensions) = unsafe {
+    let (properties, families) = unsafe {
         (
             instance.get_physical_device_properties(physical),
             instance.get_physical_device_queue_family_properties(physical),
-            instance.enumerate_device_extension_properties(physical).unwrap_or_default(),
         )
     };
     if properties.api_version < vk::API_VERSION_1_3 {
@@ -128,25 +128,30 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     // SAFETY: as above.
     unsafe { instance.get_physical_device_features2(physical, &mut features) };
     let v10 = features.features;
-    let wanted = [
-        (v10.image_cube_array, "imageCubeArray"),
-        (v10.fragment_stores_and_atomics, "fragmentStoresAndAtomics"),
-        (v13.dynamic_rendering, "dynamicRendering"),
-        (v13.synchronization2, "synchronization2"),
-        (v13.maintenance4, "maintenance4"),
-        (v12.host_query_reset, "hostQueryReset"),
-    ];
-    if let Some((_, name)) = wanted.iter().find(|(has, _)| *has == vk::FALSE) {
+    if let Some((_, name)) = needed(&v10, &v12, &v13).into_iter().find(|(has, _)| *has == vk::FALSE) {
         return Some(format!("it lacks the feature {name}"));
-    }
-    if !extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(ash::khr::push_descriptor::NAME)) {
-        return Some("it lacks VK_KHR_push_descriptor".into());
     }
     match families.iter().find(|f| is_universal(f)) {
         None => Some("it has no queue for graphics and compute".into()),
         Some(f) if f.timestamp_valid_bits == 0 => Some("its queue has no timestamps".into()),
         Some(_) => None,
     }
+}
+
+/// The features that the crate does not do without: whether each is there or on, and its name.
+pub(super) fn needed(
+    v10: &vk::PhysicalDeviceFeatures,
+    v12: &vk::PhysicalDeviceVulkan12Features,
+    v13: &vk::PhysicalDeviceVulkan13Features,
+) -> [(vk::Bool32, &'static str); 6] {
+    [
+        (v10.image_cube_array, "imageCubeArray"),
+        (v10.fragment_stores_and_atomics, "fragmentStoresAndAtomics"),
+        (v12.host_query_reset, "hostQueryReset"),
+        (v13.dynamic_rendering, "dynamicRendering"),
+        (v13.synchronization2, "synchronization2"),
+        (v13.maintenance4, "maintenance4"),
+    ]
 }
 
 fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
@@ -223,7 +228,7 @@ pub(super) fn open_device(
         .find(|(_, f)| is_universal(f))
         .ok_or_else(|| Error::NoDevice("no universal queue".into()))?;
 
-    let mut names = vec![ash::khr::push_descriptor::NAME.as_ptr()];
+    let mut names = Vec::new();
     let offers = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
     if !query.instance_extensions.is_empty() {
         if !offers(ash::khr::swapchain::NAME) {
@@ -258,19 +263,10 @@ pub(super) fn open_device(
         device = watch::watched(&device, queue, watch);
     }
 
-    let parts = Allocator::new(&AllocatorCreateDesc {
-        instance: instance.clone(),
-        device: device.clone(),
-        physical_device: physical,
-        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-        buffer_device_address: false,
-        allocation_sizes: gpu_allocator::AllocationSizes::default(),
-    })
-    .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })
-    .and_then(|allocator| {
-        Ok((allocator, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
+    let parts = own_memory(&instance, physical, &device).and_then(|memory| {
+        Ok((memory, Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?))
     });
-    let (allocator, samplers) = match parts {
+    let (memory, samplers) = match parts {
         Ok(parts) => parts,
         Err(e) => {
             // SAFETY: nothing else was created from the device.
@@ -278,12 +274,10 @@ pub(super) fn open_device(
             return Err(e);
         }
     };
-    let bits = family.timestamp_valid_bits;
     let debug = debug.0.take();
     Ok(Shared {
-        push_descriptor: ash::khr::push_descriptor::Device::new(&instance, &device),
         debug_device: debug.as_ref().map(|_| ash::ext::debug_utils::Device::new(&instance, &device)),
-        queue: Mutex::new(queue),
+        queue: Some(Mutex::new(queue)),
         entry,
         instance,
         debug,
@@ -292,17 +286,105 @@ pub(super) fn open_device(
         queue_family: queue_family as u32,
         samplers,
         compute_pipelines: ComputePipelines::default(),
-        allocator: ManuallyDrop::new(Mutex::new(allocator)),
+        memory: ManuallyDrop::new(memory),
+        owned: true,
         submissions: AtomicU64::new(0),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
         info: listing.info,
         limits: properties.limits,
-        timestamp_mask: if bits >= 64 { u64::MAX } else { (1 << bits) - 1 },
-        pushes_descriptors: !query.gpu_assisted,
+        timestamp_mask: timestamp_mask(family),
         has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
         largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
     })
+}
+
+/// A device of somebody else, with all that its handles share.
+///
+/// # Safety
+/// As for [`Gpu::of_others`](super::Gpu::of_others).
+pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
+    let DeviceHandles { entry, instance, physical, device, queue_family, enabled, debug_utils, memory } = device;
+    // SAFETY: by the contract, the physical device belongs to the instance.
+    let (properties, families) = unsafe {
+        (
+            instance.get_physical_device_properties(physical),
+            instance.get_physical_device_queue_family_properties(physical),
+        )
+    };
+    let info = describe(&instance, physical);
+    let refused = |why: String| Error::NoDevice(format!("{} cannot be used: {why}", info.name));
+    if properties.api_version < vk::API_VERSION_1_3 {
+        return Err(refused("it has no Vulkan 1.3".into()));
+    }
+    for (is_on, name) in needed(&enabled.core, &enabled.vulkan12, &enabled.vulkan13) {
+        if is_on == vk::FALSE {
+            return Err(refused(format!("the feature {name} was not enabled when the device was made")));
+        }
+    }
+    let family = families
+        .get(queue_family as usize)
+        .ok_or_else(|| refused(format!("it has no queue family {queue_family}")))?;
+    if !is_universal(family) {
+        return Err(refused(format!("queues of family {queue_family} do not take both graphics and compute")));
+    }
+    let features = &enabled.core;
+    let samplers = Samplers::new(&device, features.sampler_anisotropy == vk::TRUE, &properties.limits)?;
+    let memory = match memory {
+        Some(theirs) => Source::Theirs(Mutex::new(theirs)),
+        None => match own_memory(&instance, physical, &device) {
+            Ok(memory) => memory,
+            Err(e) => {
+                // SAFETY: nothing uses them yet.
+                unsafe { samplers.destroy(&device) };
+                return Err(e);
+            }
+        },
+    };
+    Ok(Shared {
+        debug_device: debug_utils.then(|| ash::ext::debug_utils::Device::new(&instance, &device)),
+        queue: None,
+        entry,
+        debug: None,
+        physical,
+        queue_family,
+        samplers,
+        compute_pipelines: ComputePipelines::default(),
+        memory: ManuallyDrop::new(memory),
+        owned: false,
+        submissions: AtomicU64::new(0),
+        #[cfg(feature = "reload")]
+        replaced_shaders: crate::gpu::shader::Replaced::default(),
+        info,
+        limits: properties.limits,
+        timestamp_mask: timestamp_mask(family),
+        has_pipeline_statistics: false,
+        largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
+        instance,
+        device,
+    })
+}
+
+/// The bits of a family's timestamps; none where it has no timestamps.
+fn timestamp_mask(family: &vk::QueueFamilyProperties) -> u64 {
+    match family.timestamp_valid_bits {
+        bits @ 0..64 => (1 << bits) - 1,
+        _ => u64::MAX,
+    }
+}
+
+/// The crate's own allocator.
+fn own_memory(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &ash::Device) -> Result<Source> {
+    let allocator = Allocator::new(&AllocatorCreateDesc {
+        instance: instance.clone(),
+        device: device.clone(),
+        physical_device: physical,
+        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
+        buffer_device_address: false,
+        allocation_sizes: gpu_allocator::AllocationSizes::default(),
+    })
+    .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })?;
+    Ok(Source::Ours(Mutex::new(allocator)))
 }
 
 /// Destroys the messenger if it is dropped with one inside.

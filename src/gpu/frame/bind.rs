@@ -40,7 +40,7 @@ impl Frame<'_> {
         unsafe { self.device().cmd_bind_pipeline(self.context.commands, point, pipeline) };
     }
 
-    /// Pushes constants, and pushes or binds descriptors.
+    /// Pushes constants and binds descriptors.
     pub(super) fn push(
         &mut self,
         layout: &Layout,
@@ -62,10 +62,8 @@ impl Frame<'_> {
             });
             buffers.push([buffer]);
         }
-        let set = match &mut self.context.sets {
-            Some(sets) if !layout.bindings.is_empty() => Some(sets.take(layout.set, name)?),
-            _ => None,
-        };
+        let has_bindings = !layout.bindings.is_empty();
+        let set = if has_bindings { Some(self.slot().sets.take(layout.set, name)?) } else { None };
         let writes: Vec<_> = resources
             .iter()
             .enumerate()
@@ -82,14 +80,11 @@ impl Frame<'_> {
             .collect();
         let commands = self.context.commands;
         // SAFETY: the layout is the bound pipeline's; what the writes point to outlives the frame's
-        // submission, which the host waits for; a set is this frame's alone.
+        // submission; a set is this frame's alone until its slot is used again.
         unsafe {
             if let Some(set) = set {
                 self.device().update_descriptor_sets(&writes, &[]);
                 self.device().cmd_bind_descriptor_sets(commands, point, layout.pipeline, 0, &[set], &[]);
-            } else if !writes.is_empty() {
-                let push = &self.context.gpu.shared().push_descriptor;
-                push.cmd_push_descriptor_set(commands, point, layout.pipeline, 0, &writes);
             }
             if !push.is_empty() {
                 self.device().cmd_push_constants(commands, layout.pipeline, layout.stages, 0, push);
@@ -116,7 +111,7 @@ impl Frame<'_> {
                 buffer = buffer.buffer(b.handle()).range(vk::WHOLE_SIZE);
             }
             Resource::Uniform(bytes) => {
-                buffer = self.context.uniforms.put(bytes)?;
+                buffer = self.slot().uniforms.put(bytes)?;
             }
         }
         Ok((image, buffer))

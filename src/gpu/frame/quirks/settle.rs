@@ -18,8 +18,8 @@ use crate::gpu::frame::target::View;
 use crate::gpu::pipeline::{Graphics, GraphicsPipeline};
 use crate::gpu::programs::Nothing;
 use ash::vk;
-use std::cell::Cell;
-use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The pipeline that consumes pushed values so that they are no longer new.
 pub(in crate::gpu::frame) struct Settling(GraphicsPipeline<Nothing>);
@@ -38,12 +38,12 @@ impl Frame<'_> {
     /// Whether a pipeline must be settled now, which is at its first draw on such a driver. The caller then calls
     /// [`Self::take_in`], draws zero vertices, and pushes its values again. The pipeline counts as settled once the
     /// frame is submitted.
-    pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Rc<Cell<bool>>) -> bool {
-        let is_new = !settled.get() && self.settled.iter().all(|other| !Rc::ptr_eq(other, settled));
+    pub(in crate::gpu::frame) fn must_settle(&mut self, settled: &Arc<AtomicBool>) -> bool {
+        let is_new = !settled.load(Ordering::Relaxed) && self.settled.iter().all(|other| !Arc::ptr_eq(other, settled));
         if self.context.settling.is_none() || !is_new {
             return false;
         }
-        self.settled.push(Rc::clone(settled));
+        self.settled.push(Arc::clone(settled));
         true
     }
 

@@ -1,11 +1,6 @@
-//! Works around a bug of the validation layers 1.3.239: descriptor sets from pools, for GPU-assisted validation.
-//!
-//! These layers do not tell their instrumented shaders which descriptors were pushed (KhronosGroup/
-//! Vulkan-ValidationLayers issue 5321, fixed in April 2023 by pull request 5744). Each read of a uniform or storage
-//! block is then reported as that of a descriptor that was never written, and returns 0. Descriptors that are bound as
-//! a set are not affected.
-//!
-//! This can go when layers without that fix need not be supported any more.
+//! Descriptor sets from pools, which the frames of a slot reuse. Core Vulkan has them everywhere; VK_KHR_push_descriptor,
+//! which would do without, is missing on some drivers, and the validation layers 1.3.239 do not tell instrumented shaders
+//! what was pushed (KhronosGroup/Vulkan-ValidationLayers issue 5321).
 
 use crate::error::Result;
 use crate::gpu::device::{Gpu, vulkan};

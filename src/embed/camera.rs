@@ -1,0 +1,172 @@
+//! A camera from the matrices of another renderer.
+
+use crate::error::{Error, Result};
+use crate::scene::{Camera, Lens, Projection};
+use glam::{Mat3, Mat4, Vec3, Vec4};
+
+/// Where the top of the image is in the caller's clip space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ClipY {
+    /// At y = −w, as Vulkan has it with a viewport of positive height.
+    #[default]
+    Down,
+    /// At y = w: the viewport has a negative height.
+    Up,
+}
+
+/// The camera of a frame, in the caller's conventions, which are read off its matrices: handedness, whether y is up,
+/// reversed or standard depth, a finite or an infinite far plane, and the shift of a jittered projection.
+///
+/// A matrix is 16 numbers, column by column, and is multiplied by column vectors from the right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraInput {
+    /// World to view space: a rotation and a translation.
+    pub world_to_view: [f32; 16],
+    /// View to clip space: a perspective projection, with the jitter that the images were drawn with.
+    pub view_to_clip: [f32; 16],
+    /// Where the top of the image is in clip space.
+    pub clip_y: ClipY,
+}
+
+/// What of the caller's camera matters.
+pub(super) struct Taken {
+    pub camera: Camera,
+    /// What reversed depth is of the caller's: the first number times it plus the second.
+    pub to_reversed: [f32; 2],
+    /// From the caller's view space to ours.
+    pub view_to_view: Mat3,
+}
+
+/// How far the numbers of a rotation may be from those of an exact one.
+const ROTATION_TOLERANCE: f32 = 1e-3;
+
+/// The far plane of an infinite projection for those of the published methods whose formulas have one, over the near
+/// plane.
+const INFINITE_FAR: f32 = 1e7;
+
+impl CameraInput {
+    /// Reads the conventions.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the matrix that is none of a camera, and why.
+    pub(super) fn take(&self) -> Result<Taken> {
+        let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
+        let project = |why: &str| wrong("view_to_clip", why);
+        let finite = |m: &[f32; 16]| m.iter().all(|v| v.is_finite());
+        if !finite(&self.view_to_clip) || !finite(&self.world_to_view) {
+            return Err(wrong("matrices", "have numbers that are not finite"));
+        }
+        let clip = Mat4::from_cols_array(&self.view_to_clip);
+        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
+        if x.w != 0.0 || y.w != 0.0 || w.w != 0.0 || z.w.abs() != 1.0 {
+            return Err(project("is no perspective projection: its last row must be 0, 0, ±1, 0"));
+        }
+        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && w.x == 0.0 && w.y == 0.0;
+        if !is_plain || x.x == 0.0 || y.y == 0.0 {
+            return Err(project("has a rotation, a skew or a translation, or a view of no width"));
+        }
+        let forward = z.w;
+        let up = if self.clip_y == ClipY::Up { 1.0 } else { -1.0 };
+        let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
+        // Depth is a + b / z, with z along the view.
+        let (a, b) = (z.z * forward, w.z);
+        let is_reversed = b > 0.0;
+        let [a, b] = if is_reversed { [a, b] } else { [1.0 - a, -b] };
+        let near_m = b / (1.0 - a);
+        if !(b > 0.0 && near_m > 0.0) {
+            return Err(project("has no near plane in front of the eye"));
+        }
+        if a > 0.0 {
+            return Err(project("has its far plane behind the eye"));
+        }
+        let far_m = if a < 0.0 { (-b / a).min(INFINITE_FAR * near_m) } else { INFINITE_FAR * near_m };
+        let scale = [x.x.abs(), y.y.abs()];
+        let projection = Projection { scale, shift: [z.x * forward, up * z.y * forward], depth: [a, b] };
+        let view_to_view = Mat3::from_diagonal(turn);
+        let world = Mat4::from_cols_array(&self.world_to_view);
+        let rotation = Mat3::from_mat4(world);
+        let off = rotation.transpose() * rotation - Mat3::IDENTITY;
+        let is_rigid = off.to_cols_array().iter().all(|v| v.abs() < ROTATION_TOLERANCE);
+        if !is_rigid || world.row(3) != Vec4::W {
+            return Err(wrong("world_to_view", "is no rotation and translation: scale belongs to the scene"));
+        }
+        let lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m, far_m };
+        let camera = Camera {
+            world_to_view: Mat4::from_mat3(view_to_view) * world,
+            lens,
+            aspect: scale[1] / scale[0],
+            near_plane: None,
+            projection: Some(projection),
+        };
+        Ok(Taken { camera, to_reversed: if is_reversed { [1.0, 0.0] } else { [-1.0, 1.0] }, view_to_view })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec4Swizzles;
+
+    /// The conventions that engines have: a projection matrix, and what the camera looks along.
+    fn conventions() -> Vec<(&'static str, Mat4, ClipY)> {
+        let (fx, fy, near, far) = (1.2_f32, 1.9_f32, 0.25_f32, 80.0_f32);
+        let matrix = |x: f32, y: f32, u: f32, v: f32, a: f32, b: f32, s: f32| {
+            Mat4::from_cols_array(&[x, 0.0, 0.0, 0.0, 0.0, y, 0.0, 0.0, u, v, a, s, 0.0, 0.0, b, 0.0])
+        };
+        let standard = (far / (far - near), -near * far / (far - near));
+        let reversed = (-near / (far - near), near * far / (far - near));
+        vec![
+            ("left-handed, y up, reversed", matrix(fx, fy, 0.0, 0.0, reversed.0, reversed.1, 1.0), ClipY::Up),
+            ("left-handed, y up, standard", matrix(fx, fy, 0.0, 0.0, standard.0, standard.1, 1.0), ClipY::Up),
+            ("right-handed, flipped y, standard", matrix(fx, -fy, 0.0, 0.0, -standard.0, standard.1, -1.0), ClipY::Down),
+            ("right-handed, y up, infinite reversed", matrix(fx, fy, 0.0, 0.0, 0.0, near, -1.0), ClipY::Up),
+            ("y down, z forward, infinite standard", matrix(fx, fy, 0.0, 0.0, 1.0, -near, 1.0), ClipY::Down),
+            ("right-handed, jittered", matrix(fx, fy, 0.01, -0.02, -reversed.0, reversed.1, -1.0), ClipY::Up),
+        ]
+    }
+
+    #[test]
+    fn every_convention_shows_a_point_where_the_caller_s_matrices_show_it() {
+        for (name, clip, clip_y) in conventions() {
+            let forward = clip.z_axis.w;
+            let world = Mat4::from_rotation_y(0.4) * Mat4::from_translation(Vec3::new(1.0, -2.0, 0.5));
+            let input = CameraInput {
+                world_to_view: world.to_cols_array(),
+                view_to_clip: clip.to_cols_array(),
+                clip_y,
+            };
+            let Taken { camera, to_reversed, .. } = input.take().expect(name);
+            assert!(camera.view_to_clip_reversed().is_finite() && camera.view_to_clip().is_finite(), "{name}");
+            for point in [Vec3::new(0.3, 0.2, 2.0), Vec3::new(-1.0, 0.7, 20.0), Vec3::new(0.0, -0.4, 0.6)] {
+                let view = point * Vec3::new(1.0, 1.0, forward);
+                let at = world.inverse().transform_point3(view).extend(1.0);
+                let theirs = clip * world * at;
+                let theirs = theirs.xyz() / theirs.w;
+                let ours = camera.view_to_clip_reversed() * camera.world_to_view * at;
+                let ours = ours.xyz() / ours.w;
+                let up = if clip_y == ClipY::Up { 1.0 } else { -1.0 };
+                let expected = Vec3::new(theirs.x, up * theirs.y, to_reversed[0] * theirs.z + to_reversed[1]);
+                assert!(ours.distance(expected) < 2e-5, "{name}: {ours} is not {expected}");
+                assert!((camera.world_to_view * at).z > 0.0, "{name}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_camera_is_refused_with_a_sentence() {
+        let (_, clip, clip_y) = conventions().swap_remove(0);
+        let good = CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
+        assert!(good.take().is_ok());
+        let refused = |change: fn(&mut CameraInput), word: &str| {
+            let mut input = good;
+            change(&mut input);
+            let said = input.take().err().expect(word).to_string();
+            assert!(said.contains(word), "{said}");
+        };
+        refused(|c| c.view_to_clip[11] = 0.0, "perspective");
+        refused(|c| c.view_to_clip[4] = 0.3, "skew");
+        refused(|c| c.view_to_clip[14] = f32::NAN, "finite");
+        refused(|c| c.view_to_clip[10] = 0.5, "far plane");
+        refused(|c| c.world_to_view[0] = 2.0, "scale");
+    }
+}

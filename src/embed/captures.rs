@@ -1,0 +1,150 @@
+//! Images of the scene around places, from another renderer.
+
+use super::input::Borrowed;
+use super::{CameraInput, ClipY, Context, ImageInput};
+use crate::error::{Error, Result};
+use crate::gpu::FrameContext;
+use crate::gpu::frame::Mode;
+use crate::methods::capture::{CaptureImages, face_number};
+use crate::passes::import::{Factor, Foreign, ImportPass};
+use crate::passes::pyramid::PyramidPass;
+use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
+use ash::vk;
+use glam::Vec3;
+
+/// What captures are to be.
+#[derive(Debug, Clone, Copy)]
+pub struct CapturesInfo<'a> {
+    /// Where each was made, in world space: 1 to 8 places.
+    pub places: &'a [[f32; 3]],
+    /// Width and height of each face in texels, 1 to 4096.
+    pub side: u32,
+    /// The projection that all faces were drawn with: a quarter turn, as [`CameraInput::view_to_clip`].
+    pub view_to_clip: [f32; 16],
+    /// Where the top of a face is in its clip space.
+    pub clip_y: ClipY,
+    /// How many frames that renew faces may be under way at once.
+    pub frames_in_flight: usize,
+}
+
+/// A face of a capture.
+#[derive(Debug, Clone, Copy)]
+pub struct CaptureFaceInput {
+    /// Which capture, from 0.
+    pub capture: usize,
+    /// Which face, 0 to 5: +x −x +y −y +z −z, each as Vulkan lays out a cube map that world directions are looked up in.
+    pub face: usize,
+    /// What stands there, in light that does not depend on the viewer; linear.
+    pub color: ImageInput,
+    /// Its depth.
+    pub depth: ImageInput,
+}
+
+/// Captures: cubes of images of the scene, in which `unified` and `captures` follow the rays that the screen loses. The
+/// caller draws the faces, and hands over each at least once, and again whenever it likes.
+pub struct Captures {
+    frames: FrameContext,
+    import: ImportPass,
+    pyramids: PyramidPass,
+    images: CaptureImages,
+    camera: super::camera::Taken,
+    /// A bit for each face that was handed over.
+    taken: u64,
+}
+
+impl Captures {
+    /// Makes the images; they have no content yet.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a number of places, a side or a projection that is none; [`Error::Memory`].
+    pub fn new(context: &Context, info: &CapturesInfo) -> Result<Self> {
+        let count = info.places.len();
+        if count == 0 || count > MAX_CAPTURES {
+            return Err(Error::Usage(format!("there are {count} captures; there must be 1 to {MAX_CAPTURES}")));
+        }
+        if info.side == 0 || info.side > MAX_RESOLUTION {
+            return Err(Error::Usage(format!("a face has {} texels a side; it must have 1 to {MAX_RESOLUTION}", info.side)));
+        }
+        let places: Vec<Vec3> = info.places.iter().map(|p| Vec3::from(*p)).collect();
+        if places.iter().any(|p| !p.is_finite()) {
+            return Err(Error::Usage("a capture's place has numbers that are not finite".into()));
+        }
+        let identity = glam::Mat4::IDENTITY.to_cols_array();
+        let input = CameraInput { world_to_view: identity, view_to_clip: info.view_to_clip, clip_y: info.clip_y };
+        let camera = input.take()?;
+        let projection = camera.camera.view_to_clip_reversed();
+        let is_quarter = [projection.x_axis.x, projection.y_axis.y].iter().all(|scale| (scale - 1.0).abs() < 1e-5);
+        if !is_quarter || projection.z_axis.x != 0.0 || projection.z_axis.y != 0.0 {
+            return Err(Error::Usage("the captures' view_to_clip is not that of a quarter turn".into()));
+        }
+        let (gpu, extent) = (&context.gpu, [info.side; 2]);
+        Ok(Self {
+            frames: FrameContext::in_others(gpu, info.frames_in_flight)?,
+            import: ImportPass::new(gpu, extent)?.labelled("capture/import"),
+            pyramids: PyramidPass::new(gpu, extent)?.labelled("capture/pyramid"),
+            images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?,
+            camera,
+            taken: 0,
+        })
+    }
+
+    /// Records taking over a face. Submit it before frames that see it.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.
+    ///
+    /// # Safety
+    /// As for [`Reflections::record`](super::Reflections::record).
+    pub unsafe fn record_face(
+        &mut self,
+        commands: vk::CommandBuffer,
+        slot: usize,
+        input: &CaptureFaceInput,
+    ) -> Result<()> {
+        let CaptureFaceInput { capture, face, color, depth } = input;
+        let number = face_number(*capture, *face, self.images.count())?;
+        let extent = Some(self.images.extent());
+        color.check("color", extent)?;
+        depth.check("depth", extent)?;
+        let gpu = self.frames.gpu().clone();
+        let mut borrowed = Borrowed::default();
+        borrowed.take(&gpu, "color", color)?;
+        borrowed.take(&gpu, "depth", depth)?;
+        let (Some(color), Some(depth)) = (borrowed.of(color), borrowed.of(depth)) else { return Ok(()) };
+        // SAFETY: by the contract.
+        let mut frame = unsafe { self.frames.begin_in(commands, slot, Mode::Plain) }?;
+        borrowed.begin(&mut frame);
+        let foreign = Foreign {
+            depth,
+            to_reversed: self.camera.to_reversed,
+            normal: None,
+            material: [Factor::Constant(0.0); 2],
+            color,
+            leaves_sky_out: true,
+        };
+        let gbuffer = self.import.record(&mut frame, &foreign, &self.camera.camera)?;
+        self.images.take_face(&mut frame, &self.pyramids, &gbuffer, number)?;
+        borrowed.end(&mut frame);
+        frame.end()?;
+        self.taken |= 1 << number;
+        Ok(())
+    }
+
+    /// The captures as methods take them.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if a face was never handed over.
+    pub(super) fn images(&self) -> Result<&CaptureImages> {
+        match (0..self.images.faces()).find(|number| self.taken >> number & 1 == 0) {
+            None => Ok(&self.images),
+            Some(number) => {
+                Err(Error::Usage(format!("face {} of capture {} was never handed over", number % 6, number / 6)))
+            }
+        }
+    }
+
+    /// Width and height of a face in texels.
+    pub(super) fn extent(&self) -> [u32; 2] {
+        self.images.extent()
+    }
+}

@@ -1,0 +1,236 @@
+//! Images of another renderer: what they are, and what is wrong with them.
+
+use super::camera::Taken;
+use crate::error::{Error, Result};
+use crate::gpu::sync::ImageUse;
+use crate::gpu::{Frame, Gpu, Image};
+use crate::math::constants::{NORMAL_FLOAT, NORMAL_OCTAHEDRAL, NORMAL_OCTAHEDRAL_UNORM, NORMAL_UNORM};
+use crate::passes::import::Factor;
+use ash::vk;
+use ash::vk::Handle;
+use glam::Mat3;
+
+/// An image of the caller's, of which one level and, but for cube maps, one layer is read.
+#[derive(Debug, Clone, Copy)]
+pub struct ImageInput {
+    /// The image.
+    pub image: vk::Image,
+    /// A view of the part that is read; of a depth image it shows the depth alone.
+    pub view: vk::ImageView,
+    /// The part that the view shows, with every aspect that a barrier of the image's format needs.
+    pub part: vk::ImageSubresourceRange,
+    /// The image's format.
+    pub format: vk::Format,
+    /// Width and height of the part in texels.
+    pub extent: [u32; 2],
+    /// What the image was made for; `SAMPLED` must be among it.
+    pub usage: vk::ImageUsageFlags,
+    /// How the caller used it last.
+    pub before: ImageUse,
+    /// How the caller uses it next; it is in that layout when what was recorded is done.
+    pub after: ImageUse,
+}
+
+impl ImageInput {
+    /// A colour image of one level and one layer, sampled before and after in fragment shaders.
+    pub fn color(image: vk::Image, view: vk::ImageView, format: vk::Format, extent: [u32; 2]) -> Self {
+        let part = vk::ImageSubresourceRange {
+            aspect_mask: vk::ImageAspectFlags::COLOR,
+            base_mip_level: 0,
+            level_count: 1,
+            base_array_layer: 0,
+            layer_count: 1,
+        };
+        let (usage, sampled) = (vk::ImageUsageFlags::SAMPLED, ImageUse::FRAGMENT_SAMPLED);
+        Self { image, view, part, format, extent, usage, before: sampled, after: sampled }
+    }
+
+    /// The same of a depth image without stencil.
+    pub fn depth(image: vk::Image, view: vk::ImageView, format: vk::Format, extent: [u32; 2]) -> Self {
+        let color = Self::color(image, view, format, extent);
+        let part = vk::ImageSubresourceRange { aspect_mask: vk::ImageAspectFlags::DEPTH, ..color.part };
+        Self { part, ..color }
+    }
+
+    /// The same, but for how the caller uses it before and after.
+    #[must_use]
+    pub fn used(self, before: ImageUse, after: ImageUse) -> Self {
+        Self { before, after, ..self }
+    }
+
+    /// What is wrong with it, if anything, before anything is recorded.
+    pub(super) fn check(&self, name: &str, extent: Option<[u32; 2]>) -> Result<()> {
+        let wrong = |why: String| Err(Error::Usage(format!("the input {name} {why}")));
+        let part = &self.part;
+        if self.image.is_null() || self.view.is_null() {
+            return wrong("has a null handle".into());
+        }
+        if let Some([width, height]) = extent.filter(|e| *e != self.extent) {
+            let [w, h] = self.extent;
+            return wrong(format!("is {w}x{h} pixels; it must be {width}x{height}"));
+        }
+        if !self.usage.contains(vk::ImageUsageFlags::SAMPLED) {
+            return wrong("was made without the usage SAMPLED, so that no shader can read it".into());
+        }
+        let is_depth = part.aspect_mask.intersects(vk::ImageAspectFlags::DEPTH);
+        if is_depth != is_depth_format(self.format) {
+            return wrong(format!("has the format {:?} and the aspects {:?}", self.format, part.aspect_mask));
+        }
+        if is_integer(self.format) {
+            return wrong(format!("has the format {:?}, whose texels are no floats for a shader", self.format));
+        }
+        if self.before.layout == vk::ImageLayout::UNDEFINED || self.after.layout == vk::ImageLayout::UNDEFINED {
+            return wrong("has the layout UNDEFINED before or after: its content would be lost".into());
+        }
+        let layers = if extent.is_none() { 6 } else { 1 };
+        if part.level_count != 1 || part.layer_count != layers {
+            let (level_count, layer_count) = (part.level_count, part.layer_count);
+            return wrong(format!("shows {level_count} levels and {layer_count} layers; it must be 1 and {layers}"));
+        }
+        Ok(())
+    }
+}
+
+/// The images that a frame reads, each once, however many inputs it holds.
+#[derive(Default)]
+pub(super) struct Borrowed(Vec<(ImageInput, Image)>);
+
+impl Borrowed {
+    /// Takes an image over, unless an input before held the same.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if it holds the same with another use.
+    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<()> {
+        let Some((known, _)) = self.0.iter().find(|(k, _)| k.is_same(input)) else {
+            let like = (input.format, input.extent);
+            self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, like)));
+            return Ok(());
+        };
+        if (known.before, known.after) == (input.before, input.after) {
+            return Ok(());
+        }
+        Err(Error::Usage(format!("the input {name} is an image of another input, with other uses before or after")))
+    }
+
+    /// The image of an input that was taken.
+    pub fn of(&self, input: &ImageInput) -> Option<&Image> {
+        self.0.iter().find(|(k, _)| k.is_same(input)).map(|(_, image)| image)
+    }
+
+    /// Tells a frame how the caller left them.
+    pub fn begin(&self, frame: &mut Frame) {
+        self.0.iter().for_each(|(input, image)| frame.take_over(image, input.before));
+    }
+
+    /// Gives them back.
+    pub fn end(&self, frame: &mut Frame) {
+        self.0.iter().for_each(|(input, image)| frame.hand_over(image, input.after));
+    }
+}
+
+impl ImageInput {
+    fn is_same(&self, other: &Self) -> bool {
+        let place = |i: &Self| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
+        place(self) == place(other)
+    }
+}
+
+fn is_depth_format(format: vk::Format) -> bool {
+    use vk::Format as F;
+    matches!(
+        format,
+        F::D16_UNORM | F::X8_D24_UNORM_PACK32 | F::D32_SFLOAT | F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT
+            | F::D32_SFLOAT_S8_UINT
+    )
+}
+
+fn is_integer(format: vk::Format) -> bool {
+    let name = format!("{format:?}");
+    (name.contains("UINT") || name.contains("SINT")) && !is_depth_format(format)
+}
+
+/// In which space normals are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalSpace {
+    /// The caller's view space.
+    View,
+    /// The caller's world space.
+    World,
+}
+
+/// How the texels of an image hold unit normals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NormalEncoding {
+    /// x, y and z as they are: floats or signed normalised numbers.
+    Float,
+    /// x, y and z, mapped from −1…1 to 0…1.
+    Unorm,
+    /// Two numbers, −1…1: the place on an octahedron that is unfolded to a square.
+    Octahedral,
+    /// The same, mapped to 0…1.
+    OctahedralUnorm,
+}
+
+/// Normals of another renderer.
+#[derive(Debug, Clone, Copy)]
+pub struct NormalInput {
+    /// Where they are.
+    pub image: ImageInput,
+    /// In which space.
+    pub space: NormalSpace,
+    /// How they are stored.
+    pub encoding: NormalEncoding,
+}
+
+impl NormalInput {
+    /// `NORMAL_*`, and what turns a decoded normal into our view space.
+    pub(super) fn kind(&self, taken: &Taken) -> (i32, Mat3) {
+        let kind = match self.encoding {
+            NormalEncoding::Float => NORMAL_FLOAT,
+            NormalEncoding::Unorm => NORMAL_UNORM,
+            NormalEncoding::Octahedral => NORMAL_OCTAHEDRAL,
+            NormalEncoding::OctahedralUnorm => NORMAL_OCTAHEDRAL_UNORM,
+        };
+        match self.space {
+            NormalSpace::View => (kind, taken.view_to_view),
+            NormalSpace::World => (kind, Mat3::from_mat4(taken.camera.world_to_view)),
+        }
+    }
+}
+
+/// Reflectivity or roughness of a frame (docs/definitions.md, "Surfaces").
+#[derive(Debug, Clone, Copy)]
+pub enum FactorInput {
+    /// The same everywhere, 0…1.
+    Constant(f32),
+    /// A channel, 0 to 3 for red to alpha, of an image.
+    Channel(ImageInput, u32),
+}
+
+impl FactorInput {
+    pub(super) fn check(&self, name: &str, extent: [u32; 2]) -> Result<()> {
+        match self {
+            Self::Constant(value) if (0.0..=1.0).contains(value) => Ok(()),
+            Self::Constant(value) => Err(Error::Usage(format!("the input {name} is {value}; it must be 0 to 1"))),
+            Self::Channel(_, channel) if *channel > 3 => {
+                Err(Error::Usage(format!("the input {name} is in channel {channel}; there are the channels 0 to 3")))
+            }
+            Self::Channel(image, _) => image.check(name, Some(extent)),
+        }
+    }
+
+    /// The image, if it has one.
+    pub(super) fn image(&self) -> Option<&ImageInput> {
+        if let Self::Channel(image, _) = self { Some(image) } else { None }
+    }
+
+    /// The same over the borrowed image.
+    pub(super) fn over<'a>(&self, image: Option<&'a Image>) -> Factor<'a> {
+        match (self, image) {
+            (Self::Channel(_, channel), Some(image)) => Factor::Channel(image, *channel),
+            // As an image would round it.
+            (Self::Constant(value), _) => Factor::Constant(half::f16::from_f32(*value).to_f32()),
+            (Self::Channel(..), None) => Factor::Constant(0.0),
+        }
+    }
+}

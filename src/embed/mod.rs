@@ -1,0 +1,78 @@
+//! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles,
+//! [`Reflections`] holds what one view needs and records into a command buffer, [`Captures`] holds images of the scene
+//! around places that the screen does not show. Nothing here submits, waits or presents.
+
+mod camera;
+mod captures;
+mod input;
+mod reflections;
+
+pub use camera::{CameraInput, ClipY};
+pub use captures::{CaptureFaceInput, Captures, CapturesInfo};
+pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
+pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
+
+use crate::error::Result;
+use crate::gpu::device::{DeviceHandles, DeviceInfo};
+use crate::gpu::Gpu;
+use crate::methods::METHODS;
+use ash::vk;
+
+/// A device of the caller's that reflections are recorded for. Clones share it. It destroys nothing of the caller's.
+#[derive(Clone)]
+pub struct Context {
+    gpu: Gpu,
+}
+
+impl Context {
+    /// Takes a device over as it is.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3, a feature of [`enable_features`]
+    /// that is not on, or graphics or compute in the queue family.
+    ///
+    /// # Safety
+    /// The handles belong together, and outlive the context and all that is made with it. What
+    /// [`DeviceHandles::enabled`] says to be on is on. When the last object made with the context is dropped, the device
+    /// is done with everything that was recorded with it.
+    pub unsafe fn new(device: DeviceHandles) -> Result<Self> {
+        // SAFETY: by the contract.
+        Ok(Self { gpu: unsafe { Gpu::of_others(device) }? })
+    }
+
+    /// What the device calls itself.
+    pub fn info(&self) -> &DeviceInfo {
+        self.gpu.info()
+    }
+
+    /// Whether passes can be timed: the queue family has timestamps.
+    pub fn has_timestamps(&self) -> bool {
+        self.gpu.has_timestamps()
+    }
+
+    /// Bytes of device memory that are allocated with the context; 0 with an allocator of the caller's, who knows them.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.gpu.allocated_bytes()
+    }
+}
+
+/// Turns on what a device must have on, beside whatever else is on. No extension is needed: this is core Vulkan 1.3.
+pub fn enable_features(
+    core: &mut vk::PhysicalDeviceFeatures,
+    vulkan12: &mut vk::PhysicalDeviceVulkan12Features,
+    vulkan13: &mut vk::PhysicalDeviceVulkan13Features,
+) {
+    core.image_cube_array = vk::TRUE;
+    core.fragment_stores_and_atomics = vk::TRUE;
+    core.shader_storage_image_extended_formats = vk::TRUE;
+    vulkan12.host_query_reset = vk::TRUE;
+    vulkan13.dynamic_rendering = vk::TRUE;
+    vulkan13.synchronization2 = vk::TRUE;
+    vulkan13.maintenance4 = vk::TRUE;
+}
+
+/// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
+/// each. `captures` needs [`Captures`], too.
+pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
+    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures).map(|m| (m.name, m.summary))
+}

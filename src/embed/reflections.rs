@@ -1,0 +1,307 @@
+//! The reflections of one view.
+
+use super::camera::Taken;
+use super::input::Borrowed;
+use super::{CameraInput, Captures, Context, FactorInput, ImageInput, NormalInput};
+use crate::error::{Error, Result};
+use crate::gpu::frame::Mode;
+use crate::gpu::sync::ImageUse;
+use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
+use crate::methods::effect::Effect;
+use crate::methods::{self, Input, MethodInfo, Setup, Wants};
+use crate::parameter::{Choices, Parameter, Preset};
+use crate::passes::import::{Foreign, ImportPass};
+use ash::vk;
+
+/// What is to be reflected, and how.
+#[derive(Debug, Clone, Copy)]
+pub struct ReflectionsInfo<'a> {
+    /// Width and height of the view in pixels.
+    pub extent: [u32; 2],
+    /// A method of [`methods`](super::methods()).
+    pub method: &'a str,
+    /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is one of
+    /// them.
+    pub parameters: &'a [(&'a str, &'a str)],
+    /// Width and height of the faces of the [`Captures`] that every frame is given; `None` for frames without.
+    pub captures: Option<u32>,
+    /// Whether an image says where each ray ended, if the method can.
+    pub hits: bool,
+    /// How many frames may be under way at once.
+    pub frames_in_flight: usize,
+}
+
+impl Default for ReflectionsInfo<'_> {
+    /// `unified` with its published values, at 1 × 1 pixel.
+    fn default() -> Self {
+        let (extent, method, parameters) = ([1, 1], "unified", &[][..]);
+        Self { extent, method, parameters, captures: None, hits: false, frames_in_flight: 2 }
+    }
+}
+
+/// What a frame shows, and where from.
+#[derive(Clone, Copy)]
+pub struct FrameInput<'a> {
+    /// Which of the frames under way this is, below [`ReflectionsInfo::frames_in_flight`]: what was recorded with the same
+    /// number before is done.
+    pub slot: usize,
+    /// Where the images were seen from.
+    pub camera: CameraInput,
+    /// Depth.
+    pub depth: ImageInput,
+    /// Normals.
+    pub normal: NormalInput,
+    /// What share of the light is reflected.
+    pub reflectivity: FactorInput,
+    /// Roughness ϱ; 0 is a mirror.
+    pub roughness: FactorInput,
+    /// Lit colour, linear.
+    pub color: ImageInput,
+    /// A cube map of what is seen where nothing stands, in world axes: its view is an array of its six faces. Without one,
+    /// that is black.
+    pub sky: Option<ImageInput>,
+    /// Images of the scene around places, for rays that the screen loses.
+    pub captures: Option<&'a Captures>,
+    /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
+    pub timed: bool,
+    /// How the caller uses the outputs next.
+    pub outputs: ImageUse,
+}
+
+/// An image that was made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct OutputImage {
+    /// The image. It stays the crate's, until [`Reflections`] are resized or dropped.
+    pub image: vk::Image,
+    /// A view of its first level.
+    pub view: vk::ImageView,
+    /// Its format.
+    pub format: vk::Format,
+    /// Width and height in pixels.
+    pub extent: [u32; 2],
+}
+
+/// What was recorded.
+#[derive(Debug, Clone)]
+pub struct Recorded {
+    /// Lit colour with what is reflected in it, linear, RGBA16F.
+    pub composite: OutputImage,
+    /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than
+    /// 1 where it fades out. RGBA16F. `None` where nothing reflects.
+    pub reflection: Option<OutputImage>,
+    /// Where each ray ended, if that was asked for and the method says it: RGBA32F, docs/definitions.md, "Hits".
+    pub hits: Option<OutputImage>,
+    /// The passes that were recorded, in order.
+    pub passes: Vec<String>,
+    /// The passes that this frame does without, and why.
+    pub skipped: Vec<Skipped>,
+}
+
+/// What one view needs to be reflected in every frame: pipelines, images and uniform memory. Views are apart from each
+/// other, and may be recorded by different threads.
+pub struct Reflections {
+    frames: FrameContext,
+    import: ImportPass,
+    effect: Effect,
+    method: &'static MethodInfo,
+    setup: Setup,
+    wants: Wants,
+    captures: Option<u32>,
+    slots: usize,
+}
+
+impl Reflections {
+    /// Makes all that the frames of a view need. Nothing is submitted.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a method, a parameter, a value or a size that there is not, or a method that needs the scene
+    /// or captures that are not given; [`Error::Memory`] and [`Error::Vulkan`] from the device.
+    pub fn new(context: &Context, info: &ReflectionsInfo) -> Result<Self> {
+        let method = methods::find(info.method)?;
+        let mut setup = Setup::new(info.extent);
+        for (name, value) in info.parameters {
+            set(&mut setup, method, name, value)?;
+        }
+        if info.frames_in_flight == 0 {
+            return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
+        }
+        let gpu = &context.gpu;
+        let wants = Wants { hits: info.hits, reflection: true };
+        let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
+        let effect = effect(&mut frames, method, &setup, wants, info.captures)?;
+        let import = ImportPass::new(gpu, info.extent)?;
+        Ok(Self { frames, import, effect, method, setup, wants, captures: info.captures, slots: info.frames_in_flight })
+    }
+
+    /// Makes images of another size. The device is done with every frame that was recorded.
+    ///
+    /// # Errors
+    /// As for [`Self::new`]; the old size stays then.
+    pub fn resize(&mut self, extent: [u32; 2]) -> Result<()> {
+        let setup = self.setup.at(extent);
+        let import = ImportPass::new(self.frames.gpu(), extent)?;
+        let effect = effect(&mut self.frames, self.method, &setup, self.wants, self.captures)?;
+        (self.setup, self.import, self.effect) = (setup, import, effect);
+        Ok(())
+    }
+
+    /// Width and height in pixels.
+    pub fn extent(&self) -> [u32; 2] {
+        self.setup.extent
+    }
+
+    /// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have
+    /// been recorded once, no allocation on the device.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the input that is wrong, and why; nothing is recorded then. [`Error::Memory`] or
+    /// [`Error::Vulkan`] from the device: throw the command buffer away then.
+    ///
+    /// # Safety
+    /// - The command buffer is recording, outside rendering, for a queue of the context's family.
+    /// - The handles of the inputs are the context's device's, are what they say they are, and live until the device is
+    ///   done; the images hold what the caller submitted before.
+    /// - What was recorded with the same slot before is no longer under way.
+    /// - Frames of this object are submitted in the order in which they were recorded, to one queue, and so are the
+    ///   captures' that they see. A command buffer is submitted once, or recorded and thrown away before another is.
+    pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
+        let taken = self.check(input)?;
+        let captures = input.captures.map(Captures::images).transpose()?;
+        let gpu = self.frames.gpu().clone();
+        let mut borrowed = Borrowed::default();
+        for (name, image) in input.images() {
+            borrowed.take(&gpu, name, image)?;
+        }
+        let of = |image: &ImageInput| borrowed.of(image).ok_or_else(|| Error::Usage("an input is missing".into()));
+        let mode = if input.timed { Mode::Timed } else { Mode::Plain };
+        // SAFETY: by the contract.
+        let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
+        borrowed.begin(&mut frame);
+        let (kind, to_view) = input.normal.kind(&taken);
+        let factor = |factor: &FactorInput| factor.over(factor.image().and_then(|image| borrowed.of(image)));
+        let foreign = Foreign {
+            depth: of(&input.depth)?,
+            to_reversed: taken.to_reversed,
+            normal: Some((of(&input.normal.image)?, kind, to_view)),
+            material: [factor(&input.reflectivity), factor(&input.roughness)],
+            color: of(&input.color)?,
+            leaves_sky_out: false,
+        };
+        let gbuffer = self.import.record(&mut frame, &foreign, &taken.camera)?;
+        frame.begin_effect();
+        let seen = Input {
+            sky: input.sky.as_ref().and_then(|sky| borrowed.of(sky)),
+            captures: captures.map(|images| images.captures()),
+            ..Input::of_screen(gbuffer, &taken.camera)
+        };
+        let output = self.effect.record(&mut frame, &seen)?;
+        let give = |frame: &mut Frame, image: &Image| {
+            frame.hand_over(image, input.outputs);
+            OutputImage {
+                image: image.handle(),
+                view: image.level(0).view(),
+                format: image.format(),
+                extent: image.extent(),
+            }
+        };
+        let composite = give(&mut frame, output.composite);
+        let reflection = output.traced.reflection.map(|r| give(&mut frame, r.0));
+        let hits = output.traced.hits.map(|h| give(&mut frame, h.0));
+        borrowed.end(&mut frame);
+        let report = frame.end()?;
+        Ok(Recorded { composite, reflection, hits, passes: report.recorded, skipped: report.skipped })
+    }
+
+    /// How long each pass of the last timed frame of a slot took; empty if it was not timed.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] with `NOT_READY` if the device is not done with it yet.
+    pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
+        if slot >= self.slots { Ok(Vec::new()) } else { self.frames.times(slot) }
+    }
+
+    /// What is wrong with an input, if anything; else the camera.
+    fn check(&self, input: &FrameInput) -> Result<Taken> {
+        let extent = self.extent();
+        if input.slot >= self.slots {
+            let (slot, slots) = (input.slot, self.slots);
+            return Err(Error::Usage(format!("the slot is {slot}; frames_in_flight is {slots}, so that it is below that")));
+        }
+        if input.timed && !self.frames.gpu().has_timestamps() {
+            return Err(Error::Usage("no pass can be timed: the queue family has no timestamps".into()));
+        }
+        if input.outputs.layout == vk::ImageLayout::UNDEFINED {
+            return Err(Error::Usage("the outputs' layout is UNDEFINED: their content would be lost".into()));
+        }
+        input.depth.check("depth", Some(extent))?;
+        input.normal.image.check("normal", Some(extent))?;
+        input.reflectivity.check("reflectivity", extent)?;
+        input.roughness.check("roughness", extent)?;
+        input.color.check("color", Some(extent))?;
+        if let Some(sky) = &input.sky {
+            sky.check("sky", None)?;
+        }
+        let given = input.captures.map(|c| c.extent()[0]);
+        if given != self.captures {
+            let said = |side: Option<u32>| side.map_or("none".into(), |s| format!("faces of {s} texels a side"));
+            return Err(Error::Usage(format!(
+                "the captures given are {}; ReflectionsInfo::captures said {}",
+                said(given),
+                said(self.captures)
+            )));
+        }
+        input.camera.take()
+    }
+}
+
+impl FrameInput<'_> {
+    /// Every image, by the name of its input.
+    fn images(&self) -> impl Iterator<Item = (&'static str, &ImageInput)> {
+        [
+            ("depth", Some(&self.depth)),
+            ("normal", Some(&self.normal.image)),
+            ("reflectivity", self.reflectivity.image()),
+            ("roughness", self.roughness.image()),
+            ("color", Some(&self.color)),
+            ("sky", self.sky.as_ref()),
+        ]
+        .into_iter()
+        .filter_map(|(name, image)| Some((name, image?)))
+    }
+}
+
+fn effect(
+    frames: &mut FrameContext,
+    method: &MethodInfo,
+    setup: &Setup,
+    wants: Wants,
+    captures: Option<u32>,
+) -> Result<Effect> {
+    match captures {
+        Some(side) => Effect::for_captures(frames, method, setup, wants, [side; 2]),
+        None => Effect::new(frames, method, setup, wants, None),
+    }
+}
+
+/// Gives a parameter of a method, or of what surrounds every method, its value.
+fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Result<()> {
+    if name == "preset" {
+        let preset = [Preset::Published, Preset::Author].into_iter().find(|p| p.name() == value);
+        let refused = || Error::Usage(format!("preset is {value:?}; it takes published or author"));
+        setup.values.preset = preset.ok_or_else(refused)?;
+        return Ok(());
+    }
+    let rows: Vec<Parameter> = method.reads();
+    let row = rows.iter().find(|row| row.name == name || row.typed_name() == name).ok_or_else(|| {
+        let names: Vec<_> = rows.iter().map(Parameter::typed_name).collect();
+        Error::Usage(format!("{} has no parameter {name:?}; it has: {}", method.name, names.join(", ")))
+    })?;
+    setup.values.set(row, row.parse(value)?);
+    Ok(())
+}
+
+const _: () = {
+    const fn is_send<T: Send>() {}
+    is_send::<Reflections>();
+    is_send::<Captures>();
+};
