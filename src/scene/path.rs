@@ -35,7 +35,7 @@ pub struct CameraPath {
 }
 
 /// What is wrong with key frames: the index of the faulty one, if there is one, and a sentence.
-pub type Fault = (Option<usize>, String);
+pub type KeyFault = (Option<usize>, String);
 
 impl CameraPath {
     /// Joins key frames. If they have no times, the camera moves evenly: the time between two key frames is the
@@ -56,7 +56,7 @@ impl CameraPath {
     ///
     /// # Errors
     /// As for [`Self::new`].
-    pub fn joined(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, Fault> {
+    pub fn joined(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, KeyFault> {
         if keys.len() < 2 {
             return Err((None, format!("a path needs at least two key frames, not {}", keys.len())));
         }
