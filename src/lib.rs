@@ -1,5 +1,45 @@
-//! Glossy reflections in screen space on Vulkan, for other engines to build on: a G-buffer goes in, a reflection comes
-//! out, and every pass is timed. The map of this package and of the laboratory beside it is `src/ARCHITECTURE.md`.
+//! Glossy reflections in screen space on Vulkan, for other renderers to build on: a G-buffer goes in, a reflection comes
+//! out, recorded into the caller's command buffer. Nothing is submitted, and nothing waits.
+//!
+//! ```no_run
+//! # use ash::vk;
+//! # fn example(
+//! #     handles: ssct::DeviceHandles, commands: vk::CommandBuffer, world_to_view: [f32; 16], view_to_clip: [f32; 16],
+//! #     [depth, normal, color]: [ssct::ImageInput; 3],
+//! # ) -> ssct::Result<()> {
+//! // Once: the caller's device, and what a view is to show.
+//! // SAFETY: the handles belong together and outlive what is made with them.
+//! let context = unsafe { ssct::Context::new(handles) }?;
+//! let info = ssct::ReflectionsInfo { extent: [1920, 1080], method: "unified", ..Default::default() };
+//! let mut reflections = ssct::Reflections::new(&context, &info)?;
+//!
+//! // In every frame, after lighting:
+//! let input = ssct::FrameInput {
+//!     slot: 0,
+//!     camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Down },
+//!     depth,
+//!     normal: ssct::NormalInput {
+//!         image: normal,
+//!         space: ssct::NormalSpace::World,
+//!         encoding: ssct::NormalEncoding::Octahedral,
+//!     },
+//!     reflectivity: ssct::FactorInput::Constant(0.5),
+//!     roughness: ssct::FactorInput::Constant(0.1),
+//!     color,
+//!     sky: None,
+//!     captures: None,
+//!     timed: false,
+//!     outputs: ssct::ImageUse::FRAGMENT_SAMPLED,
+//! };
+//! // SAFETY: the command buffer is recording outside rendering, and is submitted before the next frame's.
+//! let recorded = unsafe { reflections.record(commands, &input) }?;
+//! println!("{:?}", recorded.composite);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! `docs/embedding.md` goes through it step by step, `examples/embed` is a renderer that does it. The map of this package
+//! and of the laboratory beside it is `src/ARCHITECTURE.md`.
 //!
 //! The modules are public with the feature `internals` alone. It is for the laboratory, and promises nothing.
 
@@ -37,8 +77,13 @@ pub mod scene;
 
 mod embed;
 
+/// The examples of that page compile.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/embedding.md")]
+struct Embedding;
+
 pub use embed::{
-    CameraInput, CaptureFaceInput, Captures, CapturesInfo, ClipY, Context, FactorInput, FrameInput, ImageInput,
+    CameraInput, CaptureFaceInput, CaptureCubes, CaptureCubesInfo, ClipY, Context, FactorInput, FrameInput, ImageInput,
     NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, enable_features, methods,
 };
 pub use error::{Error, Result};

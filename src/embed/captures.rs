@@ -14,7 +14,7 @@ use glam::Vec3;
 
 /// What captures are to be.
 #[derive(Debug, Clone, Copy)]
-pub struct CapturesInfo<'a> {
+pub struct CaptureCubesInfo<'a> {
     /// Where each was made, in world space: 1 to 8 places.
     pub places: &'a [[f32; 3]],
     /// Width and height of each face in texels, 1 to 4096.
@@ -40,9 +40,9 @@ pub struct CaptureFaceInput {
     pub depth: ImageInput,
 }
 
-/// Captures: cubes of images of the scene, in which `unified` and `captures` follow the rays that the screen loses. The
+/// CaptureCubes: cubes of images of the scene, in which `unified` and `captures` follow the rays that the screen loses. The
 /// caller draws the faces, and hands over each at least once, and again whenever it likes.
-pub struct Captures {
+pub struct CaptureCubes {
     frames: FrameContext,
     import: ImportPass,
     pyramids: PyramidPass,
@@ -52,12 +52,12 @@ pub struct Captures {
     taken: u64,
 }
 
-impl Captures {
+impl CaptureCubes {
     /// Makes the images; they have no content yet.
     ///
     /// # Errors
     /// [`Error::Usage`] for a number of places, a side or a projection that is none; [`Error::Memory`].
-    pub fn new(context: &Context, info: &CapturesInfo) -> Result<Self> {
+    pub fn new(context: &Context, info: &CaptureCubesInfo) -> Result<Self> {
         let count = info.places.len();
         if count == 0 || count > MAX_CAPTURES {
             return Err(Error::Usage(format!("there are {count} captures; there must be 1 to {MAX_CAPTURES}")));

@@ -1,5 +1,5 @@
 //! The door for other renderers: their device, their images, their command buffers. [`Context`] is made of raw handles,
-//! [`Reflections`] holds what one view needs and records into a command buffer, [`Captures`] holds images of the scene
+//! [`Reflections`] holds what one view needs and records into a command buffer, [`CaptureCubes`] holds images of the scene
 //! around places that the screen does not show. Nothing here submits, waits or presents.
 
 mod camera;
@@ -8,7 +8,7 @@ mod input;
 mod reflections;
 
 pub use camera::{CameraInput, ClipY};
-pub use captures::{CaptureFaceInput, Captures, CapturesInfo};
+pub use captures::{CaptureFaceInput, CaptureCubes, CaptureCubesInfo};
 pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
 
@@ -72,7 +72,7 @@ pub fn enable_features(
 }
 
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
-/// each. `captures` needs [`Captures`], too.
+/// each. `captures` needs [`CaptureCubes`], too.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
     METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures).map(|m| (m.name, m.summary))
 }

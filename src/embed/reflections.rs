@@ -2,7 +2,7 @@
 
 use super::camera::Taken;
 use super::input::Borrowed;
-use super::{CameraInput, Captures, Context, FactorInput, ImageInput, NormalInput};
+use super::{CameraInput, CaptureCubes, Context, FactorInput, ImageInput, NormalInput};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::sync::ImageUse;
@@ -23,7 +23,7 @@ pub struct ReflectionsInfo<'a> {
     /// Parameters by name, with their values as text, as docs/options.md lists them: `("fade", "off")`. `preset` is one of
     /// them.
     pub parameters: &'a [(&'a str, &'a str)],
-    /// Width and height of the faces of the [`Captures`] that every frame is given; `None` for frames without.
+    /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without.
     pub captures: Option<u32>,
     /// Whether an image says where each ray ended, if the method can.
     pub hits: bool,
@@ -61,7 +61,7 @@ pub struct FrameInput<'a> {
     /// that is black.
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
-    pub captures: Option<&'a Captures>,
+    pub captures: Option<&'a CaptureCubes>,
     /// Whether each pass is timed ([`Reflections::times`]). Passes do not overlap then.
     pub timed: bool,
     /// How the caller uses the outputs next.
@@ -166,7 +166,7 @@ impl Reflections {
     ///   captures' that they see. A command buffer is submitted once, or recorded and thrown away before another is.
     pub unsafe fn record(&mut self, commands: vk::CommandBuffer, input: &FrameInput) -> Result<Recorded> {
         let taken = self.check(input)?;
-        let captures = input.captures.map(Captures::images).transpose()?;
+        let captures = input.captures.map(CaptureCubes::images).transpose()?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = Borrowed::default();
         for (name, image) in input.images() {
@@ -303,5 +303,5 @@ fn set(setup: &mut Setup, method: &MethodInfo, name: &str, value: &str) -> Resul
 const _: () = {
     const fn is_send<T: Send>() {}
     is_send::<Reflections>();
-    is_send::<Captures>();
+    is_send::<CaptureCubes>();
 };

@@ -415,7 +415,8 @@ impl<'a> ImageSlice<'a> {
         self.slice.map_or((0, self.image.depth), |s| (s, 1))
     }
 
-    pub(crate) fn view(&self) -> vk::ImageView {
+    /// The view that shaders see it through.
+    pub fn view(&self) -> vk::ImageView {
         if self.by_face {
             self.image.faces_view
         } else if let Some(slice) = self.slice {

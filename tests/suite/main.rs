@@ -19,6 +19,7 @@ mod compare;
 mod cone;
 mod cube_maps;
 mod docs;
+mod embed;
 mod error_study;
 mod figures;
 mod filters;

@@ -9,7 +9,7 @@
 //! lacks them, the projection is taken from its matrix.
 
 use super::exr_channels::{self, ExrChannels, axis};
-use super::{Camera, GBufferData, Lens, Surface, bounded};
+use super::{Camera, GBufferData, Lens, Projection, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
@@ -54,7 +54,9 @@ pub fn encode(gbuffer: &GBufferData, path: &Path) -> Result<Vec<u8>> {
         ("nearPlane", AttributeValue::F32(camera.lens.near_m)),
         ("farPlane", AttributeValue::F32(camera.lens.far_m)),
     ];
-    attributes.other.extend(numbers.map(|(name, value)| (name.into(), value)));
+    // A projection that is known by its matrix alone is written so, and is then read as it was.
+    let kept = if camera.projection.is_some() { 1 } else { numbers.len() };
+    attributes.other.extend(numbers.into_iter().take(kept).map(|(name, value)| (name.into(), value)));
     exr_channels::encode([gbuffer.width, gbuffer.height], attributes, channels, path)
 }
 
@@ -112,9 +114,9 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     };
     let world_to_view = attributes.world_to_camera.map_or(Mat4::IDENTITY, |m| Mat4::from_cols_array(&m));
     let exact = (number("fovYRadians"), number("nearPlane"), number("farPlane"));
-    let (lens, aspect) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
+    let (lens, aspect, projection) = match (exact, attributes.other.get(&Text::from("viewToClip"))) {
         ((Some(fov_y_radians), Some(near_m), Some(far_m)), _) => {
-            (Lens { fov_y_radians, near_m, far_m }, number("aspectRatio").unwrap_or(aspect))
+            (Lens { fov_y_radians, near_m, far_m }, number("aspectRatio").unwrap_or(aspect), None)
         }
         (_, Some(AttributeValue::Matrix4x4(m))) => from_matrix(&Mat4::from_cols_array(m))?,
         _ => {
@@ -124,7 +126,7 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
             );
         }
     };
-    let made = Camera { world_to_view, lens, aspect, near_plane: None, projection: None };
+    let made = Camera { world_to_view, lens, aspect, near_plane: None, projection };
     if !made.is_sound() {
         let Lens { fov_y_radians: fov, near_m: near, far_m: far } = lens;
         return Err(format!("a projection with fov {fov}, near {near}, far {far} and aspect {aspect} cannot be used"));
@@ -132,15 +134,16 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     Ok(made)
 }
 
-/// The lens and aspect ratio of a symmetric perspective matrix with reversed depth.
-fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32), String> {
+/// The lens, the aspect ratio and the numbers of a symmetric perspective matrix with reversed depth.
+fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
     let [x, y, z, w] = m.to_cols_array_2d();
     let perspective = z[3] == 1.0 && w[3] == 0.0 && x[1..] == [0.0; 3] && y[0] == 0.0 && y[2..] == [0.0; 2];
     if !(perspective && z[0] == 0.0 && z[1] == 0.0) {
         return Err("viewToClip is not a symmetric, left-handed perspective with reversed depth".into());
     }
     let lens = Lens { fov_y_radians: 2.0 * (1.0 / y[1]).atan(), near_m: w[2] / (1.0 - z[2]), far_m: -w[2] / z[2] };
-    Ok((lens, y[1] / x[0]))
+    let exact = Projection { scale: [x[0], y[1]], shift: [0.0; 2], depth: [z[2], w[2]] };
+    Ok((lens, y[1] / x[0], Some(exact)))
 }
 
 #[cfg(test)]

@@ -1,0 +1,103 @@
+//! A renderer of somebody else that takes reflections from `ssct`: its own instance, device, allocator, images and render
+//! pass. It draws a floor with a mirror and two spheres, records `unified` into its own command buffer, submits once, and
+//! writes what came out. The lines that are there for the reflections stand between "reflections" marks.
+//!
+//! ```sh
+//! cargo run --example embed -- out.png [FOLDER]    # with a folder, every image is also written there as 32-bit floats
+//! ```
+
+mod vulkan;
+
+use ash::vk;
+use std::error::Error;
+use vulkan::{DEPTH, HALF, Picture, Renderer};
+
+const SIZE: [u32; 2] = [640, 360];
+
+/// View space of this renderer: right-handed, y up, the eye looks along −z. Depth is reversed (1 at the near plane), and the
+/// viewport is the usual one, so that y is turned in the projection.
+fn camera() -> ([f32; 16], [f32; 16]) {
+    let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
+    let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
+    let (a, b) = (near / (far - near), near * far / (far - near));
+    let view_to_clip = [f / aspect, 0., 0., 0., 0., -f, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
+    // Two metres above the floor, looking down a little.
+    let (sin, cos) = 0.18_f32.sin_cos();
+    let (y, z) = (2.0_f32, 6.0_f32);
+    let world_to_view =
+        [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., -(cos * y) + sin * z, -(sin * y) - cos * z, 1.];
+    (view_to_clip, world_to_view)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let output = arguments.first().map_or("embed.png", String::as_str);
+    let mut renderer = Renderer::new()?;
+    let picture = |format, aspect| renderer.picture(SIZE, format, aspect);
+    let color = vk::ImageAspectFlags::COLOR;
+    let images = [picture(HALF, color)?, picture(HALF, color)?, picture(HALF, color)?];
+    let depth = renderer.picture(SIZE, DEPTH, vk::ImageAspectFlags::DEPTH)?;
+    let pass = renderer.pass(SIZE, &images, &depth)?;
+    let (view_to_clip, world_to_view) = camera();
+
+    // ---- reflections ----
+    // SAFETY: the handles belong together and outlive the context; the features are those that the device was made with.
+    let context = unsafe { ssct::Context::new(renderer.handles()) }?;
+    let info = ssct::ReflectionsInfo { extent: SIZE, method: "unified", ..Default::default() };
+    let mut reflections = ssct::Reflections::new(&context, &info)?;
+    // ---------------------
+
+    let commands = renderer.begin()?;
+    renderer.draw(commands, &pass, SIZE, &view_to_clip, &world_to_view);
+
+    // ---- reflections ----
+    // The render pass leaves its images to be sampled.
+    let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_GRAPHICS, ..ssct::ImageUse::COLOR_ATTACHMENT };
+    let drawn = ssct::ImageUse { layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, ..drawn };
+    let drawn_depth = ssct::ImageUse { layout: drawn.layout, ..ssct::ImageUse::DEPTH_ATTACHMENT };
+    let of = |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, ssct::ImageUse::TRANSFER_SOURCE);
+    let of_depth = ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE);
+    let input = ssct::FrameInput {
+        slot: 0,
+        camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Down },
+        depth: of_depth.used(drawn_depth, ssct::ImageUse::TRANSFER_SOURCE),
+        normal: ssct::NormalInput {
+            image: of(&images[0]),
+            space: ssct::NormalSpace::View,
+            encoding: ssct::NormalEncoding::Float,
+        },
+        reflectivity: ssct::FactorInput::Channel(of(&images[1]), 0),
+        roughness: ssct::FactorInput::Channel(of(&images[1]), 1),
+        color: of(&images[2]),
+        sky: None,
+        captures: None,
+        timed: false,
+        outputs: ssct::ImageUse::TRANSFER_SOURCE,
+    };
+    // SAFETY: the command buffer is recording outside the render pass, and is submitted below.
+    let recorded = unsafe { reflections.record(commands, &input) }?;
+    // ---------------------
+
+    let composite = recorded.composite;
+    let made = [("composite", composite.image, HALF), ("normal", images[0].image, HALF), ("material", images[1].image, HALF)];
+    let rest = [("color", images[2].image, HALF), ("depth", depth.image, DEPTH)];
+    let wanted: Vec<_> = made.into_iter().chain(rest).collect();
+    let read = renderer.submit_and_read(commands, SIZE, &wanted)?;
+    vulkan::write_png(output, SIZE, &read[0])?;
+    if let Some(folder) = arguments.get(1) {
+        std::fs::create_dir_all(folder)?;
+        for ((name, ..), values) in wanted.iter().zip(&read) {
+            let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+            std::fs::write(format!("{folder}/{name}.f32"), bytes)?;
+        }
+        let numbers: Vec<u8> = view_to_clip.iter().chain(&world_to_view).flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(format!("{folder}/camera.f32"), numbers)?;
+    }
+    println!("{output}: {}", recorded.passes.join(", "));
+
+    // ---- reflections ----
+    drop((reflections, context)); // before the device
+    // ---------------------
+    renderer.destroy(images.into_iter().chain([depth]), pass);
+    Ok(())
+}

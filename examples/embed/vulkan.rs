@@ -1,0 +1,301 @@
+//! The renderer itself: nothing here is about reflections, but for the features that the device is made with.
+
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use std::error::Error;
+
+pub const HALF: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+pub struct Renderer {
+    entry: ash::Entry,
+    instance: ash::Instance,
+    physical: vk::PhysicalDevice,
+    device: ash::Device,
+    features: ssct::EnabledFeatures,
+    queue: vk::Queue,
+    allocator: Option<Allocator>,
+    pool: vk::CommandPool,
+}
+
+/// An image with its view and memory.
+pub struct Picture {
+    pub image: vk::Image,
+    pub view: vk::ImageView,
+    allocation: Allocation,
+}
+
+/// A render pass with all that draws in it.
+pub struct Pass {
+    pass: vk::RenderPass,
+    framebuffer: vk::Framebuffer,
+    layout: vk::PipelineLayout,
+    pipeline: vk::Pipeline,
+}
+
+impl Renderer {
+    pub fn new() -> Result<Self> {
+        // SAFETY: what is made is destroyed in `destroy`; every structure lives through its call.
+        unsafe {
+            let entry = ash::Entry::load()?;
+            let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
+            let layers: Vec<_> =
+                if std::env::var_os("EMBED_VALIDATION").is_some() { vec![c"VK_LAYER_KHRONOS_validation".as_ptr()] } else { vec![] };
+            let info = vk::InstanceCreateInfo::default().application_info(&application).enabled_layer_names(&layers);
+            let instance = entry.create_instance(&info, None)?;
+            let physical = *instance.enumerate_physical_devices()?.first().ok_or("no Vulkan device")?;
+            let mut features = ssct::EnabledFeatures::default();
+            ssct::enable_features(&mut features.core, &mut features.vulkan12, &mut features.vulkan13);
+            let (mut v12, mut v13) = (features.vulkan12, features.vulkan13);
+            let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(0).queue_priorities(&[1.0])];
+            let info = vk::DeviceCreateInfo::default()
+                .queue_create_infos(&queues)
+                .enabled_features(&features.core)
+                .push_next(&mut v12)
+                .push_next(&mut v13);
+            let device = instance.create_device(physical, &info, None)?;
+            let allocator = Some(Allocator::new(&AllocatorCreateDesc {
+                instance: instance.clone(),
+                device: device.clone(),
+                physical_device: physical,
+                debug_settings: Default::default(),
+                buffer_device_address: false,
+                allocation_sizes: Default::default(),
+            })?);
+            let queue = device.get_device_queue(0, 0);
+            let pool = device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)?;
+            Ok(Self { entry, instance, physical, device, features, queue, allocator, pool })
+        }
+    }
+
+    /// What a library is told of the device.
+    pub fn handles(&self) -> ssct::DeviceHandles {
+        ssct::DeviceHandles {
+            entry: self.entry.clone(),
+            instance: self.instance.clone(),
+            physical: self.physical,
+            device: self.device.clone(),
+            queue_family: 0,
+            enabled: self.features.clone(),
+            debug_utils: false,
+            memory: None,
+        }
+    }
+
+    pub fn picture(&mut self, [width, height]: [u32; 2], format: vk::Format, aspect: vk::ImageAspectFlags) -> Result<Picture> {
+        use vk::ImageUsageFlags as U;
+        let target =
+            if aspect == vk::ImageAspectFlags::DEPTH { U::DEPTH_STENCIL_ATTACHMENT } else { U::COLOR_ATTACHMENT };
+        let info = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(format)
+            .extent(vk::Extent3D { width, height, depth: 1 })
+            .mip_levels(1)
+            .array_layers(1)
+            .samples(vk::SampleCountFlags::TYPE_1)
+            .usage(target | U::SAMPLED | U::TRANSFER_SRC);
+        // SAFETY: as in `new`.
+        unsafe {
+            let image = self.device.create_image(&info, None)?;
+            let requirements = self.device.get_image_memory_requirements(image);
+            let allocation = self.allocate(requirements, MemoryLocation::GpuOnly, false)?;
+            self.device.bind_image_memory(image, allocation.memory(), allocation.offset())?;
+            let range = vk::ImageSubresourceRange::default().aspect_mask(aspect).level_count(1).layer_count(1);
+            let info = vk::ImageViewCreateInfo::default()
+                .image(image)
+                .view_type(vk::ImageViewType::TYPE_2D)
+                .format(format)
+                .subresource_range(range);
+            Ok(Picture { image, view: self.device.create_image_view(&info, None)?, allocation })
+        }
+    }
+
+    fn allocate(&mut self, requirements: vk::MemoryRequirements, location: MemoryLocation, linear: bool) -> Result<Allocation> {
+        let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
+        let desc = AllocationCreateDesc { name: "embed", requirements, location, linear, allocation_scheme };
+        Ok(self.allocator.as_mut().ok_or("destroyed")?.allocate(&desc)?)
+    }
+
+    /// A render pass of three colours and a depth, which leaves them to be sampled, and the pipeline that draws in it.
+    pub fn pass(&self, [width, height]: [u32; 2], colors: &[Picture], depth: &Picture) -> Result<Pass> {
+        let attachment = |format| {
+            vk::AttachmentDescription::default()
+                .format(format)
+                .samples(vk::SampleCountFlags::TYPE_1)
+                .load_op(vk::AttachmentLoadOp::CLEAR)
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
+        };
+        let attachments = [attachment(HALF), attachment(HALF), attachment(HALF), attachment(DEPTH)];
+        let reference = |attachment, layout| vk::AttachmentReference { attachment, layout };
+        let references: Vec<_> = (0..3).map(|i| reference(i, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)).collect();
+        let depth_reference = reference(3, vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
+        let subpasses = [vk::SubpassDescription::default()
+            .color_attachments(&references)
+            .depth_stencil_attachment(&depth_reference)];
+        let info = vk::RenderPassCreateInfo::default().attachments(&attachments).subpasses(&subpasses);
+        let views: Vec<_> = colors.iter().chain([depth]).map(|p| p.view).collect();
+        let pushes = [vk::PushConstantRange { stage_flags: vk::ShaderStageFlags::FRAGMENT, offset: 0, size: 128 }];
+        // SAFETY: as in `new`.
+        unsafe {
+            let pass = self.device.create_render_pass(&info, None)?;
+            let info = vk::FramebufferCreateInfo::default()
+                .render_pass(pass)
+                .attachments(&views)
+                .width(width)
+                .height(height)
+                .layers(1);
+            let framebuffer = self.device.create_framebuffer(&info, None)?;
+            let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&pushes);
+            let layout = self.device.create_pipeline_layout(&info, None)?;
+            let compiler = shaderc::Compiler::new()?;
+            let module = |text, kind, name| -> Result<vk::ShaderModule> {
+                let code = compiler.compile_into_spirv(text, kind, name, "main", None)?;
+                Ok(self.device.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(code.as_binary()), None)?)
+            };
+            let vertex = module(include_str!("scene.vert"), shaderc::ShaderKind::Vertex, "scene.vert")?;
+            let fragment = module(include_str!("scene.frag"), shaderc::ShaderKind::Fragment, "scene.frag")?;
+            let stage = |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
+            let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
+            let (input, assembly) = (
+                vk::PipelineVertexInputStateCreateInfo::default(),
+                vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST),
+            );
+            let viewports = [vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 }];
+            let scissors = [vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }];
+            let viewport = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
+            let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
+            let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+            let depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
+                .depth_test_enable(true)
+                .depth_write_enable(true)
+                .depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL);
+            let blend = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA); 3];
+            let blends = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend);
+            let info = vk::GraphicsPipelineCreateInfo::default()
+                .stages(&stages)
+                .vertex_input_state(&input)
+                .input_assembly_state(&assembly)
+                .viewport_state(&viewport)
+                .rasterization_state(&raster)
+                .multisample_state(&samples)
+                .depth_stencil_state(&depth_state)
+                .color_blend_state(&blends)
+                .layout(layout)
+                .render_pass(pass);
+            let made = self.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
+            let pipeline = made.map_err(|(_, e)| e)?[0];
+            self.device.destroy_shader_module(vertex, None);
+            self.device.destroy_shader_module(fragment, None);
+            Ok(Pass { pass, framebuffer, layout, pipeline })
+        }
+    }
+
+    pub fn begin(&self) -> Result<vk::CommandBuffer> {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: as in `new`; the pool frees its command buffers.
+        unsafe {
+            let commands = self.device.allocate_command_buffers(&info)?[0];
+            self.device.begin_command_buffer(commands, &begin)?;
+            Ok(commands)
+        }
+    }
+
+    pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, [width, height]: [u32; 2], clip: &[f32; 16], view: &[f32; 16]) {
+        let clears = [vk::ClearValue::default(); 4];
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let info = vk::RenderPassBeginInfo::default()
+            .render_pass(pass.pass)
+            .framebuffer(pass.framebuffer)
+            .render_area(area)
+            .clear_values(&clears);
+        let numbers: Vec<u8> = clip.iter().chain(view).flat_map(|v| v.to_ne_bytes()).collect();
+        // SAFETY: the command buffer is recording, and everything lives until it was submitted.
+        unsafe {
+            self.device.cmd_begin_render_pass(commands, &info, vk::SubpassContents::INLINE);
+            self.device.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pass.pipeline);
+            self.device.cmd_push_constants(commands, pass.layout, vk::ShaderStageFlags::FRAGMENT, 0, &numbers);
+            self.device.cmd_draw(commands, 3, 1, 0, 0);
+            self.device.cmd_end_render_pass(commands);
+        }
+    }
+
+    /// Copies images, all ready to be copied from, to the host, and waits.
+    pub fn submit_and_read(
+        &mut self,
+        commands: vk::CommandBuffer,
+        [width, height]: [u32; 2],
+        images: &[(&str, vk::Image, vk::Format)],
+    ) -> Result<Vec<Vec<f32>>> {
+        let size = u64::from(width) * u64::from(height) * 8;
+        // SAFETY: as in `new`; the queue is waited for before anything is destroyed.
+        unsafe {
+            let mut buffers = Vec::new();
+            for (_, image, format) in images {
+                let usage = vk::BufferUsageFlags::TRANSFER_DST;
+                let buffer = self.device.create_buffer(&vk::BufferCreateInfo::default().size(size).usage(usage), None)?;
+                let requirements = self.device.get_buffer_memory_requirements(buffer);
+                let allocation = self.allocate(requirements, MemoryLocation::GpuToCpu, true)?;
+                self.device.bind_buffer_memory(buffer, allocation.memory(), allocation.offset())?;
+                let aspect = if *format == DEPTH { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
+                let copy = vk::BufferImageCopy::default()
+                    .image_subresource(vk::ImageSubresourceLayers::default().aspect_mask(aspect).layer_count(1))
+                    .image_extent(vk::Extent3D { width, height, depth: 1 });
+                let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+                self.device.cmd_copy_image_to_buffer(commands, *image, layout, buffer, &[copy]);
+                buffers.push((buffer, allocation));
+            }
+            self.device.end_command_buffer(commands)?;
+            let submitted = [commands];
+            self.device.queue_submit(self.queue, &[vk::SubmitInfo::default().command_buffers(&submitted)], vk::Fence::null())?;
+            self.device.queue_wait_idle(self.queue)?;
+            let mut read = Vec::new();
+            for ((_, _, format), (buffer, allocation)) in images.iter().zip(buffers) {
+                let bytes = allocation.mapped_slice().ok_or("not mapped")?;
+                read.push(match *format {
+                    DEPTH => bytes.chunks_exact(4).take((size / 8) as usize).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect(),
+                    _ => bytes[..size as usize].chunks_exact(2).map(|b| half::f16::from_ne_bytes([b[0], b[1]]).to_f32()).collect(),
+                });
+                self.device.destroy_buffer(buffer, None);
+                self.allocator.as_mut().ok_or("destroyed")?.free(allocation)?;
+            }
+            Ok(read)
+        }
+    }
+
+    pub fn destroy(mut self, pictures: impl Iterator<Item = Picture>, pass: Pass) {
+        // SAFETY: the device is idle, and nothing is used any more.
+        unsafe {
+            for picture in pictures {
+                self.device.destroy_image_view(picture.view, None);
+                self.device.destroy_image(picture.image, None);
+                if let Some(allocator) = &mut self.allocator {
+                    let _ = allocator.free(picture.allocation);
+                }
+            }
+            self.device.destroy_pipeline(pass.pipeline, None);
+            self.device.destroy_pipeline_layout(pass.layout, None);
+            self.device.destroy_framebuffer(pass.framebuffer, None);
+            self.device.destroy_render_pass(pass.pass, None);
+            self.device.destroy_command_pool(self.pool, None);
+            drop(self.allocator.take());
+            self.device.destroy_device(None);
+            self.instance.destroy_instance(None);
+        }
+    }
+}
+
+/// Linear light as an sRGB picture.
+pub fn write_png(path: &str, [width, height]: [u32; 2], rgba: &[f32]) -> Result<()> {
+    let encode = |v: f32| {
+        let v = v.clamp(0.0, 1.0);
+        if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+    };
+    let bytes = rgba.chunks_exact(4).flat_map(|t| [t[0], t[1], t[2]]).map(|v| (encode(v) * 255.0).round() as u8).collect();
+    image::RgbImage::from_raw(width, height, bytes).ok_or("a picture of another size")?.save(path)?;
+    Ok(())
+}
