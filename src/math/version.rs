@@ -48,7 +48,7 @@ macro_rules! versions {
 }
 
 versions! {
-    /// A version of the oracle ([`reference::oracle`](crate::reference::oracle)), which decides what a ray hits in screen
+    /// A version of the oracle (`reference::oracle`), which decides what a ray hits in screen
     /// space. The method `unified` can follow either.
     OracleVersion {
         /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.

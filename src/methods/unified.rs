@@ -5,7 +5,7 @@
 //!
 //! A G-buffer is a height field seen from the camera: each pixel is a block, whose front is its depth
 //! and whose back lies a thickness T behind it. A reflection ray, projected, is a straight line over
-//! this field. The truth of screen space ([`oracle`](crate::reference::oracle)) is the first block on
+//! this field. The truth of screen space (`reference::oracle`) is the first block on
 //! the line that the ray's depth meets. Walking every pixel finds it, in hundreds of steps. The thesis
 //! and the engines that followed it skip, and lose hits on the way: at odd sizes, towards the camera,
 //! behind objects, far away. This method skips and loses none.
@@ -59,7 +59,7 @@
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
 //! `classify.comp` and `tile.vert`; `traverse.glsl`; `mirror.frag`; `gloss.glsl`, `gloss_trace.frag` and
 //! `gloss_resolve.frag`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. The pyramid, the traversal and the passes of gloss have plain twins in
-//! [`reference::unified`](crate::reference::unified).
+//! `reference::unified`.
 
 use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;

@@ -1,7 +1,7 @@
 //! Finds places for captures in any scene, without knowing a view (docs/definitions.md, "Captures").
 //!
-//! People stand on floors, between walls or under roofs ([`space`]). What their mirrors show is sampled by paths: from an
-//! eye to a surface, and from there along the mirror ray to where it ends ([`mirrors`]). A greedy search then takes,
+//! People stand on floors, between walls or under roofs (`space`). What their mirrors show is sampled by paths: from an
+//! eye to a surface, and from there along the mirror ray to where it ends (`mirrors`). A greedy search then takes,
 //! one after another, the place that shows most of those ends that no capture shows yet. All random numbers are
 //! counted, not drawn, so that the places depend on nothing but the scene.
 
@@ -45,7 +45,7 @@ pub struct Placement {
     pub captures: Vec<Capture>,
     /// How many of them, from the first on, come from the scene file.
     pub own: usize,
-    /// The share, 0…1, of what mirrors show beyond the screen (see [`mirrors`]) that is seen from the first capture
+    /// The share, 0…1, of what mirrors show beyond the screen (see `mirrors`) that is seen from the first capture
     /// alone, from the first two, and so on; as long as [`Placement::captures`]. 0 where mirrors show nothing.
     pub seen: Vec<f32>,
     /// The eyes of people at the places where they stand, for whom the captures are placed; world, in metres.
