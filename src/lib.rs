@@ -83,8 +83,9 @@ mod embed;
 struct Embedding;
 
 pub use embed::{
-    CameraInput, CaptureFaceInput, CaptureCubes, CaptureCubesInfo, ClipY, Context, FactorInput, FrameInput, ImageInput,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, enable_features, methods,
+    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, ImageInput,
+    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, enable_features,
+    methods,
 };
 pub use error::{Error, Result};
 pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures};

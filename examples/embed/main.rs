@@ -33,10 +33,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let output = arguments.first().map_or("embed.png", String::as_str);
     let mut renderer = Renderer::new()?;
-    let picture = |format, aspect| renderer.picture(SIZE, format, aspect);
-    let color = vk::ImageAspectFlags::COLOR;
-    let images = [picture(HALF, color)?, picture(HALF, color)?, picture(HALF, color)?];
-    let depth = renderer.picture(SIZE, DEPTH, vk::ImageAspectFlags::DEPTH)?;
+    let mut picture = |format| renderer.picture(SIZE, format);
+    let images = [picture(HALF)?, picture(HALF)?, picture(HALF)?];
+    let depth = picture(DEPTH)?;
     let pass = renderer.pass(SIZE, &images, &depth)?;
     let (view_to_clip, world_to_view) = camera();
 
@@ -55,7 +54,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_GRAPHICS, ..ssct::ImageUse::COLOR_ATTACHMENT };
     let drawn = ssct::ImageUse { layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, ..drawn };
     let drawn_depth = ssct::ImageUse { layout: drawn.layout, ..ssct::ImageUse::DEPTH_ATTACHMENT };
-    let of = |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, ssct::ImageUse::TRANSFER_SOURCE);
+    let of =
+        |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, ssct::ImageUse::TRANSFER_SOURCE);
     let of_depth = ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE);
     let input = ssct::FrameInput {
         slot: 0,
@@ -79,7 +79,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ---------------------
 
     let composite = recorded.composite;
-    let made = [("composite", composite.image, HALF), ("normal", images[0].image, HALF), ("material", images[1].image, HALF)];
+    let made =
+        [("composite", composite.image, HALF), ("normal", images[0].image, HALF), ("material", images[1].image, HALF)];
     let rest = [("color", images[2].image, HALF), ("depth", depth.image, DEPTH)];
     let wanted: Vec<_> = made.into_iter().chain(rest).collect();
     let read = renderer.submit_and_read(commands, SIZE, &wanted)?;

@@ -42,8 +42,11 @@ impl Renderer {
         unsafe {
             let entry = ash::Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
-            let layers: Vec<_> =
-                if std::env::var_os("EMBED_VALIDATION").is_some() { vec![c"VK_LAYER_KHRONOS_validation".as_ptr()] } else { vec![] };
+            let layers: Vec<_> = if std::env::var_os("EMBED_VALIDATION").is_some() {
+                vec![c"VK_LAYER_KHRONOS_validation".as_ptr()]
+            } else {
+                vec![]
+            };
             let info = vk::InstanceCreateInfo::default().application_info(&application).enabled_layer_names(&layers);
             let instance = entry.create_instance(&info, None)?;
             let physical = *instance.enumerate_physical_devices()?.first().ok_or("no Vulkan device")?;
@@ -85,10 +88,11 @@ impl Renderer {
         }
     }
 
-    pub fn picture(&mut self, [width, height]: [u32; 2], format: vk::Format, aspect: vk::ImageAspectFlags) -> Result<Picture> {
-        use vk::ImageUsageFlags as U;
-        let target =
-            if aspect == vk::ImageAspectFlags::DEPTH { U::DEPTH_STENCIL_ATTACHMENT } else { U::COLOR_ATTACHMENT };
+    pub fn picture(&mut self, [width, height]: [u32; 2], format: vk::Format) -> Result<Picture> {
+        use vk::{ImageAspectFlags as A, ImageUsageFlags as U};
+        let is_depth = format == DEPTH;
+        let (aspect, target) =
+            if is_depth { (A::DEPTH, U::DEPTH_STENCIL_ATTACHMENT) } else { (A::COLOR, U::COLOR_ATTACHMENT) };
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
@@ -113,7 +117,12 @@ impl Renderer {
         }
     }
 
-    fn allocate(&mut self, requirements: vk::MemoryRequirements, location: MemoryLocation, linear: bool) -> Result<Allocation> {
+    fn allocate(
+        &mut self,
+        requirements: vk::MemoryRequirements,
+        location: MemoryLocation,
+        linear: bool,
+    ) -> Result<Allocation> {
         let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
         let desc = AllocationCreateDesc { name: "embed", requirements, location, linear, allocation_scheme };
         Ok(self.allocator.as_mut().ok_or("destroyed")?.allocate(&desc)?)
@@ -154,26 +163,38 @@ impl Renderer {
             let compiler = shaderc::Compiler::new()?;
             let module = |text, kind, name| -> Result<vk::ShaderModule> {
                 let code = compiler.compile_into_spirv(text, kind, name, "main", None)?;
-                Ok(self.device.create_shader_module(&vk::ShaderModuleCreateInfo::default().code(code.as_binary()), None)?)
+                Ok(self
+                    .device
+                    .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(code.as_binary()), None)?)
             };
             let vertex = module(include_str!("scene.vert"), shaderc::ShaderKind::Vertex, "scene.vert")?;
             let fragment = module(include_str!("scene.frag"), shaderc::ShaderKind::Fragment, "scene.frag")?;
-            let stage = |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
+            let stage =
+                |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
             let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
             let (input, assembly) = (
                 vk::PipelineVertexInputStateCreateInfo::default(),
                 vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST),
             );
-            let viewports = [vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 }];
+            let viewports = [vk::Viewport {
+                x: 0.0,
+                y: 0.0,
+                width: width as f32,
+                height: height as f32,
+                min_depth: 0.0,
+                max_depth: 1.0,
+            }];
             let scissors = [vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }];
             let viewport = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
             let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
-            let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+            let samples =
+                vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
             let depth_state = vk::PipelineDepthStencilStateCreateInfo::default()
                 .depth_test_enable(true)
                 .depth_write_enable(true)
                 .depth_compare_op(vk::CompareOp::GREATER_OR_EQUAL);
-            let blend = [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA); 3];
+            let blend =
+                [vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA); 3];
             let blends = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blend);
             let info = vk::GraphicsPipelineCreateInfo::default()
                 .stages(&stages)
@@ -205,7 +226,14 @@ impl Renderer {
         }
     }
 
-    pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, [width, height]: [u32; 2], clip: &[f32; 16], view: &[f32; 16]) {
+    pub fn draw(
+        &self,
+        commands: vk::CommandBuffer,
+        pass: &Pass,
+        [width, height]: [u32; 2],
+        clip: &[f32; 16],
+        view: &[f32; 16],
+    ) {
         let clears = [vk::ClearValue::default(); 4];
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let info = vk::RenderPassBeginInfo::default()
@@ -237,7 +265,8 @@ impl Renderer {
             let mut buffers = Vec::new();
             for (_, image, format) in images {
                 let usage = vk::BufferUsageFlags::TRANSFER_DST;
-                let buffer = self.device.create_buffer(&vk::BufferCreateInfo::default().size(size).usage(usage), None)?;
+                let buffer =
+                    self.device.create_buffer(&vk::BufferCreateInfo::default().size(size).usage(usage), None)?;
                 let requirements = self.device.get_buffer_memory_requirements(buffer);
                 let allocation = self.allocate(requirements, MemoryLocation::GpuToCpu, true)?;
                 self.device.bind_buffer_memory(buffer, allocation.memory(), allocation.offset())?;
@@ -251,14 +280,25 @@ impl Renderer {
             }
             self.device.end_command_buffer(commands)?;
             let submitted = [commands];
-            self.device.queue_submit(self.queue, &[vk::SubmitInfo::default().command_buffers(&submitted)], vk::Fence::null())?;
+            self.device.queue_submit(
+                self.queue,
+                &[vk::SubmitInfo::default().command_buffers(&submitted)],
+                vk::Fence::null(),
+            )?;
             self.device.queue_wait_idle(self.queue)?;
             let mut read = Vec::new();
             for ((_, _, format), (buffer, allocation)) in images.iter().zip(buffers) {
                 let bytes = allocation.mapped_slice().ok_or("not mapped")?;
                 read.push(match *format {
-                    DEPTH => bytes.chunks_exact(4).take((size / 8) as usize).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect(),
-                    _ => bytes[..size as usize].chunks_exact(2).map(|b| half::f16::from_ne_bytes([b[0], b[1]]).to_f32()).collect(),
+                    DEPTH => bytes
+                        .chunks_exact(4)
+                        .take((size / 8) as usize)
+                        .map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]))
+                        .collect(),
+                    _ => bytes[..size as usize]
+                        .chunks_exact(2)
+                        .map(|b| half::f16::from_ne_bytes([b[0], b[1]]).to_f32())
+                        .collect(),
                 });
                 self.device.destroy_buffer(buffer, None);
                 self.allocator.as_mut().ok_or("destroyed")?.free(allocation)?;
@@ -295,7 +335,8 @@ pub fn write_png(path: &str, [width, height]: [u32; 2], rgba: &[f32]) -> Result<
         let v = v.clamp(0.0, 1.0);
         if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
     };
-    let bytes = rgba.chunks_exact(4).flat_map(|t| [t[0], t[1], t[2]]).map(|v| (encode(v) * 255.0).round() as u8).collect();
+    let bytes =
+        rgba.chunks_exact(4).flat_map(|t| [t[0], t[1], t[2]]).map(|v| (encode(v) * 255.0).round() as u8).collect();
     image::RgbImage::from_raw(width, height, bytes).ok_or("a picture of another size")?.save(path)?;
     Ok(())
 }

@@ -118,7 +118,11 @@ mod tests {
         vec![
             ("left-handed, y up, reversed", matrix(fx, fy, 0.0, 0.0, reversed.0, reversed.1, 1.0), ClipY::Up),
             ("left-handed, y up, standard", matrix(fx, fy, 0.0, 0.0, standard.0, standard.1, 1.0), ClipY::Up),
-            ("right-handed, flipped y, standard", matrix(fx, -fy, 0.0, 0.0, -standard.0, standard.1, -1.0), ClipY::Down),
+            (
+                "right-handed, flipped y, standard",
+                matrix(fx, -fy, 0.0, 0.0, -standard.0, standard.1, -1.0),
+                ClipY::Down,
+            ),
             ("right-handed, y up, infinite reversed", matrix(fx, fy, 0.0, 0.0, 0.0, near, -1.0), ClipY::Up),
             ("y down, z forward, infinite standard", matrix(fx, fy, 0.0, 0.0, 1.0, -near, 1.0), ClipY::Down),
             ("right-handed, jittered", matrix(fx, fy, 0.01, -0.02, -reversed.0, reversed.1, -1.0), ClipY::Up),
@@ -130,11 +134,8 @@ mod tests {
         for (name, clip, clip_y) in conventions() {
             let forward = clip.z_axis.w;
             let world = Mat4::from_rotation_y(0.4) * Mat4::from_translation(Vec3::new(1.0, -2.0, 0.5));
-            let input = CameraInput {
-                world_to_view: world.to_cols_array(),
-                view_to_clip: clip.to_cols_array(),
-                clip_y,
-            };
+            let input =
+                CameraInput { world_to_view: world.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
             let Taken { camera, to_reversed, .. } = input.take().expect(name);
             assert!(camera.view_to_clip_reversed().is_finite() && camera.view_to_clip().is_finite(), "{name}");
             for point in [Vec3::new(0.3, 0.2, 2.0), Vec3::new(-1.0, 0.7, 20.0), Vec3::new(0.0, -0.4, 0.6)] {
@@ -155,7 +156,8 @@ mod tests {
     #[test]
     fn what_is_no_camera_is_refused_with_a_sentence() {
         let (_, clip, clip_y) = conventions().swap_remove(0);
-        let good = CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
+        let good =
+            CameraInput { world_to_view: Mat4::IDENTITY.to_cols_array(), view_to_clip: clip.to_cols_array(), clip_y };
         assert!(good.take().is_ok());
         let refused = |change: fn(&mut CameraInput), word: &str| {
             let mut input = good;

@@ -63,7 +63,10 @@ impl CaptureCubes {
             return Err(Error::Usage(format!("there are {count} captures; there must be 1 to {MAX_CAPTURES}")));
         }
         if info.side == 0 || info.side > MAX_RESOLUTION {
-            return Err(Error::Usage(format!("a face has {} texels a side; it must have 1 to {MAX_RESOLUTION}", info.side)));
+            return Err(Error::Usage(format!(
+                "a face has {} texels a side; it must have 1 to {MAX_RESOLUTION}",
+                info.side
+            )));
         }
         let places: Vec<Vec3> = info.places.iter().map(|p| Vec3::from(*p)).collect();
         if places.iter().any(|p| !p.is_finite()) {

@@ -139,7 +139,11 @@ fn is_depth_format(format: vk::Format) -> bool {
     use vk::Format as F;
     matches!(
         format,
-        F::D16_UNORM | F::X8_D24_UNORM_PACK32 | F::D32_SFLOAT | F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT
+        F::D16_UNORM
+            | F::X8_D24_UNORM_PACK32
+            | F::D32_SFLOAT
+            | F::D16_UNORM_S8_UINT
+            | F::D24_UNORM_S8_UINT
             | F::D32_SFLOAT_S8_UINT
     )
 }

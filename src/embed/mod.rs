@@ -8,13 +8,13 @@ mod input;
 mod reflections;
 
 pub use camera::{CameraInput, ClipY};
-pub use captures::{CaptureFaceInput, CaptureCubes, CaptureCubesInfo};
+pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
 
 use crate::error::Result;
-use crate::gpu::device::{DeviceHandles, DeviceInfo};
 use crate::gpu::Gpu;
+use crate::gpu::device::{DeviceHandles, DeviceInfo};
 use crate::methods::METHODS;
 use ash::vk;
 

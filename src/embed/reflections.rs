@@ -225,7 +225,9 @@ impl Reflections {
         let extent = self.extent();
         if input.slot >= self.slots {
             let (slot, slots) = (input.slot, self.slots);
-            return Err(Error::Usage(format!("the slot is {slot}; frames_in_flight is {slots}, so that it is below that")));
+            return Err(Error::Usage(format!(
+                "the slot is {slot}; frames_in_flight is {slots}, so that it is below that"
+            )));
         }
         if input.timed && !self.frames.gpu().has_timestamps() {
             return Err(Error::Usage("no pass can be timed: the queue family has no timestamps".into()));

@@ -3,8 +3,8 @@
 mod open;
 
 use super::image::{Sampler, Samplers};
-use super::pipeline::ComputePipelines;
 use super::memory::{DeviceMemory, Source};
+use super::pipeline::ComputePipelines;
 use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
 use crate::error::{Error, Result};

@@ -203,7 +203,9 @@ impl FrameContext {
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
         let Some(own) = &self.own else {
-            return Err(crate::error::Error::Usage("these frames are recorded into the caller's command buffers".into()));
+            return Err(crate::error::Error::Usage(
+                "these frames are recorded into the caller's command buffers".into(),
+            ));
         };
         self.commands = own.commands;
         // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
@@ -368,7 +370,9 @@ impl Frame<'_> {
         self.stamp()?;
         let device = self.context.gpu.raw();
         let Some(own) = &self.context.own else {
-            return Err(crate::error::Error::Usage("this frame is submitted by whoever began its command buffer".into()));
+            return Err(crate::error::Error::Usage(
+                "this frame is submitted by whoever began its command buffer".into(),
+            ));
         };
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(own.commands)];
         let submit = vk::SubmitInfo2::default()

@@ -79,15 +79,8 @@ impl Queries {
         let mut all = vec![T::zeroed(); self.taken as usize];
         for (results, pool) in all.chunks_mut(QUERIES as usize).zip(&self.pools) {
             // SAFETY: all these queries were written by the finished submission.
-            unsafe {
-                self.gpu.raw().get_query_pool_results(
-                    *pool,
-                    0,
-                    results,
-                    vk::QueryResultFlags::TYPE_64,
-                )
-            }
-            .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;
+            unsafe { self.gpu.raw().get_query_pool_results(*pool, 0, results, vk::QueryResultFlags::TYPE_64) }
+                .map_err(vulkan(format!("vkGetQueryPoolResults for {}", self.name)))?;
         }
         Ok(all)
     }

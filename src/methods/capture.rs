@@ -88,7 +88,9 @@ pub fn common_near_m(captures: &[Capture]) -> f32 {
 /// [`Error::Usage`] for a face or a capture that does not exist.
 pub(crate) fn face_number(capture: usize, face: usize, captures: usize) -> Result<u32> {
     if capture >= captures || face >= 6 {
-        return Err(Error::Usage(format!("there is no face {face} of capture {capture}: there are {captures} with 6 each")));
+        return Err(Error::Usage(format!(
+            "there is no face {face} of capture {capture}: there are {captures} with 6 each"
+        )));
     }
     Ok((6 * capture + face) as u32)
 }
@@ -183,7 +185,13 @@ impl CaptureImages {
 
     /// Takes over the images of a face, number 6 k + f for face f of capture k, and makes its part of the colour's chain.
     /// No other face changes: the chain is made of each face alone.
-    pub(crate) fn take_face(&self, frame: &mut Frame, pyramids: &PyramidPass, face: &GBuffer, number: u32) -> Result<()> {
+    pub(crate) fn take_face(
+        &self,
+        frame: &mut Frame,
+        pyramids: &PyramidPass,
+        face: &GBuffer,
+        number: u32,
+    ) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
         let blocks = pyramids.record(frame, face, &self.face)?;
         frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), number)?;

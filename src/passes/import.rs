@@ -102,7 +102,13 @@ impl ImportPass {
         };
         frame.compute(self.label, &self.pipeline, &program, [width, height, 1])?;
         let reflectors = Reflectors::of(from.material[0].constant(), from.material[1].constant());
-        Ok(GBuffer { depth: &self.depth, normal: &self.normal, material: &self.material, color: &self.color, reflectors })
+        Ok(GBuffer {
+            depth: &self.depth,
+            normal: &self.normal,
+            material: &self.material,
+            color: &self.color,
+            reflectors,
+        })
     }
 }
 
@@ -110,7 +116,8 @@ fn block(from: &Foreign, camera: &Camera, extent: [u32; 2]) -> ImportBlock {
     use crate::math::constants::NORMAL_OF_DEPTH;
     let projection = camera.view_to_clip_reversed().as_dmat4();
     let side = DVec2::from(extent.map(f64::from));
-    let (scale, shift) = (DVec2::new(projection.x_axis.x, projection.y_axis.y), projection.z_axis.truncate().truncate());
+    let (scale, shift) =
+        (DVec2::new(projection.x_axis.x, projection.y_axis.y), projection.z_axis.truncate().truncate());
     let (per_pixel, shift) = (1.0 / (side * scale), shift * side);
     let constants = from.material.map(|factor| factor.constant().unwrap_or(0.0));
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };

@@ -10,9 +10,9 @@ use ssct::methods::METHODS;
 use ssct::methods::{Setup, Wants};
 use ssct::scene::Projection;
 use ssct::{
-    CameraInput, CaptureFaceInput, CaptureCubes, CaptureCubesInfo, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput,
-    FrameInput, ImageInput, ImageUse, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections,
-    ReflectionsInfo,
+    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, EnabledFeatures,
+    FactorInput, FrameInput, ImageInput, ImageUse, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded,
+    Reflections, ReflectionsInfo,
 };
 use ssct_lab::scene::{Capture, GBufferData, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
@@ -93,16 +93,18 @@ impl Engine {
         // SAFETY: the command buffer is recorded; the queue is waited for.
         unsafe {
             self.gpu.raw().end_command_buffer(commands)?;
-            self.gpu.raw().queue_submit(*queue, &[vk::SubmitInfo::default().command_buffers(&buffers)], vk::Fence::null())?;
+            self.gpu.raw().queue_submit(
+                *queue,
+                &[vk::SubmitInfo::default().command_buffers(&buffers)],
+                vk::Fence::null(),
+            )?;
             self.gpu.raw().queue_wait_idle(*queue)
         }
     }
 
     fn read(&mut self, output: &OutputImage) -> Pixels {
-        let part = vk::ImageSubresourceRange::default()
-            .aspect_mask(vk::ImageAspectFlags::COLOR)
-            .level_count(1)
-            .layer_count(1);
+        let part =
+            vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
         let like = (output.format, output.extent);
         let image = Image::of_others(&self.gpu, "output", (output.image, output.view), part, like);
         self.frames
@@ -165,11 +167,7 @@ fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
 fn octahedral(n: Vec3) -> Vec2 {
     let n = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-12);
     let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
-    if n.z >= 0.0 {
-        n.truncate()
-    } else {
-        Vec2::new((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y))
-    }
+    if n.z >= 0.0 { n.truncate() } else { Vec2::new((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) }
 }
 
 impl Theirs {
@@ -203,8 +201,7 @@ impl Theirs {
                 NormalEncoding::OctahedralUnorm => [unorm(o.x), unorm(o.y), 0.0, 0.0],
             }
         };
-        let depth: Vec<f32> =
-            data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
+        let depth: Vec<f32> = data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
         let material = data.roughness.iter().zip(&data.reflectivity).flat_map(|(ro, re)| [0.25, *ro, 0.5, *re]);
         let color = data.color.iter().flat_map(|c| c.extend(1.0).to_array());
         let camera =
@@ -287,7 +284,12 @@ fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
             let recorded = engine.frame(&mut reflections, &FrameInput { slot, ..theirs.input() }).unwrap();
             assert_eq!(recorded.passes.first().map(String::as_str), Some("import"));
             let composite = engine.read(&recorded.composite);
-            assert!(bits(&composite) == bits(&direct.composite), "{}: {}", method.name, rmse(&composite, &direct.composite));
+            assert!(
+                bits(&composite) == bits(&direct.composite),
+                "{}: {}",
+                method.name,
+                rmse(&composite, &direct.composite)
+            );
             let reflection = engine.read(&recorded.reflection.unwrap());
             assert!(bits(&reflection) == bits(&direct.reflection), "{}", method.name);
         }
@@ -372,7 +374,8 @@ fn a_shifted_projection_shifts_the_image() {
     let recorded = engine.frame(&mut reflections, &input).unwrap();
     let shifted = engine.read(&recorded.composite);
     let (mut equal, mut all) = (0, 0);
-    for (i, texel) in shifted.texels().enumerate().filter(|(i, _)| i % width >= 2 * shift && i % width < width - shift) {
+    for (i, texel) in shifted.texels().enumerate().filter(|(i, _)| i % width >= 2 * shift && i % width < width - shift)
+    {
         let expected = native.texels().nth(source(i)).unwrap();
         all += 1;
         equal += usize::from(texel.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.02));
@@ -434,7 +437,8 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let seen = engine.read(&recorded.composite);
     // Beside the same captures from the host, whose normals are not made of depth.
     let mut host = FrameContext::new(&gpu).unwrap();
-    let given = ssct::methods::capture::CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
+    let given =
+        ssct::methods::capture::CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
     let method = ssct::methods::find("unified").unwrap();
     let setup = Setup::new([97, 61]);
     let effect = ssct::methods::Effect::with_captures(&mut host, method, &setup, Wants::REFLECTION, given).unwrap();
@@ -587,13 +591,14 @@ fn the_example_shows_what_the_command_makes_of_its_images() {
     let camera = of("camera");
     let (clip, view) = camera.split_at(16);
     let (width, height) = (640, 360);
-    let vectors = |name: &str, z: f32| of(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
+    let vectors =
+        |name: &str, z: f32| of(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
     let material: Vec<Vec3> = vectors("material", 1.0);
     let turn = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
-    let projection =
-        Projection { scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
+    let projection = Projection { scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
     let [near, far] = [clip[14] / (1.0 + clip[10]), clip[14] / clip[10]];
-    let lens = ssct_lab::scene::Lens { fov_y_radians: 2.0 * (1.0 / projection.scale[1]).atan(), near_m: near, far_m: far };
+    let lens =
+        ssct_lab::scene::Lens { fov_y_radians: 2.0 * (1.0 / projection.scale[1]).atan(), near_m: near, far_m: far };
     let data = GBufferData {
         width,
         height,

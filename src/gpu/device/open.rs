@@ -1,6 +1,6 @@
 //! Opening a device: the instance, the choice among what the loader lists, and the logical device.
 
-use super::{Debug, DeviceInfo, DeviceListing, DeviceQuery, DeviceHandles, Shared, vulkan};
+use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
 use crate::gpu::memory::Source;
@@ -322,9 +322,8 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
             return Err(refused(format!("the feature {name} was not enabled when the device was made")));
         }
     }
-    let family = families
-        .get(queue_family as usize)
-        .ok_or_else(|| refused(format!("it has no queue family {queue_family}")))?;
+    let family =
+        families.get(queue_family as usize).ok_or_else(|| refused(format!("it has no queue family {queue_family}")))?;
     if !is_universal(family) {
         return Err(refused(format!("queues of family {queue_family} do not take both graphics and compute")));
     }
