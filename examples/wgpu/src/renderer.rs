@@ -165,7 +165,8 @@ impl Renderer {
     pub fn new(view_to_clip: &[f32; 16], world_to_view: &[f32; 16]) -> Result<Self> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.backends = wgpu::Backends::VULKAN;
-        // `WGPU_VALIDATION=1` turns the validation layer on.
+        // `WGPU_VALIDATION=1` turns the validation layer on. wgpu's usual flags for debugging also name WGSL in the shaders as
+        // their source, which the layer of Vulkan 1.3.239 takes for an error.
         description.flags = wgpu::InstanceFlags::empty().with_env();
         let instance = wgpu::Instance::new(description);
         let power_preference = wgpu::PowerPreference::HighPerformance;
