@@ -65,8 +65,7 @@ impl Renderer {
                 buffer_device_address: false,
                 allocation_sizes: Default::default(),
             })?);
-            let pool = device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)?;
-            let queue = device.get_device_queue(0, 0);
+            let (pool, queue) = (device.create_command_pool(&Default::default(), None)?, device.get_device_queue(0, 0));
             Ok(Self { entry, instance, physical, device, features, queue, allocator, pool })
         }
     }
@@ -165,7 +164,7 @@ impl Renderer {
             let vertex = module(include_str!("scene.vert"), shaderc::ShaderKind::Vertex, "scene.vert")?;
             let fragment = module(include_str!("scene.frag"), shaderc::ShaderKind::Fragment, "scene.frag")?;
             let stage =
-                |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
+                |of, module| vk::PipelineShaderStageCreateInfo::default().stage(of).module(module).name(c"main");
             let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
             let triangles = vk::PrimitiveTopology::TRIANGLE_LIST;
             let input = vk::PipelineVertexInputStateCreateInfo::default();
@@ -196,8 +195,7 @@ impl Renderer {
                 .render_pass(pass);
             let made = self.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
             let pipeline = made.map_err(|(_, e)| e)?[0];
-            self.device.destroy_shader_module(vertex, None);
-            self.device.destroy_shader_module(fragment, None);
+            [vertex, fragment].into_iter().for_each(|module| self.device.destroy_shader_module(module, None));
             Ok(Pass { pass, framebuffer, layout, pipeline })
         }
     }
@@ -214,12 +212,11 @@ impl Renderer {
     }
 
     pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, clip: &[f32; 16], view: &[f32; 16]) {
-        let clears = [vk::ClearValue::default(); 4];
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(pass.pass)
             .framebuffer(pass.framebuffer)
             .render_area(EXTENT.into())
-            .clear_values(&clears);
+            .clear_values(&[vk::ClearValue { color: vk::ClearColorValue { float32: [0.0; 4] } }; 4]);
         let numbers: Vec<u8> = clip.iter().chain(view).flat_map(|v| v.to_ne_bytes()).collect();
         // SAFETY: the command buffer is recording, and everything lives until it was submitted.
         unsafe {
