@@ -57,7 +57,8 @@ pub fn picture() -> Result<Vec<u8>> {
         let physical = *instance.enumerate_physical_devices()?.first().ok_or("no Vulkan device")?;
         let families = instance.get_physical_device_queue_family_properties(physical);
         let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
-        let family = families.iter().position(|f| f.queue_flags.contains(wanted)).ok_or("no queue for graphics")? as u32;
+        let family =
+            families.iter().position(|f| f.queue_flags.contains(wanted)).ok_or("no queue for graphics")? as u32;
         let mut enabled = ssct::EnabledFeatures::default();
         ssct::enable_features(&mut enabled.core, &mut enabled.vulkan12, &mut enabled.vulkan13);
         let (mut vulkan12, mut vulkan13) = (enabled.vulkan12, enabled.vulkan13);
@@ -296,7 +297,9 @@ const WHOLE: vk::ImageSubresourceRange = vk::ImageSubresourceRange {
 /// The whole image.
 fn copy() -> vk::BufferImageCopy {
     let [width, height] = SIZE;
-    let layers =
-        vk::ImageSubresourceLayers::default().aspect_mask(vk::ImageAspectFlags::COLOR).base_array_layer(0).layer_count(1);
+    let layers = vk::ImageSubresourceLayers::default()
+        .aspect_mask(vk::ImageAspectFlags::COLOR)
+        .base_array_layer(0)
+        .layer_count(1);
     vk::BufferImageCopy::default().image_subresource(layers).image_extent(vk::Extent3D { width, height, depth: 1 })
 }
