@@ -64,6 +64,7 @@ pub fn enable_features(
 ) {
     core.image_cube_array = vk::TRUE;
     core.fragment_stores_and_atomics = vk::TRUE;
+    core.large_points = vk::TRUE;
     core.shader_storage_image_extended_formats = vk::TRUE;
     vulkan12.host_query_reset = vk::TRUE;
     vulkan13.dynamic_rendering = vk::TRUE;
