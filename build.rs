@@ -156,7 +156,7 @@ impl Compiler {
     fn words(&self, _: &Path, program: &Named) -> Result<Vec<u32>, String> {
         let path = Path::new(Self::PACKAGED).join(format!("{}.spv", program.name));
         let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        if bytes.len() < 20 || bytes.len() % 4 != 0 {
+        if bytes.len() < 20 || !bytes.len().is_multiple_of(4) {
             return Err(format!("{}: it is no SPIR-V", path.display()));
         }
         Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
