@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build study bars test test-wgpu test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
+.PHONY: all setup build package study bars test test-wgpu test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
 all: build
 
@@ -15,6 +15,10 @@ setup:
 
 build: setup
 	$(CARGO) build --profile $(PROFILE)
+
+# The crate that others embed, with its shaders compiled: target/package/ssct-VERSION.crate.
+package: setup
+	CARGO="$(CARGO)" scripts/package.sh
 
 # Pictures, times and table 5.8 of the built-in scenes; the page is $(OUT)/index.html.
 study: build
@@ -76,7 +80,7 @@ lint: setup
 	$(CARGO) fmt --check
 	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
-	$(CARGO) clippy --package ssct -- -D warnings
+	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
 	cd lab && $(CARGO) clippy --no-default-features -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 

@@ -2,6 +2,9 @@
 //! what GLSL declares, so that it is declared once: `programs.rs` has a struct for each program, whose fields are the
 //! bindings and push constants found in its module, and one for its specialization constants; `blocks.rs` a struct for
 //! each uniform or push-constant block; `constants.rs` the constants of `common/constants.glsl`.
+//!
+//! Without the feature `compile-shaders` there is no shaderc: the SPIR-V is then that of `shaders-spirv/`, which
+//! `scripts/package.sh` puts into the package, and everything else is made from it in the same way.
 
 // The window, which shares it, also asks for the files that were read.
 #[allow(dead_code)]
@@ -18,6 +21,12 @@ const ROOT: &str = glsl::FOLDER;
 /// What shaders and host share, below [`ROOT`].
 const CONSTANTS: &str = "common/constants.glsl";
 
+/// The programs' modules, below the folder that Cargo gives to this script: what is packaged.
+const MODULES: &str = "spirv";
+
+/// The file beside them that tells from which GLSL they were compiled.
+const FINGERPRINT: &str = "glsl.txt";
+
 fn main() {
     println!("cargo:rerun-if-changed={ROOT}");
     println!("cargo:rerun-if-changed=build.rs");
@@ -29,7 +38,15 @@ fn main() {
 
 fn run() -> Result<(), String> {
     let out = PathBuf::from(std::env::var("OUT_DIR").map_err(|e| e.to_string())?);
-    let compiler = shaderc::Compiler::new().map_err(|e| format!("shaderc: {e}"))?;
+    let fingerprint = fingerprint()?;
+    let compiler = Compiler::new(&fingerprint)?;
+    let modules = out.join(MODULES);
+    // What a program of another name left there would be packaged.
+    if modules.exists() {
+        std::fs::remove_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
+    }
+    std::fs::create_dir_all(&modules).map_err(|e| format!("{}: {e}", modules.display()))?;
+    std::fs::write(modules.join(FINGERPRINT), fingerprint).map_err(|e| format!("{FINGERPRINT}: {e}"))?;
     let mut structs: BTreeMap<String, Block> = BTreeMap::new();
     let (mut programs, mut all, mut names) = (String::new(), String::new(), BTreeSet::new());
     for path in glsl::stages(Path::new(ROOT))? {
@@ -43,9 +60,9 @@ fn run() -> Result<(), String> {
             if !names.insert(program.name.clone()) {
                 return Err(format!("{}: there is another program {}", path.display(), program.name));
             }
-            let words = glsl::compile(&compiler, Path::new(ROOT), &path, &program.defines)?.words;
+            let words = compiler.words(&path, &program)?;
             let bytes: Vec<u8> = words.iter().flat_map(|w| w.to_le_bytes()).collect();
-            let binary = out.join(format!("{}.spv", program.name));
+            let binary = modules.join(format!("{}.spv", program.name));
             std::fs::write(&binary, bytes).map_err(|e| format!("{}: {e}", binary.display()))?;
             let interface = glsl::interface(&words, &file)?;
             programs.push_str(&declared_program(&program, &file, &interface));
@@ -72,6 +89,78 @@ fn run() -> Result<(), String> {
         std::fs::write(out.join(name), text).map_err(|e| format!("{name}: {e}"))?;
     }
     Ok(())
+}
+
+/// Of all sources: their paths and texts, hashed (FNV-1a).
+fn fingerprint() -> Result<String, String> {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut add = |bytes: &[u8]| {
+        // The length keeps what follows apart.
+        for byte in (bytes.len() as u64).to_le_bytes().iter().chain(bytes) {
+            hash = (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    };
+    for path in glsl::files(Path::new(ROOT), &[glsl::STAGES, &["glsl"]].concat())? {
+        add(path.to_string_lossy().replace('\\', "/").as_bytes());
+        add(&std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?);
+    }
+    Ok(format!("{hash:016x}\n"))
+}
+
+/// Where the modules come from: from shaderc.
+#[cfg(feature = "compile-shaders")]
+struct Compiler(shaderc::Compiler);
+
+#[cfg(feature = "compile-shaders")]
+impl Compiler {
+    fn new(_: &str) -> Result<Self, String> {
+        shaderc::Compiler::new().map(Self).map_err(|e| format!("shaderc: {e}"))
+    }
+
+    fn words(&self, path: &Path, program: &Named) -> Result<Vec<u32>, String> {
+        Ok(glsl::compile(&self.0, Path::new(ROOT), path, &program.defines)?.words)
+    }
+}
+
+/// Where the modules come from: from the package.
+#[cfg(not(feature = "compile-shaders"))]
+struct Compiler;
+
+#[cfg(not(feature = "compile-shaders"))]
+impl Compiler {
+    const PACKAGED: &str = "shaders-spirv";
+
+    fn new(fingerprint: &str) -> Result<Self, String> {
+        let folder = Self::PACKAGED;
+        println!("cargo:rerun-if-changed={folder}");
+        match std::fs::read_to_string(Path::new(folder).join(FINGERPRINT)) {
+            Ok(packaged) if packaged == fingerprint => {
+                println!(
+                    "cargo:warning=the shaders are the packaged SPIR-V of {folder}/; the feature compile-shaders \
+                     compiles them from {ROOT}/ instead"
+                );
+                Ok(Self)
+            }
+            Ok(_) => Err(format!(
+                "{ROOT}/ is not what the SPIR-V of {folder}/ was compiled from: turn on the feature compile-shaders of \
+                 ssct, which needs libshaderc, or run `make package` in the repository, which writes {folder}/ anew"
+            )),
+            Err(_) => Err(format!(
+                "there is no compiled shader, since this is no package of ssct ({folder}/ is missing): turn on its \
+                 feature compile-shaders, which needs libshaderc (scripts/setup.sh installs it), or run `make package`, \
+                 which writes {folder}/"
+            )),
+        }
+    }
+
+    fn words(&self, _: &Path, program: &Named) -> Result<Vec<u32>, String> {
+        let path = Path::new(Self::PACKAGED).join(format!("{}.spv", program.name));
+        let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        if bytes.len() < 20 || !bytes.len().is_multiple_of(4) {
+            return Err(format!("{}: it is no SPIR-V", path.display()));
+        }
+        Ok(bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect())
+    }
 }
 
 /// A program's struct, with what the pipeline and the frame ask of it (`src/gpu/program.rs`).
@@ -121,7 +210,7 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
         "/// What `{ROOT}/{title}` reads.{written}\n#[derive(Clone, Copy)]\n#[allow(non_snake_case)]\npub struct {name}{generics} {{\n{fields}}}\n\
          impl Program for {name}{of} {{\n    type Kind = {name}{fixed};\n    type Constants = {constants_type};\n    \
          const SHADER: &'static Shader = &Shader {{\n        name: {title:?},\n        file: {file:?},\n        \
-         defines: &{defines:?},\n        spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{name}.spv\")),\n        \
+         defines: &{defines:?},\n        spirv: include_bytes!(concat!(env!(\"OUT_DIR\"), \"/{MODULES}/{name}.spv\")),\n        \
          push_constant_size: {push_size},\n        local_size: {local_size:?},\n        bindings: &[\n{listed}        ],\n    }};\n    \
          fn resources(&self) -> Vec<Resource<'_>> {{ vec![{resources}] }}\n    \
          fn push(&self) -> &[u8] {{ {pushed} }}\n}}\nimpl {kind}\n{constants}"

@@ -1,6 +1,6 @@
-//! From GLSL to SPIR-V (shaderc, which is glslang), and what the SPIR-V says of bindings, blocks, outputs and
-//! specialization constants. `build.rs` includes this file, and so does the window, which compiles shaders anew when
-//! they change: both see the same.
+//! From GLSL to SPIR-V (shaderc, which is glslang; with the feature `compile-shaders`), and what the SPIR-V says of
+//! bindings, blocks, outputs and specialization constants. `build.rs` includes this file, and so does the window, which
+//! compiles shaders anew when they change: both see the same.
 //!
 //! A stage file names its programs right below `#version`, one a line, with what is defined for each:
 //!
@@ -11,22 +11,29 @@
 
 use rspirv::dr::{Module, Operand};
 use rspirv::spirv::{Decoration, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
-use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
 /// Where the sources are, in the repository.
 pub const FOLDER: &str = "shaders-glsl";
 
+/// Extensions of the files of a shader stage.
+pub const STAGES: &[&str] = &["vert", "frag", "comp"];
+
 /// All files of a shader stage, sorted; `.glsl` files are only included by others.
 pub fn stages(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    files(folder, STAGES)
+}
+
+/// All files with one of some extensions, sorted.
+pub fn files(folder: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let entries = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
     for entry in entries {
         let path = entry.map_err(|e| e.to_string())?.path();
         if path.is_dir() {
-            found.extend(stages(&path)?);
-        } else if kind(&path).is_some() {
+            found.extend(files(&path, extensions)?);
+        } else if path.extension().is_some_and(|e| extensions.iter().any(|wanted| e == *wanted)) {
             found.push(path);
         }
     }
@@ -34,6 +41,7 @@ pub fn stages(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(found)
 }
 
+#[cfg(feature = "compile-shaders")]
 fn kind(path: &Path) -> Option<shaderc::ShaderKind> {
     match path.extension()?.to_str()? {
         "vert" => Some(shaderc::ShaderKind::Vertex),
@@ -81,13 +89,14 @@ pub fn programs(source: &str, path: &Path) -> Result<Vec<Named>, String> {
 ///
 /// # Errors
 /// The compiler's message, which names file and line.
+#[cfg(feature = "compile-shaders")]
 pub fn compile<D: AsRef<str>>(
     compiler: &shaderc::Compiler,
     root: &Path,
     path: &Path,
     defines: &[D],
 ) -> Result<Compiled, String> {
-    let included = RefCell::new(vec![path.to_path_buf()]);
+    let included = std::cell::RefCell::new(vec![path.to_path_buf()]);
     let source = std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let mut options = shaderc::CompileOptions::new().map_err(|e| format!("shaderc: {e}"))?;
     options.set_target_env(shaderc::TargetEnv::Vulkan, shaderc::EnvVersion::Vulkan1_3 as u32);
@@ -114,6 +123,7 @@ pub fn compile<D: AsRef<str>>(
 }
 
 /// A stage's code, and the files that it was made from: itself, then what it includes.
+#[cfg(feature = "compile-shaders")]
 pub struct Compiled {
     /// SPIR-V.
     pub words: Vec<u32>,

@@ -1,5 +1,5 @@
-//! The integration tests that nothing may run beside, one at a time: they measure the memory of their process, or make
-//! devices fail.
+//! The integration tests that nothing may run beside, one at a time: they measure the memory of their process or the
+//! time of a build, or make devices fail.
 
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
@@ -8,8 +8,10 @@ mod common;
 #[path = "../../fuzz/src/memory.rs"]
 mod memory;
 
+mod embedder;
 mod faults;
 mod fuzz_corpus;
+mod packaged;
 mod soak;
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -1,0 +1,161 @@
+//! The crate as others get it: packaged, unpacked into an empty folder, and built there without a shader compiler and
+//! without a network. What it then shows is what it shows here, to the bit.
+
+use crate::common::repository;
+use crate::{alone, embedder};
+use ssct::gpu::programs;
+use std::path::Path;
+use std::process::{Command, Output};
+use std::time::Instant;
+
+/// What a build from clean may take in seconds of the processor, whatever else the machine does. On an idle machine, it
+/// takes no longer than that by the clock.
+const MOST_SECONDS: f64 = 120.0;
+
+/// A program against the packaged crate, with what that needs and nothing else, built as quickly as can be.
+const MANIFEST: &str = r#"
+[package]
+name = "embedder"
+version = "0.0.0"
+edition = "2024"
+
+[dependencies]
+ash = "0.38"
+ssct = { path = "../ssct-VERSION" }
+
+[profile.dev]
+debug = false
+incremental = false
+
+[workspace]
+"#;
+
+const PROGRAM: &str = r#"
+mod embedder;
+
+fn main() {
+    let path = std::env::args().nth(1).expect("a path");
+    std::fs::write(path, embedder::picture().expect("a picture")).expect("a file");
+}
+"#;
+
+/// A program in a folder, without a network and without what Cargo and the set-up tell this test: where they keep what
+/// they built, and where a shader compiler is.
+fn command(program: &str, folder: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.current_dir(folder);
+    for (name, _) in std::env::vars_os() {
+        let told = name.to_string_lossy();
+        let of_cargo = told.starts_with("CARGO_") && told != "CARGO_HOME";
+        if of_cargo || told.starts_with("SHADERC_") || ["RUSTFLAGS", "VULKAN_SDK"].contains(&&*told) {
+            command.env_remove(name);
+        }
+    }
+    command.env("CARGO_NET_OFFLINE", "true").env("CARGO_TERM_COLOR", "never");
+    command
+}
+
+/// Runs what must succeed; its standard error.
+fn succeed(command: &mut Command) -> String {
+    let Output { status, stderr, .. } = command.output().unwrap();
+    let text = String::from_utf8_lossy(&stderr).into_owned();
+    assert!(status.success(), "{command:?}: {text}");
+    text
+}
+
+/// Seconds of the processor that programs which this process started and waited for have taken; `None` where the system
+/// does not say.
+fn seconds_of_children() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name, in brackets, may hold anything. Times are the 16th and 17th field, in hundredths.
+    let fields: Vec<&str> = text.rsplit_once(')')?.1.split_whitespace().collect();
+    let hundredths = |i: usize| fields.get(i)?.parse::<f64>().ok();
+    Some((hundredths(13)? + hundredths(14)?) / 100.0)
+}
+
+/// The bytes of all files in a folder with an extension, sorted.
+fn contents(folder: &Path, extension: &str) -> Vec<Vec<u8>> {
+    let paths = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let wanted = paths.filter(|p| p.extension().is_some_and(|e| e == extension));
+    let mut found: Vec<_> = wanted.map(|p| std::fs::read(p).unwrap()).collect();
+    found.sort();
+    found
+}
+
+#[test]
+fn the_packaged_crate_needs_no_shader_compiler_and_shows_the_same() {
+    let _alone = alone();
+    let folder = tempfile::tempdir().unwrap();
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".into());
+    let target = folder.path().join("target");
+
+    // The one command here that has the shader compiler; its target folder is the workspace's.
+    let mut package = Command::new(repository().join("scripts/package.sh"));
+    succeed(package.env("CARGO_NET_OFFLINE", "true").arg("--target-dir").arg(&target));
+    let name = format!("ssct-{}", env!("CARGO_PKG_VERSION"));
+    let archive = target.join("package").join(format!("{name}.crate"));
+    succeed(command("tar", folder.path()).arg("-xzf").arg(&archive));
+    let root = folder.path().join(&name);
+    let mut modules: Vec<_> = programs::ALL.iter().map(|s| s.spirv.to_vec()).collect();
+    modules.sort();
+    assert!(
+        contents(&root.join("shaders-spirv"), "spv") == modules,
+        "the packaged modules are those that were built in"
+    );
+    for there in ["LICENSE-APACHE", "LICENSE-MIT", "README.md", "docs/embedding.md", "examples/embed", "shaders-glsl"] {
+        assert!(root.join(there).exists(), "{there} is packaged");
+    }
+    for absent in ["benches", "lab", "tests"] {
+        assert!(!root.join(absent).exists(), "{absent} is not packaged");
+    }
+
+    let program = folder.path().join("embedder");
+    std::fs::create_dir_all(program.join("src")).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(program.join(name), text).unwrap();
+    write("Cargo.toml", &MANIFEST.replace("VERSION", env!("CARGO_PKG_VERSION")));
+    write("Cargo.lock", &std::fs::read_to_string(repository().join("Cargo.lock")).unwrap());
+    write("src/main.rs", PROGRAM);
+    write("src/embedder.rs", include_str!("embedder.rs"));
+    let build = || {
+        let mut build = command(&cargo, &program);
+        build.args(["build", "--target-dir"]).arg(folder.path().join("built"));
+        build
+    };
+    let (before, began) = (seconds_of_children(), Instant::now());
+    let said = succeed(&mut build());
+    let (clock, taken) =
+        (began.elapsed().as_secs_f64(), seconds_of_children().zip(before).map(|(now, then)| now - then));
+    let processor = taken.map_or("an unknown time".into(), |seconds| format!("{seconds:.0} s"));
+    println!("the packaged crate was built in {clock:.0} s by the clock and {processor} of the processor");
+    assert!(taken.is_none_or(|seconds| seconds < MOST_SECONDS), "{taken:?}");
+    assert!(said.contains("the shaders are the packaged SPIR-V"), "{said}");
+    let lock = std::fs::read_to_string(program.join("Cargo.lock")).unwrap();
+    assert!(
+        lock.contains("name = \"rspirv\"") && !lock.contains("shaderc"),
+        "no compiler among the dependencies: {lock}"
+    );
+
+    let picture = folder.path().join("picture");
+    succeed(command(folder.path().join("built/debug/embedder").to_str().unwrap(), folder.path()).arg(&picture));
+    let (theirs, ours) = (std::fs::read(&picture).unwrap(), embedder::picture().unwrap());
+    let pixels = (embedder::SIZE[0] * embedder::SIZE[1]) as usize;
+    assert_eq!(ours.len(), 2 * pixels * embedder::TEXEL);
+    assert!(theirs == ours, "the images differ");
+    let reflection = &ours[pixels * embedder::TEXEL..];
+    let reflects = reflection.chunks(embedder::TEXEL).filter(|texel| texel.iter().any(|byte| *byte != 0)).count();
+    assert!(reflects > pixels / 8, "only {reflects} pixels reflect");
+
+    // Changed GLSL is not passed over in silence, nor is a checkout, which has no SPIR-V.
+    let refused = |why: &str| {
+        let output = build().output().unwrap();
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(!output.status.success() && text.contains(why) && text.contains("compile-shaders"), "{text}");
+    };
+    let constants = root.join("shaders-glsl/common/constants.glsl");
+    let text = std::fs::read_to_string(&constants).unwrap();
+    std::fs::write(&constants, format!("{text}\n")).unwrap();
+    refused("is not what the SPIR-V");
+    std::fs::write(&constants, text).unwrap();
+    std::fs::remove_dir_all(root.join("shaders-spirv")).unwrap();
+    refused("there is no compiled shader");
+}
