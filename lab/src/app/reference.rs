@@ -12,7 +12,7 @@ use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::reference::world_state::WorldState;
 use crate::report::images;
-use crate::scene::{Camera, Material, Scene};
+use crate::scene::{GBufferData, Material, Scene};
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -87,21 +87,17 @@ fn sample(
     Ok(state)
 }
 
-/// The composite of a camera's image with so many rays a pixel; what the folder has of it is not sampled again.
-pub fn truth(
-    (scene, materials): (&Scene, &[Material]),
-    (camera, size): (&Camera, [u32; 2]),
-    rays: u32,
-    cache: &Path,
-) -> Result<Pixels> {
+/// The composite of a G-buffer with so many rays a pixel, as the error study's world reference has it; what the folder has of
+/// it is not sampled again.
+pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
     let world = World::new(scene, materials);
-    let first_hits = FirstHits::trace(&world, camera, size);
+    let first_hits = FirstHits::from_gbuffer(data);
     let definitions = DefinitionsVersion::default();
-    let reference = WorldReference::by(definitions, &world, &first_hits, camera, Escape::Environment, 1);
+    let reference = WorldReference::by(definitions, &world, &first_hits, &data.camera, Escape::Environment, 1);
     let target =
         SamplingTarget { standard_error: 0.0, samples_min: rays, samples_max: rays, samples_per_pass: RAYS_AT_ONCE };
     let state = sample(&reference, &target, Some(cache.to_owned()), &mut |_| go_on())?;
-    Ok(pixels(&reference.image(&state).composite, size))
+    Ok(pixels(&reference.image(&state).composite, [data.width, data.height]))
 }
 
 /// The composite, or the reflection if the options ask for it, of a scene that is already there; nothing

@@ -16,7 +16,7 @@ use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFER
 use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, Shot, Stage, TimeRecord, image};
+use crate::study::{Globals, Shot, Stage, TimeRecord, gbuffer, image};
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::Path;
@@ -255,8 +255,8 @@ fn pictures(
             if n == 0 {
                 let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
                 picture(&lit, LIT, "direct light only".into())?;
-                let cache = folder.join(TRUTH_FOLDER);
-                let truth = reference::truth((scene, &materials), (&camera, plan.size), TRUTH_RAYS, &cache)?;
+                let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.join(TRUTH_FOLDER));
+                let truth = reference::truth(scene, &materials, &data, TRUTH_RAYS, &cache)?;
                 picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
                 progress::step(bar)?;
             }
