@@ -493,7 +493,10 @@ fn fallbacks(folders: &[PathBuf]) -> Result<String> {
     table(&head, rows)
 }
 
-/// A method in the plot of the world: median over all views of its time and of its error over those of `ssct`.
+/// The scenes of the plot of the world.
+const PLOTTED: [&str; 3] = ["rooms", "museum", "corridor"];
+
+/// A method in the plot of the world: median over the views of its time and of its error over those of `ssct`.
 #[derive(Debug, Clone)]
 pub struct WorldPoint {
     /// What it is called.
@@ -508,7 +511,7 @@ pub struct WorldPoint {
 pub fn world_points(captured: &Path, fallbacks: &Path, roughness: &str) -> Result<Vec<WorldPoint>> {
     let point = |folder: &Path, (method, behind): (&str, &str)| -> Result<WorldPoint> {
         let mut over = [Vec::new(), Vec::new()];
-        for (scene, _) in BEYOND {
+        for scene in PLOTTED {
             let records = of_scene(&[folder.to_owned()], scene)?;
             for (field, over) in ["time_ms", "rmse"].into_iter().zip(&mut over) {
                 let [own, base] = [(method, behind), ALONE].map(|of| by_view(&records, of, roughness, field));
@@ -544,7 +547,8 @@ fn views_above(folders: &[PathBuf], limit: &str, behind: &str, roughness: &str) 
 fn seen(folder: &Path, scene: &str, captures: &str) -> Result<String> {
     let all = text(folder, "captures.txt")?;
     let row = |name: &str| all.lines().find_map(|l| l.strip_prefix(&format!("{scene},{name},"))).map(|l| l.split(','));
-    let found = row("view").zip(row("median")).and_then(|(mut head, mut row)| row.nth(head.position(|n| n == captures)?));
+    let found =
+        row("view").zip(row("median")).and_then(|(mut head, mut row)| row.nth(head.position(|n| n == captures)?));
     Ok(format!("{} %", found.ok_or_else(|| format!("nothing is said of {captures} captures of {scene}"))?))
 }
 
