@@ -9,7 +9,7 @@ const SIZE: [f64; 2] = [760.0, 400.0];
 const MARGIN: [f64; 4] = [70.0, 16.0, 250.0, 50.0];
 
 /// What is shown of the ratios, by their logarithm.
-const TIMES: [f64; 2] = [0.1, 2.5];
+const TIMES: [f64; 2] = [0.15, 4.0];
 const ERRORS: [f64; 2] = [0.15, 4.0];
 
 /// The roughness values, of dots and of rings.
@@ -50,7 +50,7 @@ pub fn plot(captured: &Path, fallbacks: &Path) -> Result<String, String> {
     ));
     line(format!(r#"<rect width="{width}" height="{height}" fill="white"/>"#));
     let ([left, bottom], [right, top]) = (place([TIMES[0], ERRORS[0]]), place([TIMES[1], ERRORS[1]]));
-    for tick in [0.1, 0.2, 0.5, 1.0, 2.0] {
+    for tick in [0.2, 0.5, 1.0, 2.0, 4.0] {
         let [at, _] = place([tick, 1.0]);
         line(format!(r##"<path d="M{at:.1} {top:.1}V{bottom:.1}" stroke="#ddd"/>"##));
         line(format!(r#"<text x="{at:.1}" y="{:.1}" text-anchor="middle">{tick}</text>"#, bottom + 16.0));
@@ -87,6 +87,9 @@ pub fn plot(captured: &Path, fallbacks: &Path) -> Result<String, String> {
         line(format!(
             r#"<path d="M{x:.1} {y:.1}L{:.1} {name_y:.1}" stroke="{color}" stroke-opacity="0.3"/>"#,
             name_x - 6.0
+        ));
+        line(format!(
+            r#"<path d="M{x:.1} {y:.1}L{rough_x:.1} {rough_y:.1}" stroke="{color}" stroke-dasharray="1 2"/>"#
         ));
         line(format!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="4" fill="{color}"/>"#));
         line(format!(r#"<circle cx="{rough_x:.1}" cy="{rough_y:.1}" r="4" fill="none" stroke="{color}"/>"#));
