@@ -373,9 +373,10 @@ const ALLOWED: [f64; 5] = [0.0, 0.05, 0.05, 0.1, 0.1];
 const CAPTURED: (&str, &str) = ("unified", "none");
 const ALONE: (&str, &str) = ("ssct", "none");
 
-/// The records of a scene, of folders that have one folder a scene.
+/// The records of a scene, of folders that have one folder a scene; not every folder has every scene.
 fn of_scene(folders: &[PathBuf], scene: &str) -> Result<Vec<Value>> {
-    let all = folders.iter().map(|folder| json(&folder.join(scene), "error.json"));
+    let there = folders.iter().map(|folder| folder.join(scene)).filter(|folder| folder.exists());
+    let all = there.map(|folder| json(&folder, "error.json"));
     Ok(all.collect::<Result<Vec<_>>>()?.concat())
 }
 
@@ -452,6 +453,9 @@ fn gain(folders: &[PathBuf]) -> Result<String> {
     let row = |(scene, aim): &(&str, f64)| -> Result<Vec<String>> {
         let records = of_scene(folders, scene)?;
         let cell = |(roughness, allowed): (&&str, &f64)| {
+            if by_view(&records, CAPTURED, roughness, "rmse").is_empty() {
+                return Ok("–".to_owned());
+            }
             let over = captured_over(&records, ALONE, roughness, "rmse")?;
             let (middle, most) = (median(&over)?, greatest(&over));
             let mark = if middle > aim + allowed { "**" } else { "" };
