@@ -89,7 +89,8 @@ pub struct Recorded {
     /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than
     /// 1 where it fades out. RGBA16F. `None` where nothing reflects.
     pub reflection: Option<OutputImage>,
-    /// Where each ray ended, if that was asked for and the method says it: RGBA32F, docs/definitions.md, "Hits".
+    /// Where each ray ended, if that was asked for and the method says it: texture coordinates, standard depth, and how it
+    /// ended (`PATH_*` of `shaders-glsl/common/constants.glsl`). RGBA32F.
     pub hits: Option<OutputImage>,
     /// The passes that were recorded, in order.
     pub passes: Vec<String>,
