@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study bars test test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
+.PHONY: all setup build package study bars test test-wgpu test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
 all: build
 
@@ -32,6 +32,11 @@ bars: build
 
 test: setup
 	$(CARGO) test
+
+# The example on wgpu, which is a package of its own, beside the command.
+test-wgpu: build
+	SSCT_COMMAND="$(BIN)" $(CARGO) test --manifest-path examples/wgpu/Cargo.toml \
+		--target-dir "$(or $(CARGO_TARGET_DIR),target)"
 
 # Every allocation and every submission of every method made to fail: minutes.
 test-faults: setup
@@ -73,6 +78,7 @@ fuzz: setup
 
 lint: setup
 	$(CARGO) fmt --check
+	$(CARGO) fmt --check --manifest-path examples/wgpu/Cargo.toml
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
 	cd lab && $(CARGO) clippy --no-default-features -- -D warnings

@@ -10,9 +10,7 @@ mod vulkan;
 
 use ash::vk;
 use std::error::Error;
-use vulkan::{DEPTH, HALF, Picture, Renderer};
-
-const SIZE: [u32; 2] = [640, 360];
+use vulkan::{DEPTH, HALF, Picture, Renderer, SIZE};
 
 /// View space of this renderer: right-handed, y up, the eye looks along −z. Depth is reversed (1 at the near plane), and the
 /// viewport is the usual one, so that y is turned in the projection.
@@ -33,10 +31,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let output = arguments.first().map_or("embed.png", String::as_str);
     let mut renderer = Renderer::new()?;
-    let mut picture = |format| renderer.picture(SIZE, format);
+    let mut picture = |format| renderer.picture(format);
     let images = [picture(HALF)?, picture(HALF)?, picture(HALF)?];
     let depth = picture(DEPTH)?;
-    let pass = renderer.pass(SIZE, &images, &depth)?;
+    let pass = renderer.pass(&images, &depth)?;
     let (view_to_clip, world_to_view) = camera();
 
     // ---- reflections ----
@@ -47,20 +45,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ---------------------
 
     let commands = renderer.begin()?;
-    renderer.draw(commands, &pass, SIZE, &view_to_clip, &world_to_view);
+    renderer.draw(commands, &pass, &view_to_clip, &world_to_view);
 
     // ---- reflections ----
-    // The render pass leaves its images to be sampled.
-    let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_GRAPHICS, ..ssct::ImageUse::COLOR_ATTACHMENT };
-    let drawn = ssct::ImageUse { layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL, ..drawn };
-    let drawn_depth = ssct::ImageUse { layout: drawn.layout, ..ssct::ImageUse::DEPTH_ATTACHMENT };
-    let of =
-        |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, ssct::ImageUse::TRANSFER_SOURCE);
-    let of_depth = ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE);
+    // The render pass leaves its images to be sampled; afterwards they are copied.
+    let sampled = ssct::ImageUse::FRAGMENT_SAMPLED;
+    let drawn = ssct::ImageUse { stages: vk::PipelineStageFlags2::ALL_COMMANDS, ..sampled };
+    let copied = ssct::ImageUse::TRANSFER_SOURCE;
+    let of = |p: &Picture| ssct::ImageInput::color(p.image, p.view, HALF, SIZE).used(drawn, copied);
     let input = ssct::FrameInput {
         slot: 0,
         camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Down },
-        depth: of_depth.used(drawn_depth, ssct::ImageUse::TRANSFER_SOURCE),
+        depth: ssct::ImageInput::depth(depth.image, depth.view, DEPTH, SIZE).used(drawn, copied),
         normal: ssct::NormalInput {
             image: of(&images[0]),
             space: ssct::NormalSpace::View,
@@ -72,19 +68,19 @@ fn main() -> Result<(), Box<dyn Error>> {
         sky: None,
         captures: None,
         timed: false,
-        outputs: ssct::ImageUse::TRANSFER_SOURCE,
+        outputs: copied,
     };
     // SAFETY: the command buffer is recording outside the render pass, and is submitted below.
     let recorded = unsafe { reflections.record(commands, &input) }?;
     // ---------------------
 
-    let composite = recorded.composite;
-    let made =
-        [("composite", composite.image, HALF), ("normal", images[0].image, HALF), ("material", images[1].image, HALF)];
-    let rest = [("color", images[2].image, HALF), ("depth", depth.image, DEPTH)];
-    let wanted: Vec<_> = made.into_iter().chain(rest).collect();
-    let read = renderer.submit_and_read(commands, SIZE, &wanted)?;
-    vulkan::write_png(output, SIZE, &read[0])?;
+    let [normal, material, color] = images.each_ref().map(|p| p.image);
+    let halves =
+        [("composite", recorded.composite.image), ("normal", normal), ("material", material), ("color", color)];
+    let mut wanted: Vec<_> = halves.into_iter().map(|(name, image)| (name, image, HALF)).collect();
+    wanted.push(("depth", depth.image, DEPTH));
+    let read = renderer.submit_and_read(commands, &wanted)?;
+    vulkan::write_png(output, &read[0])?;
     if let Some(folder) = arguments.get(1) {
         std::fs::create_dir_all(folder)?;
         for ((name, ..), values) in wanted.iter().zip(&read) {

@@ -5,8 +5,10 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
 use std::error::Error;
 
+pub const SIZE: [u32; 2] = [640, 360];
 pub const HALF: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 pub const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+const EXTENT: vk::Extent2D = vk::Extent2D { width: SIZE[0], height: SIZE[1] };
 
 type Result<T> = std::result::Result<T, Box<dyn Error>>;
 
@@ -42,12 +44,7 @@ impl Renderer {
         unsafe {
             let entry = ash::Entry::load()?;
             let application = vk::ApplicationInfo::default().api_version(vk::API_VERSION_1_3);
-            let layers: Vec<_> = if std::env::var_os("EMBED_VALIDATION").is_some() {
-                vec![c"VK_LAYER_KHRONOS_validation".as_ptr()]
-            } else {
-                vec![]
-            };
-            let info = vk::InstanceCreateInfo::default().application_info(&application).enabled_layer_names(&layers);
+            let info = vk::InstanceCreateInfo::default().application_info(&application);
             let instance = entry.create_instance(&info, None)?;
             let physical = *instance.enumerate_physical_devices()?.first().ok_or("no Vulkan device")?;
             let mut features = ssct::EnabledFeatures::default();
@@ -68,8 +65,7 @@ impl Renderer {
                 buffer_device_address: false,
                 allocation_sizes: Default::default(),
             })?);
-            let queue = device.get_device_queue(0, 0);
-            let pool = device.create_command_pool(&vk::CommandPoolCreateInfo::default(), None)?;
+            let (pool, queue) = (device.create_command_pool(&Default::default(), None)?, device.get_device_queue(0, 0));
             Ok(Self { entry, instance, physical, device, features, queue, allocator, pool })
         }
     }
@@ -88,7 +84,7 @@ impl Renderer {
         }
     }
 
-    pub fn picture(&mut self, [width, height]: [u32; 2], format: vk::Format) -> Result<Picture> {
+    pub fn picture(&mut self, format: vk::Format) -> Result<Picture> {
         use vk::{ImageAspectFlags as A, ImageUsageFlags as U};
         let is_depth = format == DEPTH;
         let (aspect, target) =
@@ -96,7 +92,7 @@ impl Renderer {
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
-            .extent(vk::Extent3D { width, height, depth: 1 })
+            .extent(EXTENT.into())
             .mip_levels(1)
             .array_layers(1)
             .samples(vk::SampleCountFlags::TYPE_1)
@@ -119,17 +115,17 @@ impl Renderer {
 
     fn allocate(
         &mut self,
-        requirements: vk::MemoryRequirements,
+        needs: vk::MemoryRequirements,
         location: MemoryLocation,
         linear: bool,
     ) -> Result<Allocation> {
-        let allocation_scheme = AllocationScheme::GpuAllocatorManaged;
+        let (requirements, allocation_scheme) = (needs, AllocationScheme::GpuAllocatorManaged);
         let desc = AllocationCreateDesc { name: "embed", requirements, location, linear, allocation_scheme };
         Ok(self.allocator.as_mut().ok_or("destroyed")?.allocate(&desc)?)
     }
 
     /// A render pass of three colours and a depth, which leaves them to be sampled, and the pipeline that draws in it.
-    pub fn pass(&self, [width, height]: [u32; 2], colors: &[Picture], depth: &Picture) -> Result<Pass> {
+    pub fn pass(&self, colors: &[Picture], depth: &Picture) -> Result<Pass> {
         let attachment = |format| {
             vk::AttachmentDescription::default()
                 .format(format)
@@ -138,13 +134,12 @@ impl Renderer {
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .final_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL)
         };
-        let attachments = [attachment(HALF), attachment(HALF), attachment(HALF), attachment(DEPTH)];
+        let attachments = [HALF, HALF, HALF, DEPTH].map(attachment);
         let reference = |attachment, layout| vk::AttachmentReference { attachment, layout };
-        let references: Vec<_> = (0..3).map(|i| reference(i, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL)).collect();
+        let references = [0, 1, 2].map(|i| reference(i, vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL));
         let depth_reference = reference(3, vk::ImageLayout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
-        let subpasses = [vk::SubpassDescription::default()
-            .color_attachments(&references)
-            .depth_stencil_attachment(&depth_reference)];
+        let subpass = vk::SubpassDescription::default().color_attachments(&references);
+        let subpasses = [subpass.depth_stencil_attachment(&depth_reference)];
         let info = vk::RenderPassCreateInfo::default().attachments(&attachments).subpasses(&subpasses);
         let views: Vec<_> = colors.iter().chain([depth]).map(|p| p.view).collect();
         let pushes = [vk::PushConstantRange { stage_flags: vk::ShaderStageFlags::FRAGMENT, offset: 0, size: 128 }];
@@ -154,8 +149,8 @@ impl Renderer {
             let info = vk::FramebufferCreateInfo::default()
                 .render_pass(pass)
                 .attachments(&views)
-                .width(width)
-                .height(height)
+                .width(SIZE[0])
+                .height(SIZE[1])
                 .layers(1);
             let framebuffer = self.device.create_framebuffer(&info, None)?;
             let info = vk::PipelineLayoutCreateInfo::default().push_constant_ranges(&pushes);
@@ -163,28 +158,19 @@ impl Renderer {
             let compiler = shaderc::Compiler::new()?;
             let module = |text, kind, name| -> Result<vk::ShaderModule> {
                 let code = compiler.compile_into_spirv(text, kind, name, "main", None)?;
-                Ok(self
-                    .device
-                    .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(code.as_binary()), None)?)
+                let info = vk::ShaderModuleCreateInfo::default().code(code.as_binary());
+                Ok(self.device.create_shader_module(&info, None)?)
             };
             let vertex = module(include_str!("scene.vert"), shaderc::ShaderKind::Vertex, "scene.vert")?;
             let fragment = module(include_str!("scene.frag"), shaderc::ShaderKind::Fragment, "scene.frag")?;
             let stage =
-                |stage, module| vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
+                |of, module| vk::PipelineShaderStageCreateInfo::default().stage(of).module(module).name(c"main");
             let stages = [stage(vk::ShaderStageFlags::VERTEX, vertex), stage(vk::ShaderStageFlags::FRAGMENT, fragment)];
-            let (input, assembly) = (
-                vk::PipelineVertexInputStateCreateInfo::default(),
-                vk::PipelineInputAssemblyStateCreateInfo::default().topology(vk::PrimitiveTopology::TRIANGLE_LIST),
-            );
-            let viewports = [vk::Viewport {
-                x: 0.0,
-                y: 0.0,
-                width: width as f32,
-                height: height as f32,
-                min_depth: 0.0,
-                max_depth: 1.0,
-            }];
-            let scissors = [vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }];
+            let triangles = vk::PrimitiveTopology::TRIANGLE_LIST;
+            let input = vk::PipelineVertexInputStateCreateInfo::default();
+            let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(triangles);
+            let viewports = [vk::Viewport::default().width(SIZE[0] as f32).height(SIZE[1] as f32).max_depth(1.0)];
+            let scissors = [EXTENT.into()];
             let viewport = vk::PipelineViewportStateCreateInfo::default().viewports(&viewports).scissors(&scissors);
             let raster = vk::PipelineRasterizationStateCreateInfo::default().line_width(1.0);
             let samples =
@@ -209,8 +195,7 @@ impl Renderer {
                 .render_pass(pass);
             let made = self.device.create_graphics_pipelines(vk::PipelineCache::null(), &[info], None);
             let pipeline = made.map_err(|(_, e)| e)?[0];
-            self.device.destroy_shader_module(vertex, None);
-            self.device.destroy_shader_module(fragment, None);
+            [vertex, fragment].into_iter().for_each(|module| self.device.destroy_shader_module(module, None));
             Ok(Pass { pass, framebuffer, layout, pipeline })
         }
     }
@@ -226,21 +211,12 @@ impl Renderer {
         }
     }
 
-    pub fn draw(
-        &self,
-        commands: vk::CommandBuffer,
-        pass: &Pass,
-        [width, height]: [u32; 2],
-        clip: &[f32; 16],
-        view: &[f32; 16],
-    ) {
-        let clears = [vk::ClearValue::default(); 4];
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+    pub fn draw(&self, commands: vk::CommandBuffer, pass: &Pass, clip: &[f32; 16], view: &[f32; 16]) {
         let info = vk::RenderPassBeginInfo::default()
             .render_pass(pass.pass)
             .framebuffer(pass.framebuffer)
-            .render_area(area)
-            .clear_values(&clears);
+            .render_area(EXTENT.into())
+            .clear_values(&[vk::ClearValue { color: vk::ClearColorValue { float32: [0.0; 4] } }; 4]);
         let numbers: Vec<u8> = clip.iter().chain(view).flat_map(|v| v.to_ne_bytes()).collect();
         // SAFETY: the command buffer is recording, and everything lives until it was submitted.
         unsafe {
@@ -256,49 +232,38 @@ impl Renderer {
     pub fn submit_and_read(
         &mut self,
         commands: vk::CommandBuffer,
-        [width, height]: [u32; 2],
         images: &[(&str, vk::Image, vk::Format)],
     ) -> Result<Vec<Vec<f32>>> {
-        let size = u64::from(width) * u64::from(height) * 8;
+        let texels = (SIZE[0] * SIZE[1]) as usize;
         // SAFETY: as in `new`; the queue is waited for before anything is destroyed.
         unsafe {
             let mut buffers = Vec::new();
             for (_, image, format) in images {
-                let usage = vk::BufferUsageFlags::TRANSFER_DST;
-                let buffer =
-                    self.device.create_buffer(&vk::BufferCreateInfo::default().size(size).usage(usage), None)?;
+                let info = vk::BufferCreateInfo::default().size(8 * texels as u64);
+                let buffer = self.device.create_buffer(&info.usage(vk::BufferUsageFlags::TRANSFER_DST), None)?;
                 let requirements = self.device.get_buffer_memory_requirements(buffer);
                 let allocation = self.allocate(requirements, MemoryLocation::GpuToCpu, true)?;
                 self.device.bind_buffer_memory(buffer, allocation.memory(), allocation.offset())?;
                 let aspect = if *format == DEPTH { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR };
                 let copy = vk::BufferImageCopy::default()
                     .image_subresource(vk::ImageSubresourceLayers::default().aspect_mask(aspect).layer_count(1))
-                    .image_extent(vk::Extent3D { width, height, depth: 1 });
+                    .image_extent(EXTENT.into());
                 let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
                 self.device.cmd_copy_image_to_buffer(commands, *image, layout, buffer, &[copy]);
                 buffers.push((buffer, allocation));
             }
             self.device.end_command_buffer(commands)?;
             let submitted = [commands];
-            self.device.queue_submit(
-                self.queue,
-                &[vk::SubmitInfo::default().command_buffers(&submitted)],
-                vk::Fence::null(),
-            )?;
+            let submits = [vk::SubmitInfo::default().command_buffers(&submitted)];
+            self.device.queue_submit(self.queue, &submits, vk::Fence::null())?;
             self.device.queue_wait_idle(self.queue)?;
             let mut read = Vec::new();
             for ((_, _, format), (buffer, allocation)) in images.iter().zip(buffers) {
                 let bytes = allocation.mapped_slice().ok_or("not mapped")?;
+                let half = |b: &[u8; 2]| half::f16::from_ne_bytes(*b).to_f32();
                 read.push(match *format {
-                    DEPTH => bytes
-                        .chunks_exact(4)
-                        .take((size / 8) as usize)
-                        .map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]))
-                        .collect(),
-                    _ => bytes[..size as usize]
-                        .chunks_exact(2)
-                        .map(|b| half::f16::from_ne_bytes([b[0], b[1]]).to_f32())
-                        .collect(),
+                    DEPTH => bytes.as_chunks().0[..texels].iter().map(|b| f32::from_ne_bytes(*b)).collect(),
+                    _ => bytes.as_chunks().0[..4 * texels].iter().map(half).collect(),
                 });
                 self.device.destroy_buffer(buffer, None);
                 self.allocator.as_mut().ok_or("destroyed")?.free(allocation)?;
@@ -310,12 +275,10 @@ impl Renderer {
     pub fn destroy(mut self, pictures: impl Iterator<Item = Picture>, pass: Pass) {
         // SAFETY: the device is idle, and nothing is used any more.
         unsafe {
-            for picture in pictures {
-                self.device.destroy_image_view(picture.view, None);
-                self.device.destroy_image(picture.image, None);
-                if let Some(allocator) = &mut self.allocator {
-                    let _ = allocator.free(picture.allocation);
-                }
+            for Picture { image, view, allocation } in pictures {
+                self.device.destroy_image_view(view, None);
+                self.device.destroy_image(image, None);
+                let _ = self.allocator.as_mut().map(|allocator| allocator.free(allocation));
             }
             self.device.destroy_pipeline(pass.pipeline, None);
             self.device.destroy_pipeline_layout(pass.layout, None);
@@ -329,14 +292,9 @@ impl Renderer {
     }
 }
 
-/// Linear light as an sRGB picture.
-pub fn write_png(path: &str, [width, height]: [u32; 2], rgba: &[f32]) -> Result<()> {
-    let encode = |v: f32| {
-        let v = v.clamp(0.0, 1.0);
-        if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
-    };
-    let bytes =
-        rgba.chunks_exact(4).flat_map(|t| [t[0], t[1], t[2]]).map(|v| (encode(v) * 255.0).round() as u8).collect();
-    image::RgbImage::from_raw(width, height, bytes).ok_or("a picture of another size")?.save(path)?;
-    Ok(())
+/// Linear light as a picture, about as sRGB encodes it.
+pub fn write_png(path: &str, rgba: &[f32]) -> Result<()> {
+    let rgb = rgba.as_chunks::<4>().0.iter().flat_map(|t| [t[0], t[1], t[2]]);
+    let bytes = rgb.map(|v| (v.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8).collect();
+    Ok(image::RgbImage::from_raw(SIZE[0], SIZE[1], bytes).ok_or("a picture of another size")?.save(path)?)
 }

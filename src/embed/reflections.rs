@@ -128,8 +128,8 @@ impl Reflections {
         let gpu = &context.gpu;
         let wants = Wants { hits: info.hits, reflection: true };
         let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
-        let effect = effect(&mut frames, method, &setup, wants, info.captures)?;
         let import = ImportPass::new(gpu, info.extent)?;
+        let effect = effect(&mut frames, method, &setup, wants, info.captures)?;
         Ok(Self { frames, import, effect, method, setup, wants, captures: info.captures, slots: info.frames_in_flight })
     }
 

@@ -109,7 +109,7 @@ mod tests {
             device.end_command_buffer(commands).expect("to end");
             let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
             let submit = vk::SubmitInfo2::default().command_buffer_infos(&infos);
-            device.queue_submit2(*gpu.queue(), &[submit], vk::Fence::null()).expect("to submit");
+            device.queue_submit2(*gpu.queue().expect("a queue"), &[submit], vk::Fence::null()).expect("to submit");
             device.device_wait_idle().expect("to wait");
             device.destroy_command_pool(pool, None);
         }

@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn the_matrix_alone_and_view_z_alone_are_enough() {
         let gbuffer = sample();
-        let (lens, aspect) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
+        let (lens, aspect, _) = from_matrix(&gbuffer.camera.view_to_clip_reversed()).expect("a perspective");
         let expected = gbuffer.camera.lens;
         assert!((lens.near_m - expected.near_m).abs() < 1e-6 && (lens.far_m - expected.far_m).abs() < 1e-3);
         assert!((lens.fov_y_radians - expected.fov_y_radians).abs() < 1e-6 && (aspect - 1.5).abs() < 1e-6);

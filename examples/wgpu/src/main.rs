@@ -1,0 +1,126 @@
+//! A renderer on wgpu that takes reflections from `ssct`. It draws the scene of `examples/embed` in a render pass of WGSL,
+//! records `unified` into a command buffer of wgpu's, and shows what came out in a pass of its own, three frames on end. The
+//! lines that are there for the reflections stand between "reflections" marks, here and in `renderer.rs`.
+//!
+//! ```sh
+//! cargo run -- out.png [FOLDER]    # with a folder, every image is also written there as 32-bit floats
+//! ```
+
+mod renderer;
+
+use renderer::{DEPTH, HALF, NO_VULKAN, Renderer, Result};
+use wgpu::hal::api::Vulkan;
+
+const SIZE: [u32; 2] = [640, 360];
+const FRAMES: usize = 3;
+const FRAMES_IN_FLIGHT: usize = 2;
+
+/// View space of this renderer: right-handed, y up, the eye looks along −z. Depth is reversed (1 at the near plane). Clip space
+/// has y up, as wgpu wants it.
+fn camera() -> ([f32; 16], [f32; 16]) {
+    let (near, far, aspect) = (0.1_f32, 200.0_f32, SIZE[0] as f32 / SIZE[1] as f32);
+    let f = 1.0 / (0.5 * 55_f32.to_radians()).tan();
+    let (a, b) = (near / (far - near), near * far / (far - near));
+    let view_to_clip = [f / aspect, 0., 0., 0., 0., f, 0., 0., 0., 0., a, -1., 0., 0., b, 0.];
+    // Two metres above the floor, looking down a little.
+    let (sin, cos) = 0.18_f32.sin_cos();
+    let (y, z) = (2.0_f32, 6.0_f32);
+    let world_to_view =
+        [1., 0., 0., 0., 0., cos, sin, 0., 0., -sin, cos, 0., 0., -(cos * y) + sin * z, -(sin * y) - cos * z, 1.];
+    (view_to_clip, world_to_view)
+}
+
+fn main() -> Result<()> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let output = arguments.first().map_or("wgpu.png", String::as_str);
+    let (view_to_clip, world_to_view) = camera();
+    let renderer = Renderer::new(&view_to_clip, &world_to_view)?;
+    let picture = |name, format| renderer.picture(name, SIZE, format);
+    let [normal, material, color] = ["normal", "material", "color"].map(|name| picture(name, HALF));
+    let depth = picture("depth", DEPTH);
+    let screen = picture("screen", wgpu::TextureFormat::Rgba8UnormSrgb);
+
+    // ---- reflections ----
+    // SAFETY: the handles belong together and outlive the context; the features are those that the device was made with.
+    let context = unsafe { ssct::Context::new(renderer.handles()?) }?;
+    let defaults = ssct::ReflectionsInfo::default(); // `unified`, with two frames in flight
+    let info = ssct::ReflectionsInfo { extent: SIZE, frames_in_flight: FRAMES_IN_FLIGHT, ..defaults };
+    let mut reflections = ssct::Reflections::new(&context, &info)?;
+    let mut composite = None;
+    let mut passes = Vec::new();
+    // ---------------------
+
+    let mut submissions = Vec::new();
+    for frame in 0..FRAMES {
+        if frame >= FRAMES_IN_FLIGHT {
+            renderer.wait(Some(&submissions[frame - FRAMES_IN_FLIGHT]))?;
+        }
+        let drawn = renderer.draw([&normal, &material, &color], &depth);
+
+        // ---- reflections ----
+        let material = renderer.input(&material)?;
+        let input = ssct::FrameInput {
+            slot: frame % FRAMES_IN_FLIGHT,
+            camera: ssct::CameraInput { world_to_view, view_to_clip, clip_y: ssct::ClipY::Up },
+            depth: renderer.input(&depth)?,
+            normal: ssct::NormalInput {
+                image: renderer.input(&normal)?,
+                space: ssct::NormalSpace::View,
+                encoding: ssct::NormalEncoding::Float,
+            },
+            reflectivity: ssct::FactorInput::Channel(material, 0),
+            roughness: ssct::FactorInput::Channel(material, 1),
+            color: renderer.input(&color)?,
+            sky: None,
+            captures: None,
+            timed: false,
+            outputs: renderer::resource(HALF),
+        };
+        // wgpu records its own commands no sooner than `finish` and refuses to mix them with raw ones, so that the raw ones
+        // have an encoder to themselves. It knows no texture of theirs; `draw` has brought all of them into a known state.
+        let mut encoder = renderer.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        // SAFETY: the command buffer is recording outside rendering, and is submitted below, after what it reads and before
+        // the next frame's; the frame with the same slot has been waited for.
+        let recorded = unsafe {
+            encoder.as_hal_mut::<Vulkan, _, _>(|encoder| -> Result<_> {
+                Ok(reflections.record(encoder.ok_or(NO_VULKAN)?.raw_handle(), &input)?)
+            })
+        }?;
+        let reflected = encoder.finish();
+        // The image is the same in every frame, and was left as wgpu will take it to be.
+        if composite.is_none() {
+            composite = Some(renderer.adopt(&recorded.composite)?);
+        }
+        let composite = composite.as_ref().ok_or("made above")?;
+        passes = recorded.passes;
+        // ---------------------
+
+        let shown = renderer.show(composite, &screen);
+        submissions.push(renderer.queue.submit([drawn, reflected, shown]));
+    }
+
+    let composite = composite.ok_or("no frame was drawn")?;
+    let made = [("composite", &composite), ("normal", &normal), ("material", &material), ("color", &color)];
+    let rest = [("depth", &depth), ("screen", &screen)];
+    let wanted: Vec<_> = made.into_iter().chain(rest).collect();
+    let mut read = renderer.read(wanted.iter().map(|(_, picture)| *picture))?;
+    let pixels = read.pop().ok_or("nothing was read")?;
+    image::RgbaImage::from_raw(SIZE[0], SIZE[1], pixels).ok_or("a picture of another size")?.save(output)?;
+    if let Some(folder) = arguments.get(1) {
+        std::fs::create_dir_all(folder)?;
+        for ((name, picture), bytes) in wanted.iter().zip(&read) {
+            std::fs::write(format!("{folder}/{name}.f32"), renderer::floats(bytes, picture.texture.format()))?;
+        }
+        let numbers: Vec<u8> = view_to_clip.iter().chain(&world_to_view).flat_map(|v| v.to_le_bytes()).collect();
+        std::fs::write(format!("{folder}/camera.f32"), numbers)?;
+    }
+    println!("{}", renderer.adapter.get_info().name);
+    println!("{output}: {}", passes.join(", "));
+
+    // ---- reflections ----
+    drop(composite); // before the image that it stands for
+    renderer.wait(None)?;
+    drop((reflections, context)); // before the device
+    // ---------------------
+    Ok(())
+}
