@@ -350,9 +350,14 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     };
     let images = folder.list("out/images");
     assert_eq!(linked_in("images/"), images, "every image is shown, and every image shown is there");
-    // For the first two scenes: direct light and each method; and four figures.
+    // For the first two scenes: direct light, the truth, each method and unified with captures; and four figures.
     let methods = ssct::methods::METHODS.len();
-    assert_eq!(images.len(), 2 * (1 + methods) + 4);
+    assert_eq!(images.len(), 2 * (3 + methods) + 4);
+    for name in ["truth", "unified-with-captures", "direct-light"] {
+        assert!(images.contains(&format!("rooms-cylinder-{name}.png")), "{images:?}");
+    }
+    assert!(page.contains("data-compare=\"ssct,truth\""));
+    assert_eq!(folder.list("out/truth").len(), 2, "the next run need not trace what is there");
     let pngs = folder.list("out/error/images").into_iter().filter(|n| n.ends_with(".png"));
     // The RMSE maps stand beside, for whoever looks closer.
     let (maps, pngs): (Vec<_>, Vec<_>) = pngs.partition(|n| n.ends_with("-rmse.png"));
@@ -369,7 +374,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
         let records = records.as_array().unwrap();
         assert!(!records.is_empty() && records.iter().all(|r| r["kind"] == kind), "{file}");
     }
-    assert_eq!(folder.list("out"), ["error", "images", "index.html", "journal.jsonl", "time-samples.csv", "time.json"]);
+    let files = ["error", "images", "index.html", "journal.jsonl", "time-samples.csv", "time.json", "truth"];
+    assert_eq!(folder.list("out"), files);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 
 mod headline;
 mod records;
+mod world;
 
 use crate::common::repository;
 use ssct::methods::METHODS;
@@ -335,6 +336,13 @@ fn the_headline_plot_shows_what_the_records_say() {
     let readme = fs::read_to_string(root().join("README.md")).unwrap();
     let bars = &definitions(&readme)["bars"];
     keep(&root().join("docs/headline.svg"), &headline::plot(&root().join(bars)).unwrap());
+}
+
+#[test]
+fn the_world_plot_shows_what_the_records_say() {
+    let readme = fs::read_to_string(root().join("README.md")).unwrap();
+    let [captured, fallbacks] = ["beyond", "fallbacks"].map(|name| root().join(&definitions(&readme)[name]));
+    keep(&root().join("docs/world.svg"), &world::plot(&captured, &fallbacks).unwrap());
 }
 
 /// The options of all methods, as the methods' own tables declare them.

@@ -180,6 +180,10 @@ pub struct ErrorOptions {
     /// the others only the variant that the flags name.
     #[arg(long, conflicts_with_all = ["no_sweep", "precision", "quick"])]
     pub captures_sweep: bool,
+    /// Of screen-space methods, the variants with nothing, with the environment and with pccm behind them; of unified
+    /// also the one with the captures that the flags name; of the others only the variant that the flags name.
+    #[arg(long, conflicts_with_all = ["no_sweep", "precision", "quick", "captures_sweep", "fallback"])]
+    pub fallback_sweep: bool,
     /// Error against the bytes of a G-buffer's pixel instead of run time: depth, normals and colour in one
     /// format after another.
     #[arg(long, conflicts_with = "no_sweep")]

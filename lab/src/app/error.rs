@@ -71,6 +71,8 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
             false => vec![Variant { method, setup: base.clone() }],
         };
         methods.iter().flat_map(of).collect()
+    } else if options.fallback_sweep {
+        methods.iter().flat_map(|method| sweep::fallbacks(method, &base)).collect()
     } else if options.quick || options.no_sweep {
         methods.iter().map(|method| Variant { method, setup: base.clone() }).collect()
     } else {

@@ -1,18 +1,24 @@
 //! `ssct render --method reference`: the world reference as an image. It needs no Vulkan device.
 
 use super::cli::RenderOptions;
+use super::run::go_on;
 use super::{progress, resolve};
-use crate::error::Error;
+use crate::error::{Error, Result};
 use crate::gpu::Pixels;
+use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
+use crate::reference::world_state::WorldState;
 use crate::report::images;
-use crate::scene::Scene;
+use crate::scene::{GBufferData, Material, Scene};
 use glam::Vec3;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+
+/// Rays a pixel between two chances to stop, where nobody looks at the standard error.
+const RAYS_AT_ONCE: u32 = 4;
 
 /// Samples until the standard error is met; what was sampled before, for the same image, is kept.
 pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
@@ -36,19 +42,11 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
     let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1);
-    let kept = options.cache.clone().or_else(default_cache).map(|folder| kept_in(&folder, &reference));
-    let (mut state, unusable) = match &kept {
-        Some(path) => reference.resume(path),
-        None => (reference.start(), None),
-    };
-    if let Some(why) = unusable {
-        eprintln!("ssct: warning: {why}; sampling begins anew");
-    }
     let bar = progress::bar("reference", options.max_rays as usize);
-    reference.run(&mut state, &target(options), &mut |state| {
+    let state = sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut |state| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
         bar.set_message(format!("reference, standard error {:.4}", state.overall_standard_error()));
-        kept.as_ref().map_or(Ok(()), |path| state.save(path))
+        Ok(())
     })?;
     bar.finish_and_clear();
 
@@ -66,9 +64,45 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// Samples until a target is met, on top of what a folder has of the same reference, and keeps it there. `progress` is called
+/// after each pass, and its error ends the sampling.
+fn sample(
+    reference: &WorldReference,
+    target: &SamplingTarget,
+    cache: Option<PathBuf>,
+    progress: &mut dyn FnMut(&WorldState) -> Result<()>,
+) -> Result<WorldState> {
+    let kept = cache.map(|folder| kept_in(&folder, reference));
+    let (mut state, unusable) = match &kept {
+        Some(path) => reference.resume(path),
+        None => (reference.start(), None),
+    };
+    if let Some(why) = unusable {
+        eprintln!("ssct: warning: {why}; sampling begins anew");
+    }
+    reference.run(&mut state, target, &mut |state| {
+        progress(state)?;
+        kept.as_ref().map_or(Ok(()), |path| state.save(path))
+    })?;
+    Ok(state)
+}
+
+/// The composite of a G-buffer with so many rays a pixel, as the error study's world reference has it; what the folder has of
+/// it is not sampled again.
+pub fn truth(scene: &Scene, materials: &[Material], data: &GBufferData, rays: u32, cache: &Path) -> Result<Pixels> {
+    let world = World::new(scene, materials);
+    let first_hits = FirstHits::from_gbuffer(data);
+    let definitions = DefinitionsVersion::default();
+    let reference = WorldReference::by(definitions, &world, &first_hits, &data.camera, Escape::Environment, 1);
+    let target =
+        SamplingTarget { standard_error: 0.0, samples_min: rays, samples_max: rays, samples_per_pass: RAYS_AT_ONCE };
+    let state = sample(&reference, &target, Some(cache.to_owned()), &mut |_| go_on())?;
+    Ok(pixels(&reference.image(&state).composite, [data.width, data.height]))
+}
+
 /// The composite, or the reflection if the options ask for it, of a scene that is already there; nothing
 /// is kept.
-pub fn sampled(options: &RenderOptions, scene: &Scene) -> crate::error::Result<Pixels> {
+pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let globals = resolve::one_globals(&options.common.place, "render makes one image")?;
     let view = resolve::view(scene, &options.common.place, None)?;
     let materials = globals.materials(scene, &view);

@@ -3,10 +3,11 @@
 use super::cli::StudyOptions;
 use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
 use super::run::Run;
-use super::{progress, resolve};
+use super::{progress, reference, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::Gpu;
-use crate::methods::{self, METHODS, MethodInfo, Setup, Wants};
+use crate::gpu::{Gpu, Pixels};
+use crate::methods::setup::CaptureCount;
+use crate::methods::{self, EffectParams, METHODS, MethodInfo, Setup, Wants, unified};
 use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
@@ -15,7 +16,7 @@ use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFER
 use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, Shot, Stage, TimeRecord, image};
+use crate::study::{Globals, Shot, Stage, TimeRecord, gbuffer, image};
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::Path;
@@ -24,6 +25,13 @@ use std::path::Path;
 const SIZE: [u32; 2] = [960, 540];
 /// Name of the pictures without reflections.
 const LIT: &str = "direct light";
+/// Name of the pictures by the world reference, and its rays a pixel.
+const TRUTH: &str = "truth";
+const TRUTH_RAYS: u32 = 16;
+/// Where the truth's samples lie, for the next run.
+const TRUTH_FOLDER: &str = "truth";
+/// Name of the pictures of `unified` whose rays go on in captures.
+const CAPTURED: &str = "unified with captures";
 /// Where the error study lies.
 const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
@@ -134,7 +142,8 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let cells = plan.errors(&scenes);
     let frames = view_specs.iter().chain(&table_spec).map(TimeSpec::frames).sum::<usize>();
     let shown = scenes.iter().map(|s| plan.shown(s).len()).sum::<usize>();
-    bar.inc_length((shown * METHODS.len() + frames) as u64);
+    // Each method, unified with captures, and the truth.
+    bar.inc_length((shown * (METHODS.len() + 2) + frames) as u64);
     bar.inc_length(cells.as_ref().map_or(0, ErrorPlan::cells) as u64);
 
     let measure = |journal: &mut Journal| -> anyhow::Result<(Vec<Gallery>, Vec<Picture>)> {
@@ -207,13 +216,14 @@ fn records() -> Vec<(String, String)> {
         of("time-samples.csv", "every sample of every pass"),
         of("journal.jsonl", "every sample and cell as it was measured, for --resume"),
         of("images/", "the pictures, lossless"),
+        (format!("{TRUTH_FOLDER}/"), "the truth's samples, with which the next run goes on".into()),
         (format!("{ERROR_FOLDER}/error.json"), "every error, one record a method, cell and reference".into()),
         (format!("{ERROR_FOLDER}/error.txt"), "the same as tables".into()),
         (format!("{ERROR_FOLDER}/images/"), "reflections and FLIP maps as PNG, error maps as EXR".into()),
     ]
 }
 
-/// Each view: lit only, and every method.
+/// Each view: lit only, the truth, every method, and `unified` with captures.
 fn pictures(
     gpu: &Gpu,
     scene: &Scene,
@@ -222,37 +232,41 @@ fn pictures(
     plan: &Plan,
     bar: &ProgressBar,
 ) -> Result<Vec<Gallery>> {
+    let plain = Setup::new(plan.size);
+    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+    let methods = METHODS.iter().map(|m| (m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
+    let with_captures = "unified with four captures, roughness 0.1".to_owned();
+    let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();
     let mut stage = Stage::new(gpu, scene)?;
     let mut galleries = Vec::new();
     for view in views {
+        let camera = view.camera(scene, plan.size);
+        let materials = GLOSSY.materials(scene, view);
         let mut pictures = Vec::new();
-        for (n, method) in METHODS.iter().enumerate() {
-            let camera = view.camera(scene, plan.size);
-            let shot = Shot::new(
-                &mut stage,
-                method,
-                &Setup::new(plan.size),
-                Wants::IMAGE,
-                camera,
-                GLOSSY.materials(scene, view),
-            )?;
+        let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
+            let file = format!("images/{}-{}-{}.png", scene.name, view.name, name.replace(' ', "-"));
+            images::write_image(&folder.join(&file), pixels)?;
+            pictures.push(Picture { file, name: name.into(), caption });
+            Ok(())
+        };
+        for (n, (method, name, setup, caption)) in shown.iter().enumerate() {
+            let shot = Shot::new(&mut stage, method, setup, Wants::IMAGE, camera, materials.clone())?;
             let rendered = image::render(&mut stage, &shot, false)?;
             if n == 0 {
                 let lit = stage.context.read(shot.gbuffer.gbuffer().color.level(0))?;
-                let file = format!("images/{}-{}-lit.png", scene.name, view.name);
-                images::write_image(&folder.join(&file), &lit)?;
-                pictures.push(Picture { file, name: LIT.into(), caption: "direct light only".into() });
+                picture(&lit, LIT, "direct light only".into())?;
+                let (data, cache) = (gbuffer::read(&mut stage.context, &shot)?, folder.join(TRUTH_FOLDER));
+                let truth = reference::truth(scene, &materials, &data, TRUTH_RAYS, &cache)?;
+                picture(&truth, TRUTH, format!("the truth, roughness 0.1: traced with {TRUTH_RAYS} rays a pixel"))?;
+                progress::step(bar)?;
             }
-            let file = format!("images/{}-{}-{}.png", scene.name, view.name, method.name);
-            images::write_image(&folder.join(&file), &rendered.composite)?;
-            let caption = format!("{}, roughness 0.1", method.name);
-            pictures.push(Picture { file, name: method.name.into(), caption });
+            picture(&rendered.composite, name, caption.clone())?;
             progress::step(bar)?;
         }
         galleries.push(Gallery {
             title: format!("{}, {}", scene.name, view.name),
             strips: vec![Strip::Plain(pictures)],
-            compared: [LIT.into(), METHODS[0].name.into()],
+            compared: [METHODS[0].name.into(), TRUTH.into()],
         });
     }
     Ok(galleries)

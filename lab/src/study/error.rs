@@ -182,6 +182,8 @@ pub fn measure(
     let times = totals(spec, stage, &mut shots, journal, go_on)?;
     let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
     let Some(first) = shots.first() else { return Ok(cell) };
+    // Where the journal has all times, no frame has run.
+    stage.draw(first)?;
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, definitions, go_on)?;
 
     for screen in &truth.screens {

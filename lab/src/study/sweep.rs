@@ -3,7 +3,7 @@
 use super::error::{Against, ErrorRecord, Variant};
 use super::record::Stats;
 use crate::methods::setup::{CaptureCount, CaptureSide};
-use crate::methods::{EffectParams, MethodInfo, Setup};
+use crate::methods::{EffectParams, Fallback, MethodInfo, Setup};
 use crate::metrics::pareto;
 use std::collections::BTreeMap;
 
@@ -30,6 +30,23 @@ pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
         setup: base.with(|p: &mut EffectParams| (p.captures, p.capture_side) = (count, side)),
     };
     std::iter::once((None, Scene)).chain(all).map(of).collect()
+}
+
+/// A method with nothing, with the environment and with `pccm` behind it, if it sees the screen alone; and if it takes
+/// captures, also with those of a base.
+pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
+    use Fallback::{Environment, None, Pccm};
+    let behind: &[Fallback] = if method.is_screen_space() { &[None, Environment, Pccm] } else { &[None] };
+    let with = |fallback, captures| Variant {
+        method,
+        setup: base.with(|p: &mut EffectParams| (p.fallback, p.captures) = (fallback, captures)),
+    };
+    let (captures, on_screen) = (base.effect().captures, method.is_screen_space());
+    // A method that sees captures alone is never without them.
+    let without = if on_screen { CaptureCount::None } else { captures };
+    let is_captured = on_screen && method.takes_captures && captures != CaptureCount::None;
+    let all = behind.iter().map(|fallback| with(*fallback, without));
+    all.chain(is_captured.then(|| with(None, captures))).collect()
 }
 
 /// A variant over all cells.
@@ -152,7 +169,7 @@ pub fn sources(records: &[ErrorRecord]) -> Vec<Sources> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::methods::unified;
+    use crate::methods::{METHODS, unified};
     use std::collections::BTreeSet;
 
     #[test]
@@ -163,5 +180,20 @@ mod tests {
         let distinct: BTreeSet<String> = all.iter().map(|v| format!("{:?}", texels(v))).collect();
         assert_eq!((all.len(), distinct.len()), (17, 17));
         assert_eq!(texels(&all[0]), (None, None));
+    }
+
+    #[test]
+    fn a_sweep_of_fallbacks_has_each_and_captures_once() {
+        let base = Setup::new([64, 36]).with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+        let of = |name: &str| {
+            let method = METHODS.iter().find(|m| m.name == name);
+            let variants = method.map_or_else(Vec::new, |method| fallbacks(method, &base));
+            let effects = variants.iter().map(|v| v.setup.effect());
+            effects.map(|e| (e.fallback, e.captures)).collect::<Vec<_>>()
+        };
+        let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None));
+        assert_eq!(of("ssct"), behind);
+        assert_eq!(of("unified"), [&behind[..], &[(Fallback::None, CaptureCount::Four)]].concat());
+        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Four)]);
     }
 }
