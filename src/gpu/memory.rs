@@ -73,7 +73,7 @@ unsafe impl Sync for MemoryBlock {}
 /// Where memory comes from.
 pub(super) enum Source {
     /// The crate's own allocator.
-    Ours(Mutex<ours::Allocator>),
+    Ours(Box<Mutex<ours::Allocator>>),
     /// The caller's.
     Theirs(Mutex<Box<dyn DeviceMemory>>),
 }
@@ -160,9 +160,10 @@ impl Allocation {
     fn bytes(&self) -> Option<&[u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice(),
-            // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
             Self::Theirs(block, size) => {
-                block.mapped.map(|at| unsafe { std::slice::from_raw_parts(at.as_ptr(), *size as usize) })
+                let size = *size as usize;
+                // SAFETY: the block is mapped, this allocation's alone, and of that size (`DeviceMemory`).
+                block.mapped.map(|at| unsafe { std::slice::from_raw_parts(at.as_ptr(), size) })
             }
         }
     }
@@ -170,9 +171,10 @@ impl Allocation {
     fn bytes_mut(&mut self) -> Option<&mut [u8]> {
         match self {
             Self::Ours(allocation) => allocation.mapped_slice_mut(),
-            // SAFETY: as in `bytes`.
             Self::Theirs(block, size) => {
-                block.mapped.map(|at| unsafe { std::slice::from_raw_parts_mut(at.as_ptr(), *size as usize) })
+                let size = *size as usize;
+                // SAFETY: as in `bytes`.
+                block.mapped.map(|at| unsafe { std::slice::from_raw_parts_mut(at.as_ptr(), size) })
             }
         }
     }

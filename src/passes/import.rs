@@ -132,6 +132,5 @@ fn block(from: &Foreign, camera: &Camera, extent: [u32; 2]) -> ImportBlock {
         size: extent.map(|v| v as i32),
         normal_kind: kind,
         leaves_sky_out: i32::from(from.leaves_sky_out),
-        ..ImportBlock::default()
     }
 }

@@ -383,7 +383,7 @@ fn own_memory(instance: &ash::Instance, physical: vk::PhysicalDevice, device: &a
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(|e| Error::Memory { what: "the allocator".into(), message: e.to_string() })?;
-    Ok(Source::Ours(Mutex::new(allocator)))
+    Ok(Source::Ours(Box::new(Mutex::new(allocator))))
 }
 
 /// Destroys the messenger if it is dropped with one inside.
