@@ -25,6 +25,7 @@
 //!     },
 //!     reflectivity: ssct::FactorInput::Constant(0.5),
 //!     roughness: ssct::FactorInput::Constant(0.1),
+//!     reflectors: ssct::Reflectors::UNKNOWN,
 //!     color,
 //!     sky: None,
 //!     captures: None,
@@ -84,11 +85,11 @@ struct Embedding;
 
 pub use embed::{
     CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, FactorInput, FrameInput, ImageInput,
-    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, enable_features,
-    methods,
+    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, methods,
 };
 pub use error::{Error, Result};
-pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures};
-pub use gpu::memory::{DeviceMemory, MemoryBlock, Place};
+pub use gpu::device::{DeviceHandles, DeviceInfo, EnabledFeatures, enable_features};
+pub use gpu::memory::{DeviceMemory, MemoryBlock, MemoryPlace};
 pub use gpu::sync::ImageUse;
 pub use gpu::{PassTime, Skipped};
+pub use passes::{Reflectors, WIDE_ABOVE};

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // ---- reflections ----
     // SAFETY: the handles belong together and outlive the context; the features are those that the device was made with.
     let context = unsafe { ssct::Context::new(renderer.handles()) }?;
-    let info = ssct::ReflectionsInfo { extent: SIZE, method: "unified", ..Default::default() };
+    let info = ssct::ReflectionsInfo { extent: SIZE, method: "unified", reflection: false, ..Default::default() };
     let mut reflections = ssct::Reflections::new(&context, &info)?;
     // ---------------------
 
@@ -64,6 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
         reflectivity: ssct::FactorInput::Channel(of(&images[1]), 0),
         roughness: ssct::FactorInput::Channel(of(&images[1]), 1),
+        reflectors: ssct::Reflectors::UNKNOWN,
         color: of(&images[2]),
         sky: None,
         captures: None,
@@ -74,9 +75,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let recorded = unsafe { reflections.record(commands, &input) }?;
     // ---------------------
 
+    let composite = recorded.composite.ok_or("the composite is on by default")?.image;
     let [normal, material, color] = images.each_ref().map(|p| p.image);
-    let halves =
-        [("composite", recorded.composite.image), ("normal", normal), ("material", material), ("color", color)];
+    let halves = [("composite", composite), ("normal", normal), ("material", material), ("color", color)];
     let mut wanted: Vec<_> = halves.into_iter().map(|(name, image)| (name, image, HALF)).collect();
     wanted.push(("depth", depth.image, DEPTH));
     let read = renderer.submit_and_read(commands, &wanted)?;

@@ -4,6 +4,7 @@
 #ifndef CAPTURES_CAPTURES_GLSL
 #define CAPTURES_CAPTURES_GLSL
 
+#include "captures/cube.glsl"
 #include "unified/parameters.glsl"
 
 // Filled in by src/passes/lost.rs.
@@ -26,18 +27,6 @@ vec3 ToWorld(vec3 view) {
 
 vec3 ToView(vec3 world) {
     return world * mat3(captures.view_to_world);
-}
-
-// Where a direction meets a cube map: texture coordinates, and the face (Vulkan's order, +x -x +y -y +z -z).
-vec3 CubePlace(vec3 v) {
-    vec3 a = abs(v);
-    bool is_x = a.x >= a.y && a.x >= a.z;
-    bool is_y = !is_x && a.y >= a.z;
-    float major = is_x ? v.x : is_y ? v.y : v.z;
-    float sign_of = major < 0.0 ? -1.0 : 1.0;
-    vec2 across = vec2(is_x ? -sign_of * v.z : is_y ? v.x : sign_of * v.x, is_y ? sign_of * v.z : -v.y);
-    float face = (is_x ? 0.0 : is_y ? 2.0 : 4.0) + (major < 0.0 ? 1.0 : 0.0);
-    return vec3(across * (0.5 / abs(major)) + 0.5, face);
 }
 
 // What is seen of the sky along a direction in world axes. The sky is smooth across the edges of its faces, and is looked

@@ -13,31 +13,6 @@ int face_layer; // the face that is walked over: 6 capture + face
 
 #include "unified/traverse.glsl"
 
-// A vector of world axes in the view space of a face, in Vulkan's order +x -x +y -y +z -z, and back.
-vec3 ToFace(vec3 v, int face) {
-    return face == 0 ? vec3(-v.z, v.y, v.x)
-         : face == 1 ? vec3(v.z, v.y, -v.x)
-         : face == 2 ? vec3(v.x, -v.z, v.y)
-         : face == 3 ? vec3(v.x, v.z, -v.y)
-         : face == 4 ? v
-         : vec3(-v.x, v.y, -v.z);
-}
-
-vec3 FromFace(vec3 v, int face) {
-    return face == 0 ? vec3(v.z, v.y, -v.x)
-         : face == 1 ? vec3(-v.z, v.y, v.x)
-         : face == 2 ? vec3(v.x, v.z, -v.y)
-         : face == 3 ? vec3(v.x, -v.z, v.y)
-         : face == 4 ? v
-         : vec3(-v.x, v.y, -v.z);
-}
-
-// The face in which a direction lies.
-int FaceOf(vec3 v) {
-    vec3 a = abs(v);
-    return a.x >= a.y && a.x >= a.z ? (v.x >= 0.0 ? 0 : 1) : a.y >= a.z ? (v.y >= 0.0 ? 2 : 3) : v.z >= 0.0 ? 4 : 5;
-}
-
 // A point of a face, relative to the capture's place: continuous pixel coordinates, and the pixel.
 vec2 FacePosition(vec3 q, out ivec2 pixel) {
     float side = float(unified.size.x);

@@ -15,7 +15,9 @@
 #define UNIFIED_GLOSS_GLSL
 
 #include "unified/parameters.glsl"
-#ifndef NARROW
+#ifdef NARROW
+#include "common/octahedral.glsl"
+#else
 #include "unified/pyramid.glsl"
 #endif
 
@@ -115,19 +117,6 @@ struct Record {
     float root;  // of alpha + 1; negative for a miss; 0 for no ray
     vec4 color;  // of the hit, and its fade in a; a miss is 0
 };
-
-// The octahedral map of the unit sphere (Cigolle et al. 2014).
-vec2 Octahedral(vec3 v) {
-    v /= abs(v.x) + abs(v.y) + abs(v.z);
-    vec2 folded = 1.0 - abs(v.yx);
-    return v.z >= 0.0 ? v.xy : vec2(v.x >= 0.0 ? folded.x : -folded.x, v.y >= 0.0 ? folded.y : -folded.y);
-}
-
-vec3 FromOctahedral(vec2 o) {
-    float z = 1.0 - abs(o.x) - abs(o.y);
-    float fold = max(-z, 0.0);
-    return normalize(vec3(o.x + (o.x >= 0.0 ? -fold : fold), o.y + (o.y >= 0.0 ? -fold : fold), z));
-}
 
 uvec4 Pack(Record r) {
     return uvec4(packSnorm2x16(Octahedral(r.mirror)), floatBitsToUint(r.root), packHalf2x16(r.color.rg),

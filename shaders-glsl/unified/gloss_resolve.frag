@@ -13,6 +13,9 @@
 
 layout(constant_id = 2) const bool OVER = false;  // another reflection shows where this one misses
 layout(constant_id = 4) const bool WHOLE = false; // drawn over the whole image, not over tiles
+#ifndef CELLS
+layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+#endif
 
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 #ifndef NARROW
@@ -22,8 +25,8 @@ layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view spa
 #ifndef CELLS
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
-layout(location = 0) out vec4 out_color;
-layout(location = 1) out vec4 out_reflection; // where it is wanted
+layout(location = 0) out vec4 out_color;      // the composite, or the reflection
+layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 #endif
 
 #include "unified/gloss.glsl"
@@ -152,7 +155,7 @@ void main() {
         color.rgb = min(color.rgb + reflectivity * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
-    out_color = color;
+    out_color = COMPOSITE ? color : reflection;
 }
 
 #else
@@ -332,7 +335,7 @@ void main() {
         color.rgb = min(color.rgb + material.r * reflection.a * reflection.rgb, GREATEST_HALF);
     }
     out_reflection = reflection;
-    out_color = color;
+    out_color = COMPOSITE ? color : reflection;
 }
 
 #endif

@@ -9,14 +9,15 @@
 
 layout(constant_id = 3) const bool HITS = false;  // out_hit is wanted
 layout(constant_id = 4) const bool WHOLE = false; // drawn over the whole image, not over tiles
+layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
 
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
-layout(location = 0) out vec4 out_color;      // lit colour + reflectivity * fade * reflection
-layout(location = 1) out vec4 out_reflection; // where it is wanted: colour, and fade in a; a miss is 0
+layout(location = 0) out vec4 out_color;      // lit colour + reflectivity * fade * reflection; or the reflection
+layout(location = 1) out vec4 out_reflection; // where it is wanted beside it: colour, and fade in a; a miss is 0
 layout(location = 2) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
 
 #include "unified/traverse.glsl"
@@ -29,7 +30,7 @@ void main() {
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     out_reflection = vec4(0.0);
-    out_color = texelFetch(color_buffer, pixel, 0);
+    out_color = COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
     if (HITS)
         out_hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
     if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
@@ -51,7 +52,7 @@ void main() {
     }
     if (is_hit || in_sky) {
         vec3 seen = out_color.rgb + material.x * out_reflection.a * out_reflection.rgb;
-        out_color.rgb = min(seen, GREATEST_HALF);
+        out_color = COMPOSITE ? vec4(min(seen, GREATEST_HALF), out_color.a) : out_reflection;
     }
     if (HITS) {
         precise vec2 uv = hit.position * unified.pixel_to_clip;

@@ -5,7 +5,8 @@ use super::{CameraInput, ClipY, Context, ImageInput};
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;
-use crate::methods::capture::{CaptureImages, face_number};
+use crate::methods::capture::CaptureImages;
+use crate::passes::Reflectors;
 use crate::passes::import::{Factor, Foreign, ImportPass};
 use crate::passes::pyramid::PyramidPass;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
@@ -40,8 +41,8 @@ pub struct CaptureFaceInput {
     pub depth: ImageInput,
 }
 
-/// CaptureCubes: cubes of images of the scene, in which `unified` and `captures` follow the rays that the screen loses. The
-/// caller draws the faces, and hands over each at least once, and again whenever it likes.
+/// Cubes of images of the scene around places, in which `unified` and `captures` follow the rays that the screen loses.
+/// The caller draws the faces, hands over each at least once, and again whenever it likes.
 pub struct CaptureCubes {
     frames: FrameContext,
     import: ImportPass,
@@ -105,24 +106,30 @@ impl CaptureCubes {
         input: &CaptureFaceInput,
     ) -> Result<()> {
         let CaptureFaceInput { capture, face, color, depth } = input;
-        let number = face_number(*capture, *face, self.images.count())?;
+        let captures = self.images.count();
+        if *capture >= captures || *face >= 6 {
+            return Err(Error::Usage(format!(
+                "there is no face {face} of capture {capture}: CaptureCubesInfo::places has {captures}, with 6 faces each"
+            )));
+        }
+        let number = (6 * capture + face) as u32;
         let extent = Some(self.images.extent());
         color.check("color", extent)?;
         depth.check("depth", extent)?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = Borrowed::default();
-        borrowed.take(&gpu, "color", color)?;
-        borrowed.take(&gpu, "depth", depth)?;
-        let (Some(color), Some(depth)) = (borrowed.of(color), borrowed.of(depth)) else { return Ok(()) };
+        let color = borrowed.take(&gpu, "color", color)?;
+        let depth = borrowed.take(&gpu, "depth", depth)?;
         // SAFETY: by the contract.
         let mut frame = unsafe { self.frames.begin_in(commands, slot, Mode::Plain) }?;
         borrowed.begin(&mut frame);
         let foreign = Foreign {
-            depth,
+            depth: borrowed.image(depth),
             to_reversed: self.camera.to_reversed,
             normal: None,
             material: [Factor::Constant(0.0); 2],
-            color,
+            color: borrowed.image(color),
+            reflectors: Reflectors::default(),
             leaves_sky_out: true,
         };
         let gbuffer = self.import.record(&mut frame, &foreign, &self.camera.camera)?;

@@ -45,11 +45,17 @@ impl ImageInput {
         Self { image, view, part, format, extent, usage, before: sampled, after: sampled }
     }
 
-    /// The same of a depth image without stencil.
+    /// A depth image of one level and one layer, without stencil.
     pub fn depth(image: vk::Image, view: vk::ImageView, format: vk::Format, extent: [u32; 2]) -> Self {
         let color = Self::color(image, view, format, extent);
         let part = vk::ImageSubresourceRange { aspect_mask: vk::ImageAspectFlags::DEPTH, ..color.part };
         Self { part, ..color }
+    }
+
+    /// The same of a cube map, of one level; the view is an array of its six faces.
+    pub fn cube(image: vk::Image, view: vk::ImageView, format: vk::Format, extent: [u32; 2]) -> Self {
+        let color = Self::color(image, view, format, extent);
+        Self { part: vk::ImageSubresourceRange { layer_count: 6, ..color.part }, ..color }
     }
 
     /// The same, but for how the caller uses it before and after.
@@ -95,26 +101,32 @@ impl ImageInput {
 #[derive(Default)]
 pub(super) struct Borrowed(Vec<(ImageInput, Image)>);
 
+/// Which of them an input is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Loan(usize);
+
 impl Borrowed {
     /// Takes an image over, unless an input before held the same.
     ///
     /// # Errors
-    /// [`Error::Usage`] if it holds the same with another use.
-    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<()> {
-        let Some((known, _)) = self.0.iter().find(|(k, _)| k.is_same(input)) else {
+    /// [`Error::Usage`] if an input before held the same with another use.
+    pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<Loan> {
+        let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
+        let Some(at) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
             let like = (input.format, input.extent);
             self.0.push((*input, Image::of_others(gpu, name, (input.image, input.view), input.part, like)));
-            return Ok(());
+            return Ok(Loan(self.0.len() - 1));
         };
+        let known = &self.0[at].0;
         if (known.before, known.after) == (input.before, input.after) {
-            return Ok(());
+            return Ok(Loan(at));
         }
         Err(Error::Usage(format!("the input {name} is an image of another input, with other uses before or after")))
     }
 
-    /// The image of an input that was taken.
-    pub fn of(&self, input: &ImageInput) -> Option<&Image> {
-        self.0.iter().find(|(k, _)| k.is_same(input)).map(|(_, image)| image)
+    /// The image of an input.
+    pub fn image(&self, loan: Loan) -> &Image {
+        &self.0[loan.0].1
     }
 
     /// Tells a frame how the caller left them.
@@ -125,13 +137,6 @@ impl Borrowed {
     /// Gives them back.
     pub fn end(&self, frame: &mut Frame) {
         self.0.iter().for_each(|(input, image)| frame.hand_over(image, input.after));
-    }
-}
-
-impl ImageInput {
-    fn is_same(&self, other: &Self) -> bool {
-        let place = |i: &Self| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
-        place(self) == place(other)
     }
 }
 
@@ -148,9 +153,10 @@ fn is_depth_format(format: vk::Format) -> bool {
     )
 }
 
+/// Whether a shader reads the texels of a format as integers. Vulkan's names say so.
 fn is_integer(format: vk::Format) -> bool {
     let name = format!("{format:?}");
-    (name.contains("UINT") || name.contains("SINT")) && !is_depth_format(format)
+    !is_depth_format(format) && ["UINT", "SINT"].iter().any(|kind| name.contains(kind))
 }
 
 /// In which space normals are stored.
@@ -223,18 +229,28 @@ impl FactorInput {
         }
     }
 
-    /// The image, if it has one.
-    pub(super) fn image(&self) -> Option<&ImageInput> {
-        if let Self::Channel(image, _) = self { Some(image) } else { None }
-    }
-
-    /// The same over the borrowed image.
-    pub(super) fn over<'a>(&self, image: Option<&'a Image>) -> Factor<'a> {
-        match (self, image) {
-            (Self::Channel(_, channel), Some(image)) => Factor::Channel(image, *channel),
+    /// Takes its image over, if it has one.
+    pub(super) fn take(&self, borrowed: &mut Borrowed, gpu: &Gpu, name: &str) -> Result<TakenFactor> {
+        Ok(match self {
             // As an image would round it.
-            (Self::Constant(value), _) => Factor::Constant(half::f16::from_f32(*value).to_f32()),
-            (Self::Channel(..), None) => Factor::Constant(0.0),
+            Self::Constant(value) => TakenFactor::Constant(half::f16::from_f32(*value).to_f32()),
+            Self::Channel(image, channel) => TakenFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
+        })
+    }
+}
+
+/// The same over a borrowed image.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum TakenFactor {
+    Constant(f32),
+    Channel(Loan, u32),
+}
+
+impl TakenFactor {
+    pub fn over(self, borrowed: &Borrowed) -> Factor<'_> {
+        match self {
+            Self::Constant(value) => Factor::Constant(value),
+            Self::Channel(loan, channel) => Factor::Channel(borrowed.image(loan), channel),
         }
     }
 }

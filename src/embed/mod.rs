@@ -16,7 +16,6 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::device::{DeviceHandles, DeviceInfo};
 use crate::methods::METHODS;
-use ash::vk;
 
 /// A device of the caller's that reflections are recorded for. Clones share it. It destroys nothing of the caller's.
 #[derive(Clone)]
@@ -28,7 +27,8 @@ impl Context {
     /// Takes a device over as it is.
     ///
     /// # Errors
-    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3, a feature of [`enable_features`]
+    /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3, a feature of
+    /// [`enable_features`](crate::enable_features)
     /// that is not on, or graphics or compute in the queue family.
     ///
     /// # Safety
@@ -54,22 +54,6 @@ impl Context {
     pub fn allocated_bytes(&self) -> u64 {
         self.gpu.allocated_bytes()
     }
-}
-
-/// Turns on what a device must have on, beside whatever else is on. No extension is needed: this is core Vulkan 1.3.
-pub fn enable_features(
-    core: &mut vk::PhysicalDeviceFeatures,
-    vulkan12: &mut vk::PhysicalDeviceVulkan12Features,
-    vulkan13: &mut vk::PhysicalDeviceVulkan13Features,
-) {
-    core.image_cube_array = vk::TRUE;
-    core.fragment_stores_and_atomics = vk::TRUE;
-    core.large_points = vk::TRUE;
-    core.shader_storage_image_extended_formats = vk::TRUE;
-    vulkan12.host_query_reset = vk::TRUE;
-    vulkan13.dynamic_rendering = vk::TRUE;
-    vulkan13.synchronization2 = vk::TRUE;
-    vulkan13.maintenance4 = vk::TRUE;
 }
 
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on

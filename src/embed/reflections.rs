@@ -10,6 +10,7 @@ use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
 use crate::methods::effect::Effect;
 use crate::methods::{self, Input, MethodInfo, Setup, Wants};
 use crate::parameter::{Choices, Parameter, Preset};
+use crate::passes::Reflectors;
 use crate::passes::import::{Foreign, ImportPass};
 use ash::vk;
 
@@ -25,6 +26,10 @@ pub struct ReflectionsInfo<'a> {
     pub parameters: &'a [(&'a str, &'a str)],
     /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without.
     pub captures: Option<u32>,
+    /// Whether an image shows lit colour with what is reflected in it.
+    pub composite: bool,
+    /// Whether an image shows the reflection alone, for a renderer that adds it up itself.
+    pub reflection: bool,
     /// Whether an image says where each ray ended, if the method can.
     pub hits: bool,
     /// How many frames may be under way at once.
@@ -32,10 +37,18 @@ pub struct ReflectionsInfo<'a> {
 }
 
 impl Default for ReflectionsInfo<'_> {
-    /// `unified` with its published values, at 1 × 1 pixel.
+    /// `unified` with its published values, at 1 × 1 pixel; composite and reflection.
     fn default() -> Self {
-        let (extent, method, parameters) = ([1, 1], "unified", &[][..]);
-        Self { extent, method, parameters, captures: None, hits: false, frames_in_flight: 2 }
+        Self {
+            extent: [1, 1],
+            method: "unified",
+            parameters: &[],
+            captures: None,
+            composite: true,
+            reflection: true,
+            hits: false,
+            frames_in_flight: 2,
+        }
     }
 }
 
@@ -55,10 +68,13 @@ pub struct FrameInput<'a> {
     pub reflectivity: FactorInput,
     /// Roughness ϱ; 0 is a mirror.
     pub roughness: FactorInput,
+    /// What reflects, where you know it of the materials that you drew; [`Reflectors::UNKNOWN`] is always right. What is
+    /// known not to be there costs nothing.
+    pub reflectors: Reflectors,
     /// Lit colour, linear.
     pub color: ImageInput,
-    /// A cube map of what is seen where nothing stands, in world axes: its view is an array of its six faces. Without one,
-    /// that is black.
+    /// A cube map of what is seen where nothing stands, in world axes ([`ImageInput::cube`]). Without one, rays that leave
+    /// the screen to end there miss.
     pub sky: Option<ImageInput>,
     /// Images of the scene around places, for rays that the screen loses.
     pub captures: Option<&'a CaptureCubes>,
@@ -84,13 +100,13 @@ pub struct OutputImage {
 /// What was recorded.
 #[derive(Debug, Clone)]
 pub struct Recorded {
-    /// Lit colour with what is reflected in it, linear, RGBA16F.
-    pub composite: OutputImage,
+    /// Lit colour with what is reflected in it, linear, RGBA16F. `None` if it was not asked for.
+    pub composite: Option<OutputImage>,
     /// Reflection in rgb, before reflectivity, and in a how sure it is: 0 for what the method knows nothing of, less than
-    /// 1 where it fades out. RGBA16F. `None` where nothing reflects.
+    /// 1 where it fades out. RGBA16F. `None` if it was not asked for, or nothing reflects.
     pub reflection: Option<OutputImage>,
-    /// Where each ray ended, if that was asked for and the method says it: texture coordinates, standard depth, and how it
-    /// ended (`PATH_*` of `shaders-glsl/common/constants.glsl`). RGBA32F.
+    /// Where each ray ended: texture coordinates, standard depth, and how it ended (`PATH_*` of
+    /// `shaders-glsl/common/constants.glsl`). RGBA32F. `None` if it was not asked for, or the method does not say it.
     pub hits: Option<OutputImage>,
     /// The passes that were recorded, in order.
     pub passes: Vec<String>,
@@ -108,7 +124,6 @@ pub struct Reflections {
     setup: Setup,
     wants: Wants,
     captures: Option<u32>,
-    slots: usize,
 }
 
 impl Reflections {
@@ -123,15 +138,15 @@ impl Reflections {
         for (name, value) in info.parameters {
             set(&mut setup, method, name, value)?;
         }
-        if info.frames_in_flight == 0 {
-            return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
-        }
         let gpu = &context.gpu;
-        let wants = Wants { hits: info.hits, reflection: true };
+        let wants = Wants { hits: info.hits, reflection: info.reflection, composite: info.composite };
+        if wants == Wants::default() {
+            return Err(Error::Usage("no output is asked for: composite, reflection and hits are off".into()));
+        }
         let mut frames = FrameContext::in_others(gpu, info.frames_in_flight)?;
         let import = ImportPass::new(gpu, info.extent)?;
         let effect = effect(&mut frames, method, &setup, wants, info.captures)?;
-        Ok(Self { frames, import, effect, method, setup, wants, captures: info.captures, slots: info.frames_in_flight })
+        Ok(Self { frames, import, effect, method, setup, wants, captures: info.captures })
     }
 
     /// Makes images of another size. The device is done with every frame that was recorded.
@@ -170,28 +185,30 @@ impl Reflections {
         let captures = input.captures.map(CaptureCubes::images).transpose()?;
         let gpu = self.frames.gpu().clone();
         let mut borrowed = Borrowed::default();
-        for (name, image) in input.images() {
-            borrowed.take(&gpu, name, image)?;
-        }
-        let of = |image: &ImageInput| borrowed.of(image).ok_or_else(|| Error::Usage("an input is missing".into()));
+        let depth = borrowed.take(&gpu, "depth", &input.depth)?;
+        let normal = borrowed.take(&gpu, "normal", &input.normal.image)?;
+        let reflectivity = input.reflectivity.take(&mut borrowed, &gpu, "reflectivity")?;
+        let roughness = input.roughness.take(&mut borrowed, &gpu, "roughness")?;
+        let color = borrowed.take(&gpu, "color", &input.color)?;
+        let sky = input.sky.map(|sky| borrowed.take(&gpu, "sky", &sky)).transpose()?;
         let mode = if input.timed { Mode::Timed } else { Mode::Plain };
         // SAFETY: by the contract.
         let mut frame = unsafe { self.frames.begin_in(commands, input.slot, mode) }?;
         borrowed.begin(&mut frame);
         let (kind, to_view) = input.normal.kind(&taken);
-        let factor = |factor: &FactorInput| factor.over(factor.image().and_then(|image| borrowed.of(image)));
         let foreign = Foreign {
-            depth: of(&input.depth)?,
+            depth: borrowed.image(depth),
             to_reversed: taken.to_reversed,
-            normal: Some((of(&input.normal.image)?, kind, to_view)),
-            material: [factor(&input.reflectivity), factor(&input.roughness)],
-            color: of(&input.color)?,
+            normal: Some((borrowed.image(normal), kind, to_view)),
+            material: [reflectivity, roughness].map(|factor| factor.over(&borrowed)),
+            color: borrowed.image(color),
+            reflectors: input.reflectors,
             leaves_sky_out: false,
         };
         let gbuffer = self.import.record(&mut frame, &foreign, &taken.camera)?;
         frame.begin_effect();
         let seen = Input {
-            sky: input.sky.as_ref().and_then(|sky| borrowed.of(sky)),
+            sky: sky.map(|sky| borrowed.image(sky)),
             captures: captures.map(|images| images.captures()),
             ..Input::of_screen(gbuffer, &taken.camera)
         };
@@ -205,31 +222,26 @@ impl Reflections {
                 extent: image.extent(),
             }
         };
-        let composite = give(&mut frame, output.composite);
-        let reflection = output.traced.reflection.map(|r| give(&mut frame, r.0));
+        let composite = self.wants.composite.then(|| give(&mut frame, output.composite));
+        let reflection = output.traced.reflection.filter(|_| self.wants.reflection).map(|r| give(&mut frame, r.0));
         let hits = output.traced.hits.map(|h| give(&mut frame, h.0));
         borrowed.end(&mut frame);
         let report = frame.end()?;
         Ok(Recorded { composite, reflection, hits, passes: report.recorded, skipped: report.skipped })
     }
 
-    /// How long each pass of the last timed frame of a slot took; empty if it was not timed.
+    /// How long each pass of the last frame of a slot took; empty if it was not timed.
     ///
     /// # Errors
-    /// [`Error::Vulkan`] with `NOT_READY` if the device is not done with it yet.
+    /// [`Error::Usage`] for a slot that there is not; [`Error::Vulkan`] with `NOT_READY` if the device is not done with
+    /// the frame yet.
     pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
-        if slot >= self.slots { Ok(Vec::new()) } else { self.frames.times(slot) }
+        self.frames.times(slot)
     }
 
     /// What is wrong with an input, if anything; else the camera.
     fn check(&self, input: &FrameInput) -> Result<Taken> {
         let extent = self.extent();
-        if input.slot >= self.slots {
-            let (slot, slots) = (input.slot, self.slots);
-            return Err(Error::Usage(format!(
-                "the slot is {slot}; frames_in_flight is {slots}, so that it is below that"
-            )));
-        }
         if input.timed && !self.frames.gpu().has_timestamps() {
             return Err(Error::Usage("no pass can be timed: the queue family has no timestamps".into()));
         }
@@ -254,22 +266,6 @@ impl Reflections {
             )));
         }
         input.camera.take()
-    }
-}
-
-impl FrameInput<'_> {
-    /// Every image, by the name of its input.
-    fn images(&self) -> impl Iterator<Item = (&'static str, &ImageInput)> {
-        [
-            ("depth", Some(&self.depth)),
-            ("normal", Some(&self.normal.image)),
-            ("reflectivity", self.reflectivity.image()),
-            ("roughness", self.roughness.image()),
-            ("color", Some(&self.color)),
-            ("sky", self.sky.as_ref()),
-        ]
-        .into_iter()
-        .filter_map(|(name, image)| Some((name, image?)))
     }
 }
 

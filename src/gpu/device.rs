@@ -1,5 +1,6 @@
 //! The device's handle, and what its clones share.
 
+mod features;
 mod open;
 
 use super::image::{Sampler, Samplers};
@@ -9,6 +10,7 @@ use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
 use crate::error::{Error, Result};
 use ash::vk;
+pub use features::enable_features;
 use open::{create_instance, list, open_device};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
@@ -24,7 +26,7 @@ pub struct DeviceQuery {
     /// Whether to load the validation layers (core, synchronization, best practices).
     pub validation: bool,
     /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
-    /// with `validation`. Descriptors are then bound as allocated sets instead of being pushed.
+    /// with `validation`.
     pub gpu_assisted: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,

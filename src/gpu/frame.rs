@@ -18,7 +18,7 @@ use super::memory::Buffer;
 use super::program::Sampled;
 use super::sync::{Access, ImageUse, State, Tracked, Transition};
 use super::timing::{PassTime, PassWork, Statistics, Timestamps};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use ash::vk;
 use bind::Given;
 use quirks::settle;
@@ -179,12 +179,18 @@ impl FrameContext {
     }
 
     /// For frames that are recorded into somebody else's command buffers, of which so many may be under way at once.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for none.
     pub fn in_others(gpu: &Gpu, slots: usize) -> Result<Self> {
+        if slots == 0 {
+            return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
+        }
         Ok(Self {
             gpu: gpu.clone(),
             commands: vk::CommandBuffer::null(),
             own: None,
-            slots: (0..slots.max(1)).map(|_| Slot::new(gpu)).collect::<Result<_>>()?,
+            slots: (0..slots).map(|_| Slot::new(gpu)).collect::<Result<_>>()?,
             slot: 0,
             statistics: None,
             settling: settle::Settling::new(gpu)?,
@@ -199,13 +205,11 @@ impl FrameContext {
     /// Begins a frame that is submitted here. A mode whose queries the device lacks records none.
     ///
     /// # Errors
-    /// [`Error::Usage`](crate::error::Error::Usage) for a context of somebody else's command buffers.
+    /// [`Error::Usage`] for a context of somebody else's command buffers.
     pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
         let device = self.gpu.raw();
         let Some(own) = &self.own else {
-            return Err(crate::error::Error::Usage(
-                "these frames are recorded into the caller's command buffers".into(),
-            ));
+            return Err(Error::Usage("these frames are recorded into the caller's command buffers".into()));
         };
         self.commands = own.commands;
         // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
@@ -222,12 +226,15 @@ impl FrameContext {
 
     /// Begins a frame in somebody else's command buffer. It ends with [`Frame::end`].
     ///
+    /// # Errors
+    /// [`Error::Usage`] for a slot that there is not.
+    ///
     /// # Safety
     /// The command buffer is recording, outside rendering, for a queue of the device's family. What an earlier frame of
     /// the slot recorded is no longer under way. What is recorded is submitted before anything that a later frame of
     /// this context records, or the frame is dropped without [`Frame::end`] and its command buffer thrown away.
     pub unsafe fn begin_in(&mut self, commands: vk::CommandBuffer, slot: usize, mode: Mode) -> Result<Frame<'_>> {
-        assert!(slot < self.slots.len(), "there are {} slots, not {slot}", self.slots.len());
+        self.slot(slot)?;
         self.commands = commands;
         // SAFETY: by the contract.
         unsafe { self.begin_slot(slot, mode) }
@@ -265,10 +272,20 @@ impl FrameContext {
         Ok(frame)
     }
 
-    /// The times of the last frame of a slot that was recorded with [`Mode::Timed`], after the device is done with it;
-    /// empty if there was none.
+    /// The times of the last frame of a slot, after the device is done with it; empty unless it was recorded with
+    /// [`Mode::Timed`].
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a slot that there is not.
     pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
-        Ok(self.slots[slot].times()?.0)
+        Ok(self.slot(slot)?.times()?.0)
+    }
+
+    fn slot(&self, slot: usize) -> Result<&Slot> {
+        let slots = self.slots.len();
+        let wrong =
+            || Error::Usage(format!("the slot is {slot}; frames_in_flight is {slots}, so that it is below that"));
+        self.slots.get(slot).ok_or_else(wrong)
     }
 
     /// Records passes and submits them, for uploads and the like.
@@ -370,9 +387,7 @@ impl Frame<'_> {
         self.stamp()?;
         let device = self.context.gpu.raw();
         let Some(own) = &self.context.own else {
-            return Err(crate::error::Error::Usage(
-                "this frame is submitted by whoever began its command buffer".into(),
-            ));
+            return Err(Error::Usage("this frame is submitted by whoever began its command buffer".into()));
         };
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(own.commands)];
         let submit = vk::SubmitInfo2::default()

@@ -1,7 +1,7 @@
 //! Images with one view per mip level (or slice of a volume) and one over all of them, and the samplers.
 
 use super::device::{Gpu, vulkan};
-use super::memory::{self, Allocation, Place};
+use super::memory::{self, Allocation, MemoryPlace};
 use super::sync::{State, Tracked};
 use crate::error::{Error, Result};
 use ash::vk;
@@ -200,7 +200,7 @@ impl Image {
         };
         // SAFETY: the handle was just made.
         let requirements = unsafe { gpu.raw().get_image_memory_requirements(handle) };
-        let allocation = memory::allocate(gpu, desc.name, requirements, Place::Device, false)?;
+        let allocation = memory::allocate(gpu, desc.name, requirements, MemoryPlace::Device, false)?;
         // SAFETY: the memory fits the requirements and is freed after the image.
         let bound = unsafe { gpu.raw().bind_image_memory(handle, allocation.memory(), allocation.offset()) };
         // Whatever came of it, the memory goes with what it was for.
@@ -255,6 +255,9 @@ impl Image {
     ) -> Self {
         let mut image = Self::bare(gpu, name, handle, like);
         (image.whole_view, image.part) = (view, Some(part));
+        if part.layer_count == 6 {
+            image.faces_view = view;
+        }
         image
     }
 

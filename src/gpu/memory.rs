@@ -21,7 +21,7 @@ pub struct Buffer {
 
 /// What kind of memory a buffer or an image lives in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Place {
+pub enum MemoryPlace {
     /// Device memory.
     Device,
     /// Memory that the host writes and the device reads.
@@ -44,7 +44,7 @@ pub unsafe trait DeviceMemory: Send {
         &mut self,
         name: &str,
         requirements: &vk::MemoryRequirements,
-        place: Place,
+        place: MemoryPlace,
         linear: bool,
     ) -> std::result::Result<MemoryBlock, String>;
 
@@ -59,7 +59,7 @@ pub struct MemoryBlock {
     pub memory: vk::DeviceMemory,
     /// Where the part begins, in bytes.
     pub offset: u64,
-    /// Where the host sees that part, for [`Place::Upload`] and [`Place::Readback`]; coherent.
+    /// Where the host sees that part, for [`MemoryPlace::Upload`] and [`MemoryPlace::Readback`]; coherent.
     pub mapped: Option<NonNull<u8>>,
     /// Whatever the allocator wants to know when it gets the block back.
     pub key: u64,
@@ -98,7 +98,7 @@ impl Source {
         &self,
         name: &str,
         requirements: vk::MemoryRequirements,
-        place: Place,
+        place: MemoryPlace,
         linear: bool,
     ) -> std::result::Result<Allocation, String> {
         match self {
@@ -107,9 +107,9 @@ impl Source {
                     name,
                     requirements,
                     location: match place {
-                        Place::Device => MemoryLocation::GpuOnly,
-                        Place::Upload => MemoryLocation::CpuToGpu,
-                        Place::Readback => MemoryLocation::GpuToCpu,
+                        MemoryPlace::Device => MemoryLocation::GpuOnly,
+                        MemoryPlace::Upload => MemoryLocation::CpuToGpu,
+                        MemoryPlace::Readback => MemoryLocation::GpuToCpu,
                     },
                     linear,
                     allocation_scheme: AllocationScheme::GpuAllocatorManaged,
@@ -182,7 +182,7 @@ impl Allocation {
 
 impl Buffer {
     /// Makes a buffer of `size` bytes (at least 4).
-    pub fn new(gpu: &Gpu, name: &str, size: u64, usage: vk::BufferUsageFlags, place: Place) -> Result<Self> {
+    pub fn new(gpu: &Gpu, name: &str, size: u64, usage: vk::BufferUsageFlags, place: MemoryPlace) -> Result<Self> {
         let size = size.max(4);
         let info = vk::BufferCreateInfo::default().size(size).usage(usage).sharing_mode(vk::SharingMode::EXCLUSIVE);
         // SAFETY: the create info is complete; the handle is destroyed in `drop`.
@@ -204,7 +204,7 @@ impl Buffer {
 
     /// A buffer in upload memory that holds some bytes.
     pub fn upload(gpu: &Gpu, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Self> {
-        let mut buffer = Self::new(gpu, name, bytes.len() as u64, usage, Place::Upload)?;
+        let mut buffer = Self::new(gpu, name, bytes.len() as u64, usage, MemoryPlace::Upload)?;
         buffer.bytes_mut()?[..bytes.len()].copy_from_slice(bytes);
         Ok(buffer)
     }
@@ -256,7 +256,7 @@ pub(super) fn allocate(
     gpu: &Gpu,
     name: &str,
     requirements: vk::MemoryRequirements,
-    place: Place,
+    place: MemoryPlace,
     linear: bool,
 ) -> Result<Allocation> {
     gpu.memory()

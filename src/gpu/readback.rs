@@ -2,7 +2,7 @@
 
 use super::frame::FrameContext;
 use super::image::{Image, ImageDesc, ImageSlice};
-use super::memory::{Buffer, Place};
+use super::memory::{Buffer, MemoryPlace};
 use crate::error::{Error, Result};
 use ash::vk;
 
@@ -67,7 +67,8 @@ impl FrameContext {
         let [width, height] = slice.extent();
         let height = height * slice.image().layers();
         let bytes = u64::from(width) * u64::from(height) * texel_bytes as u64;
-        let buffer = Buffer::new(self.gpu(), "readback", bytes, vk::BufferUsageFlags::TRANSFER_DST, Place::Readback)?;
+        let buffer =
+            Buffer::new(self.gpu(), "readback", bytes, vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Readback)?;
         self.once(|frame| frame.download("readback", slice, &buffer))?;
         let values = decode(&buffer.bytes()?[..bytes as usize]);
         Ok(Pixels { width, height, channels, values })

@@ -200,14 +200,14 @@ mod tests {
     use super::*;
     use crate::gpu::device::DeviceQuery;
     use crate::gpu::frame::{FrameContext, Mode};
-    use crate::gpu::memory::{Buffer, Place};
+    use crate::gpu::memory::{Buffer, MemoryPlace};
 
     #[test]
     fn a_frame_with_more_passes_than_a_pool_has_queries_is_timed_and_counted() {
         let gpu = Gpu::open(&DeviceQuery::default()).expect("a device");
         let mut context = FrameContext::new(&gpu).expect("a context");
         let buffer =
-            Buffer::new(&gpu, "filled", 4, vk::BufferUsageFlags::TRANSFER_DST, Place::Device).expect("a buffer");
+            Buffer::new(&gpu, "filled", 4, vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device).expect("a buffer");
         let passes = QUERIES as usize + 1;
         // The second frame of a mode takes the pools of the first.
         for mode in [Mode::Timed, Mode::Timed, Mode::Counted, Mode::Counted] {

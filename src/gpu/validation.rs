@@ -79,13 +79,13 @@ pub(super) unsafe extern "system" fn callback(
 #[cfg(test)]
 mod tests {
     use crate::gpu::device::{DeviceQuery, Gpu};
-    use crate::gpu::memory::{Buffer, Place};
+    use crate::gpu::memory::{Buffer, MemoryPlace};
     use ash::vk;
 
     /// Fills a buffer twice, with or without a barrier between; what the layers say of it.
     fn fill_twice(with_barrier: bool) -> (Gpu, Vec<String>) {
         let gpu = Gpu::open(&DeviceQuery { validation: true, ..DeviceQuery::default() }).expect("a device");
-        let buffer = Buffer::new(&gpu, "filled twice", 256, vk::BufferUsageFlags::TRANSFER_DST, Place::Device)
+        let buffer = Buffer::new(&gpu, "filled twice", 256, vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)
             .expect("a buffer");
         let device = gpu.raw();
         let pool_info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.shared().queue_family);

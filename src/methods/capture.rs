@@ -2,7 +2,7 @@
 //! both filtered by roughness. Not part of any frame's time.
 
 use super::SceneInput;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::sync::Access;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
@@ -80,19 +80,6 @@ impl CaptureFacePass {
 /// The near plane of the faces of some captures, which have one in common: the nearest of all.
 pub fn common_near_m(captures: &[Capture]) -> f32 {
     captures.iter().map(|c| c.near_m).fold(f32::INFINITY, f32::min)
-}
-
-/// The number of a face (0 to 5) of a capture: the layer of its images.
-///
-/// # Errors
-/// [`Error::Usage`] for a face or a capture that does not exist.
-pub(crate) fn face_number(capture: usize, face: usize, captures: usize) -> Result<u32> {
-    if capture >= captures || face >= 6 {
-        return Err(Error::Usage(format!(
-            "there is no face {face} of capture {capture}: there are {captures} with 6 each"
-        )));
-    }
-    Ok((6 * capture + face) as u32)
 }
 
 /// Captures of a scene with all that rays are followed by in them (docs/definitions.md, "Images").

@@ -61,7 +61,7 @@ impl Method for CapturesMethod {
         let beyond = self.lost.beyond(frame, &block, input.sky)?;
         self.lost.clear(frame)?;
         follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
-        let canvas = Canvas { composite: &self.reflection, reflection: Some(&self.reflection) };
+        let canvas = Canvas { composite: None, reflection: Some(&self.reflection) };
         follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
         Ok(Traced { hits, ..Traced::new(Reflection(&self.reflection)) })
     }

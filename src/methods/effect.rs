@@ -19,7 +19,7 @@ use std::time::Instant;
 pub struct Output<'a> {
     /// The method's intermediates and hits, and the reflection that was composited.
     pub traced: Traced<'a>,
-    /// The finished image, linear.
+    /// The finished image, linear; lit colour alone where none was wanted or nothing reflects.
     pub composite: &'a Image,
 }
 
@@ -28,7 +28,8 @@ pub struct Effect {
     method: Box<dyn Method>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
-    composite: CompositePass,
+    /// None where no image with the reflection in it is wanted.
+    composite: Option<CompositePass>,
     captures: Option<Captured>,
     prepared: Prepared,
 }
@@ -54,6 +55,13 @@ struct Captured {
     of: Vec<Material>,
     /// `None` where the captures stay as and where they are.
     renewal: Option<Renewal>,
+}
+
+impl Captured {
+    /// Those that come from elsewhere: at once, or with each input.
+    fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
+        Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None }
+    }
 }
 
 impl Effect {
@@ -102,8 +110,7 @@ impl Effect {
         captures: CaptureImages,
     ) -> Result<Self> {
         takes_captures(info, setup)?;
-        let face = captures.extent();
-        let captured = Captured { places: Vec::new(), face, images: Some(captures), of: Vec::new(), renewal: None };
+        let captured = Captured::from_elsewhere(captures.extent(), Some(captures));
         Self::beside(context, info, setup, wants, (false, Some(captured)))
     }
 
@@ -119,8 +126,7 @@ impl Effect {
         face: [u32; 2],
     ) -> Result<Self> {
         takes_captures(info, setup)?;
-        let captured = Captured { places: Vec::new(), face, images: None, of: Vec::new(), renewal: None };
-        Self::beside(context, info, setup, wants, (false, Some(captured)))
+        Self::beside(context, info, setup, wants, (false, Some(Captured::from_elsewhere(face, None))))
     }
 
     fn beside(
@@ -165,7 +171,7 @@ impl Effect {
             };
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
-        let composite = fallback.is_none() && divisor == 1;
+        let composite = wants.composite && fallback.is_none() && divisor == 1;
         let mut scaled = None;
         let mut inner = Making {
             setup: setup.clone(),
@@ -184,7 +190,7 @@ impl Effect {
             method: (info.create)(&gpu, &inner)?,
             scaled,
             fallback: fallback.transpose()?,
-            composite: CompositePass::new(&gpu, extent)?,
+            composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
             prepared: Prepared::default(),
         };
@@ -271,10 +277,10 @@ impl Effect {
             }
             traced.intermediates.extend(behind.intermediates);
         }
-        let composite = match (traced.composite, traced.reflection) {
-            (Some(made), _) => made,
-            (None, Some(reflection)) => self.composite.record(frame, &input.gbuffer, reflection)?,
-            (None, None) => input.gbuffer.color,
+        let composite = match (traced.composite, traced.reflection, &self.composite) {
+            (Some(made), ..) => made,
+            (None, Some(reflection), Some(pass)) => pass.record(frame, &input.gbuffer, reflection)?,
+            _ => input.gbuffer.color,
         };
         Ok(Output { traced, composite })
     }

@@ -202,11 +202,8 @@ impl MethodInfo {
     /// # Errors
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
-        let Wants { hits, reflection } = wants;
-        (self.create)(
-            gpu,
-            &Making { setup: setup.clone(), hits, reflection, composite: true, captures: None, behind: false },
-        )
+        let Wants { hits, reflection, composite } = wants;
+        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite, captures: None, behind: false })
     }
 
     /// Whether the method works on a G-buffer of any origin.

@@ -184,20 +184,22 @@ impl Setup {
     }
 }
 
-/// What is wanted of an effect beside the image.
+/// What is wanted of an effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Wants {
     /// Where each ray ended, if the method can say it. The rays are traced by the same program either way.
     pub hits: bool,
     /// The reflection as an image of its own.
     pub reflection: bool,
+    /// Lit colour with the reflection in it.
+    pub composite: bool,
 }
 
 impl Wants {
     /// The image alone: what is timed.
-    pub const IMAGE: Self = Self { hits: false, reflection: false };
+    pub const IMAGE: Self = Self { hits: false, reflection: false, composite: true };
     /// The reflection, too.
-    pub const REFLECTION: Self = Self { hits: false, reflection: true };
+    pub const REFLECTION: Self = Self { hits: false, reflection: true, composite: true };
     /// All there is.
-    pub const HITS: Self = Self { hits: true, reflection: true };
+    pub const HITS: Self = Self { hits: true, reflection: true, composite: true };
 }

@@ -98,13 +98,12 @@ pub struct UnifiedMethod {
     gloss: UnifiedGlossPass,
     lost: LostRays,
     follow: Option<FollowPass>,
-    composite: Image,
+    /// Where the image is finished by the passes that know the reflection.
+    composite: Option<Image>,
     reflection: Option<Image>,
     fade: bool,
     /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
     sky: bool,
-    /// Whether the image is finished by the passes that know the reflection.
-    composites: bool,
 }
 
 impl UnifiedMethod {
@@ -113,17 +112,19 @@ impl UnifiedMethod {
         let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
         let target = if making.captures.is_some() { stored_target } else { Image::target };
         let image = |name| target(gpu, name, LIT_COLOR, extent);
-        let reflection = making.reflection;
+        // Hits are an image beside both.
+        let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let parts = UnifiedSetup {
             extent,
             strip: pyramid::strip(extent),
             // A hit from behind is a worse guess than what a capture sees.
             oracle: if making.captures.is_some() { OracleVersion::V2 } else { effect.oracle },
             over: effect.fallback != Fallback::None,
+            composite,
             reflection,
             followed: making.captures.is_some(),
         };
-        let wanted = FollowWants { over: parts.over, composite: true, reflection, hits, behind: false };
+        let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
         let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
@@ -133,12 +134,11 @@ impl UnifiedMethod {
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
             lost: LostRays::new(gpu, extent, parts.followed)?,
             follow: making.captures.map(follow).transpose()?,
-            composite: image("composite")?,
+            composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             sky: effect.definitions == DefinitionsVersion::V2,
             // Where the screen ends, captures go on.
             fade: effect.fade && making.captures.is_none(),
-            composites: making.composite,
         })
     }
 }
@@ -197,7 +197,7 @@ impl Method for UnifiedMethod {
         parameters.sky = i32::from(self.sky && input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let beyond = self.lost.beyond(frame, &block, input.sky)?;
-        let canvas = Canvas { composite: &self.composite, reflection: self.reflection.as_ref() };
+        let canvas = Canvas { composite: self.composite.as_ref(), reflection: self.reflection.as_ref() };
 
         let pyramid = self.pyramid.record(frame, &gbuffer, &parameters)?;
         if plan.narrow || plan.wide {
@@ -240,9 +240,8 @@ impl Method for UnifiedMethod {
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
         }
 
-        let composite = self.composites.then_some(canvas.composite);
         let reflection = canvas.reflection.map(Reflection);
-        Ok(Traced { reflection, composite, hits, intermediates: Vec::new() })
+        Ok(Traced { reflection, composite: canvas.composite, hits, intermediates: Vec::new() })
     }
 }
 

@@ -4,7 +4,7 @@
 use super::GBuffer;
 use super::tiles::{self, Tiles};
 use crate::error::Result;
-use crate::gpu::memory::Place;
+use crate::gpu::memory::MemoryPlace;
 use crate::gpu::programs::Classify;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, Image, ImageDesc};
@@ -28,7 +28,7 @@ impl ClassifyPass {
         let of_lists = LISTS as u64;
         Ok(Self {
             pipeline: ComputePipeline::new(gpu)?,
-            lists: Buffer::new(gpu, "tiles", of_lists * 4 * x * y, U::STORAGE_BUFFER, Place::Device)?,
+            lists: Buffer::new(gpu, "tiles", of_lists * 4 * x * y, U::STORAGE_BUFFER, MemoryPlace::Device)?,
             listed: Image::new(
                 gpu,
                 &ImageDesc {
@@ -45,7 +45,7 @@ impl ClassifyPass {
                 "tile counts",
                 of_lists * 16,
                 U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST,
-                Place::Device,
+                MemoryPlace::Device,
             )?,
         })
     }

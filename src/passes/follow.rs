@@ -89,7 +89,8 @@ impl FollowPass {
         canvas: Canvas,
         hits: Option<Hits>,
     ) -> Result<()> {
-        let composite = canvas.composite.all();
+        // What is not wanted is not written, and needs an image all the same.
+        let Some(any) = canvas.images().next() else { return Ok(()) };
         let program = programs::FollowMirrors {
             unified: captures.face,
             pyramid: captures.pyramid.all(),
@@ -97,10 +98,9 @@ impl FollowPass {
             material_buffer: gbuffer.material.all(),
             color_cubes: Sampled::trilinear(captures.color.all()),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
-            composite_image: composite,
-            // What is not wanted is not written, and needs an image all the same.
-            reflection_image: canvas.reflection.map_or(composite, Image::all),
-            hits_image: hits.map_or(composite, |h| h.0.all()),
+            composite_image: canvas.composite.unwrap_or(any).all(),
+            reflection_image: canvas.reflection.unwrap_or(any).all(),
+            hits_image: hits.map_or(any, |h| h.0).all(),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,

@@ -1,18 +1,22 @@
 //! Takes over the G-buffer of another renderer, in whatever conventions it has, as images that every method reads. Not
 //! counted: a renderer that draws such images itself does without.
 
-use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors};
+use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, camera_block};
 use crate::error::Result;
-use crate::gpu::programs::Import;
+use crate::gpu::programs::{Import, ImportConstants};
 use crate::gpu::shader::ImportBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, ImageDesc, Sampled, image};
+use crate::math::constants::NORMAL_OF_DEPTH;
 use crate::scene::Camera;
 use ash::vk;
-use glam::{DVec2, Mat3};
+use glam::{Mat3, Mat4};
+use std::sync::OnceLock;
 
-/// Pipeline and images of one size.
+/// Pipelines and images of one size.
 pub struct ImportPass {
-    pipeline: ComputePipeline<Import<'static>>,
+    gpu: Gpu,
+    /// For each way to store normals (`NORMAL_*`), once a frame has it.
+    pipelines: [OnceLock<ComputePipeline<Import<'static>>>; NORMAL_OF_DEPTH as usize + 1],
     depth: Image,
     normal: Image,
     material: Image,
@@ -33,6 +37,8 @@ pub struct Foreign<'a> {
     pub material: [Factor<'a>; 2],
     /// Lit colour, linear.
     pub color: &'a Image,
+    /// What reflects, as far as is known.
+    pub reflectors: Reflectors,
     /// Whether the colour is black where nothing stands, since the sky is known apart.
     pub leaves_sky_out: bool,
 }
@@ -53,7 +59,7 @@ impl Factor<'_> {
 }
 
 impl ImportPass {
-    /// The pipeline, and images of a size in pixels.
+    /// Images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let make = |name, format, levels| {
@@ -61,7 +67,8 @@ impl ImportPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels, layers: 1, usage })
         };
         Ok(Self {
-            pipeline: ComputePipeline::new(gpu)?,
+            gpu: gpu.clone(),
+            pipelines: [const { OnceLock::new() }; NORMAL_OF_DEPTH as usize + 1],
             depth: make("depth", vk::Format::R32_SFLOAT, 1)?,
             normal: make("normal", NORMAL, 1)?,
             material: make("material", MATERIAL, 1)?,
@@ -82,13 +89,16 @@ impl ImportPass {
 
     /// Pass "import". What reflects is known where reflectivity or roughness is the same everywhere.
     pub fn record(&self, frame: &mut Frame, from: &Foreign, camera: &Camera) -> Result<GBuffer<'_>> {
-        let block = block(from, camera, self.extent());
+        let (kind, to_view) =
+            from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
+        let (block, camera) = (block(from, to_view), camera_block(camera, self.extent()));
         let source = |factor| match factor {
             Factor::Constant(_) => Sampled::nearest(from.color.all()),
             Factor::Channel(image, _) => Sampled::nearest(image.all()),
         };
         let [width, height] = self.extent();
         let program = Import {
+            camera: &camera,
             import_block: &block,
             depth_source: Sampled::nearest(from.depth.all()),
             normal_source: Sampled::nearest(from.normal.map_or(from.color, |(image, ..)| image).all()),
@@ -100,8 +110,9 @@ impl ImportPass {
             material_image: self.material.all(),
             color_image: self.color.level(0),
         };
-        frame.compute(self.label, &self.pipeline, &program, [width, height, 1])?;
-        let reflectors = Reflectors::of(from.material[0].constant(), from.material[1].constant());
+        frame.compute(self.label, self.pipeline(kind)?, &program, [width, height, 1])?;
+        let of_constants = Reflectors::of(from.material[0].constant(), from.material[1].constant());
+        let reflectors = from.reflectors.and(of_constants);
         Ok(GBuffer {
             depth: &self.depth,
             normal: &self.normal,
@@ -110,27 +121,26 @@ impl ImportPass {
             reflectors,
         })
     }
+
+    /// The pipeline for a way to store normals, made when a frame first has it.
+    fn pipeline(&self, normal_kind: i32) -> Result<&ComputePipeline<Import<'static>>> {
+        let kept = &self.pipelines[normal_kind as usize];
+        if let Some(made) = kept.get() {
+            return Ok(made);
+        }
+        let made = ComputePipeline::with(&self.gpu, &ImportConstants { normal_kind })?;
+        Ok(kept.get_or_init(|| made))
+    }
 }
 
-fn block(from: &Foreign, camera: &Camera, extent: [u32; 2]) -> ImportBlock {
-    use crate::math::constants::NORMAL_OF_DEPTH;
-    let projection = camera.view_to_clip_reversed().as_dmat4();
-    let side = DVec2::from(extent.map(f64::from));
-    let (scale, shift) =
-        (DVec2::new(projection.x_axis.x, projection.y_axis.y), projection.z_axis.truncate().truncate());
-    let (per_pixel, shift) = (1.0 / (side * scale), shift * side);
-    let constants = from.material.map(|factor| factor.constant().unwrap_or(0.0));
+fn block(from: &Foreign, to_view: Mat3) -> ImportBlock {
     let channel = |factor| if let Factor::Channel(_, channel) = factor { channel as i32 } else { -1 };
-    let (kind, to_view) = from.normal.map_or((NORMAL_OF_DEPTH, Mat3::IDENTITY), |(_, kind, to_view)| (kind, to_view));
     ImportBlock {
-        normal_to_view: glam::Mat4::from_mat3(to_view).to_cols_array_2d(),
-        view_ray: [per_pixel.x, per_pixel.y, shift.x, shift.y].map(|v| v as f32),
+        normal_to_view: Mat4::from_mat3(to_view).to_cols_array_2d(),
         depth_to_reversed: from.to_reversed,
-        reversed_to_z: [-projection.z_axis.z, projection.w_axis.z].map(|v| v as f32),
-        constants,
+        constants: from.material.map(|factor| factor.constant().unwrap_or(0.0)),
         channels: from.material.map(channel),
-        size: extent.map(|v| v as i32),
-        normal_kind: kind,
         leaves_sky_out: i32::from(from.leaves_sky_out),
+        ..ImportBlock::default()
     }
 }

@@ -4,7 +4,7 @@
 use super::Captures;
 use super::tiles::{self, TILE};
 use crate::error::Result;
-use crate::gpu::memory::Place;
+use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::CaptureBlock;
 use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, Sampled};
 use crate::scene::Camera;
@@ -43,8 +43,8 @@ impl LostRays {
         let count = if followed { tiles * u64::from(TILE * TILE) } else { 1 };
         let usage = U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST;
         Ok(Self {
-            counts: Buffer::new(gpu, "lost counts", 16, usage, Place::Device)?,
-            rays: Buffer::new(gpu, "lost rays", RAY_BYTES * count, U::STORAGE_BUFFER, Place::Device)?,
+            counts: Buffer::new(gpu, "lost counts", 16, usage, MemoryPlace::Device)?,
+            rays: Buffer::new(gpu, "lost rays", RAY_BYTES * count, U::STORAGE_BUFFER, MemoryPlace::Device)?,
             no_sky: Image::new(
                 gpu,
                 &ImageDesc {

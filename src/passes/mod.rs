@@ -82,7 +82,8 @@ pub struct GBuffer<'a> {
     pub reflectors: Reflectors,
 }
 
-/// What the materials that are drawn say of a frame's reflections, before any pixel is looked at.
+/// What the materials that are drawn say of a frame's reflections, before any pixel is looked at. What there is not is
+/// neither looked for nor shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reflectors {
     /// Whether there may be mirrors: surfaces that reflect with roughness 0.
@@ -114,6 +115,17 @@ impl Reflectors {
         }
     }
 
+    /// What both of two may hold.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            mirrors: self.mirrors && other.mirrors,
+            narrow: self.narrow && other.narrow,
+            wide: self.wide && other.wide,
+            everywhere: self.everywhere || other.everywhere,
+        }
+    }
+
     /// Whether anything may reflect.
     pub fn any(self) -> bool {
         self.mirrors || self.glossy()
@@ -139,11 +151,11 @@ pub struct HiZ<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
-/// What a method draws into that composites along the way.
+/// What a method draws into that composites along the way: at least one of them.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
-    /// The finished image, linear. RGBA16F.
-    pub composite: &'a Image,
+    /// The finished image, linear, where it is wanted. RGBA16F.
+    pub composite: Option<&'a Image>,
     /// Reflection colour and fade, where they are wanted as an image of their own. RGBA16F.
     pub reflection: Option<&'a Image>,
 }
@@ -151,17 +163,25 @@ pub struct Canvas<'a> {
 impl<'a> Canvas<'a> {
     /// Its images, in the order of the shaders' outputs.
     pub fn images(self) -> impl Iterator<Item = &'a Image> {
-        std::iter::once(self.composite).chain(self.reflection)
+        self.composite.into_iter().chain(self.reflection)
+    }
+
+    /// What is drawn over tiles, in the order of the shaders' outputs.
+    fn targets(self, tiles: tiles::Tiles) -> [Target<'a>; 2] {
+        let mut images = self.images();
+        [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
     }
 
     /// Passes "composite", which takes the lit colour over, and "reflection": nothing is reflected yet.
     pub fn begin(self, frame: &mut Frame, color: &Image) -> Result<()> {
-        let (color, composite) = (color.level(0), self.composite.all());
-        if color.image().format() == composite.image().format() {
-            frame.copy("composite", color, composite)?;
-        } else {
-            // A blit converts: the precision study hands over 32-bit floats.
-            frame.blit("composite", color, composite)?;
+        let color = color.level(0);
+        if let Some(composite) = self.composite {
+            if color.image().format() == composite.format() {
+                frame.copy("composite", color, composite.all())?;
+            } else {
+                // A blit converts: the precision study hands over 32-bit floats.
+                frame.blit("composite", color, composite.all())?;
+            }
         }
         match self.reflection {
             Some(reflection) => frame.clear("reflection", reflection.all(), [0.0; 4]),

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
-use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::Place};
+use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::MemoryPlace};
 use crate::math::constants;
 use crate::scene::capture::Wanted;
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
@@ -242,7 +242,7 @@ fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk
     let gpu: Gpu = context.gpu().clone();
     let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
     let buffer =
-        Buffer::new(&gpu, name, bytes.len() as u64, usage | vk::BufferUsageFlags::TRANSFER_DST, Place::Device)?;
+        Buffer::new(&gpu, name, bytes.len() as u64, usage | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)?;
     context.once(|frame| frame.copy_vertices("upload", &staging, &buffer))?;
     Ok(buffer)
 }

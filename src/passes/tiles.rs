@@ -1,6 +1,7 @@
 //! Drawing over tiles: the lists of them by kind of reflector that the classification writes, and programs that are
 //! drawn over the tiles of a list, or over the whole image where that is known to be what the list would cover.
 
+use super::LIT_COLOR;
 use crate::error::{Error, Result};
 use crate::gpu::program::Fragment;
 use crate::gpu::programs::Tile;
@@ -29,10 +30,20 @@ pub struct UnifiedSetup {
     pub oracle: OracleVersion,
     /// Whether another reflection shows where this one misses.
     pub over: bool,
-    /// Whether the reflection is wanted as an image beside the composite.
+    /// Whether the composite is wanted.
+    pub composite: bool,
+    /// Whether the reflection is wanted as an image of its own. One of the two is.
     pub reflection: bool,
     /// Whether rays that the screen loses go on in captures.
     pub followed: bool,
+}
+
+impl UnifiedSetup {
+    /// Formats of the images that are drawn into, as [`Canvas`](super::Canvas) has them.
+    pub fn formats(&self) -> [vk::Format; 2] {
+        let both = self.composite && self.reflection;
+        [LIT_COLOR, if both { LIT_COLOR } else { vk::Format::UNDEFINED }]
+    }
 }
 
 /// Tiles by the kinds of reflector in them, as lists with the arguments of an indirect draw over each.

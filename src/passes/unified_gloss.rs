@@ -11,7 +11,7 @@ use crate::gpu::programs::{
     TraceNarrowConstants, TraceWide, TraceWideConstants,
 };
 use crate::gpu::shader::UnifiedBlock;
-use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled, Target};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
 use crate::math::constants::{NARROW_LIST, WIDE_LIST};
 use ash::vk;
 
@@ -66,9 +66,9 @@ impl UnifiedGlossPass {
             let usage = U::COLOR_ATTACHMENT | U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
-        let (strip, oracle, over) = (setup.strip as i32, u32::from(setup.oracle) as i32, setup.over);
-        let followed = setup.followed;
-        let drawn = || [LIT_COLOR, if setup.reflection { LIT_COLOR } else { vk::Format::UNDEFINED }];
+        let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
+        let UnifiedSetup { over, composite, followed, .. } = *setup;
+        let drawn = || setup.formats();
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
             trace_narrow: TiledPipeline::new(
@@ -80,6 +80,7 @@ impl UnifiedGlossPass {
             resolve_narrow: TiledPipeline::new(gpu, NARROW_LIST, drawn, |whole| ResolveNarrowConstants {
                 over,
                 whole,
+                composite,
             })?,
             trace_wide: TiledPipeline::new(
                 gpu,
@@ -97,6 +98,7 @@ impl UnifiedGlossPass {
                 strip,
                 over,
                 whole,
+                composite,
             })?,
             between: BetweenPasses {
                 records: image("seen", RECORD, setup.extent)?,
@@ -146,7 +148,7 @@ impl UnifiedGlossPass {
             seen_image: self.between.records.all(),
         };
         let over = (parameters, *tiles, false);
-        self.resolve_narrow.draw(frame, "resolve/narrow", drawn(*tiles, *canvas), &resolve, over)
+        self.resolve_narrow.draw(frame, "resolve/narrow", canvas.targets(*tiles), &resolve, over)
     }
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
@@ -195,11 +197,6 @@ impl UnifiedGlossPass {
             listed_image: tiles.listed.all(),
         };
         let over = (parameters, *tiles, false);
-        self.resolve_wide.draw(frame, "resolve/wide", drawn(*tiles, *canvas), &resolve, over)
+        self.resolve_wide.draw(frame, "resolve/wide", canvas.targets(*tiles), &resolve, over)
     }
-}
-
-/// The targets of what ends in the image.
-fn drawn<'a>(tiles: Tiles, canvas: Canvas<'a>) -> [Target<'a>; 2] {
-    [tiles.target(canvas.composite), canvas.reflection.map_or(Target::unwanted(), |image| tiles.target(image))]
 }

@@ -3,7 +3,7 @@
 
 use super::lost::Beyond;
 use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
-use super::{Canvas, GBuffer, HITS, Hits, LIT_COLOR, NO_HIT, Pyramid};
+use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{Mirror, MirrorConstants};
 use crate::gpu::shader::UnifiedBlock;
@@ -38,10 +38,11 @@ impl UnifiedTracePass {
     /// # Errors
     /// As [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup, hits: bool) -> Result<Self> {
-        let wanted = |format, is_wanted| if is_wanted { format } else { vk::Format::UNDEFINED };
-        let formats = || [LIT_COLOR, wanted(LIT_COLOR, setup.reflection), wanted(HITS, hits)];
-        let (strip, oracle, followed) = (setup.strip as i32, u32::from(setup.oracle) as i32, setup.followed);
-        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed };
+        let [shown, beside] = setup.formats();
+        let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
+        let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
+        let UnifiedSetup { followed, composite, .. } = *setup;
+        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite };
         let target = if followed { super::stored_target } else { Image::target };
         Ok(Self {
             mirrors: TiledPipeline::new(gpu, MIRROR_LIST, formats, constants)?,
@@ -57,11 +58,8 @@ impl UnifiedTracePass {
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let hits = self.hits.as_ref();
-        let targets = [
-            tiles.target(canvas.composite),
-            canvas.reflection.map_or(Target::unwanted(), |image| tiles.target(image)),
-            hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT)),
-        ];
+        let [composite, reflection] = canvas.targets(*tiles);
+        let targets = [composite, reflection, hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT))];
         let mirror = Mirror {
             unified: parameters,
             pyramid: pyramid.0.all(),

@@ -55,7 +55,7 @@ impl Capture {
     }
 
     /// The table of a scene file that gives this capture.
-    pub fn to_toml(&self) -> String {
+    pub fn to_toml(self) -> String {
         let Self { position: Vec3 { x, y, z }, near_m, resolution } = self;
         format!("[[capture]]\nplace = [{x:?}, {y:?}, {z:?}]\nresolution = {resolution}\nnear = {near_m:?}\n")
     }

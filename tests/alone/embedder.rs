@@ -175,6 +175,7 @@ impl Renderer<'_> {
                     },
                     reflectivity: ssct::FactorInput::Channel(inputs[2], 0),
                     roughness: ssct::FactorInput::Channel(inputs[2], 1),
+                    reflectors: ssct::Reflectors::UNKNOWN,
                     color: inputs[3],
                     sky: None,
                     captures: None,
@@ -183,7 +184,7 @@ impl Renderer<'_> {
                 },
             )?;
 
-            let outputs = [recorded.composite, recorded.reflection.ok_or("nothing reflects")?];
+            let outputs = [recorded.composite.ok_or("no composite")?, recorded.reflection.ok_or("nothing reflects")?];
             for output in outputs {
                 assert_eq!(output.format, vk::Format::R16G16B16A16_SFLOAT);
                 buffers.push(self.buffer(size, vk::BufferUsageFlags::TRANSFER_DST)?);

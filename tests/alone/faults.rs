@@ -5,12 +5,14 @@
 //! [`common::gpu`](crate::common::gpu).
 
 use crate::alone;
+use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::{Builder, two_quads};
 use glam::Vec3;
 use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
+use ssct::{FrameInput, Reflections};
 use ssct_lab::scene::{Camera, Lens, Scene, View};
 use ssct_lab::study::image::render;
 use ssct_lab::study::{Globals, Shot, Stage};
@@ -164,6 +166,44 @@ fn a_frame_that_was_not_submitted_changed_nothing() {
         stage.run(&shot, Mode::Timed).unwrap();
         gpu.check_validation().unwrap();
     }
+}
+
+#[test]
+fn a_device_of_the_callers_may_fail() {
+    let _alone = alone();
+    let watch = Arc::<Watch>::default();
+    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let mut engine = Engine::new(&on.gpu);
+    let data = view_of_rooms(&on.gpu, EXTENT);
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let (context, what) = (engine.context(), info(&data, "unified"));
+    // What is made is an object of the context's, which keeps pipelines for the next.
+    let mut reflections = Reflections::new(&context, &what).unwrap();
+    let tried = on.try_faults("reflections", 1, || Reflections::new(&context, &what), |_, _| true);
+    assert!(tried > 20, "{tried}");
+
+    // The device is lost in the caller's submission: the caller sees that, and times are an error and no numbers.
+    let input = FrameInput { timed: true, ..theirs.input() };
+    let commands = engine.begin();
+    // SAFETY: the command buffer is recording; what is recorded is submitted, and nothing is under way after it.
+    unsafe { reflections.record(commands, &input) }.unwrap();
+    on.watch.arm(Some(Fault::Submission(1)));
+    assert_eq!(engine.submit(commands), Err(ash::vk::Result::ERROR_DEVICE_LOST));
+    let error = reflections.times(input.slot).unwrap_err();
+    assert!(is_of(&error, Fault::Submission(1)), "{error}");
+    // Dropped as it is, it leaves nothing; and what is made after the device was found again works.
+    drop(reflections);
+    on.watch.arm(None);
+    let mut reflections = Reflections::new(&context, &what).unwrap();
+    engine.frame(&mut reflections, &input).unwrap();
+    assert_eq!(reflections.times(input.slot).unwrap().first().map(|t| t.name.clone()).as_deref(), Some("import"));
+    drop((reflections, context, theirs, engine));
+    let Watched { gpu, watch } = on;
+    let log = gpu.validation_log().unwrap();
+    drop(gpu);
+    assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), [], "with the device gone");
+    let left: Vec<_> = log.violations().into_iter().map(|m| m.text).collect();
+    assert_eq!(left, [""; 0], "the layers, of what was left or misused");
 }
 
 #[test]

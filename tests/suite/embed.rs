@@ -1,274 +1,25 @@
 //! The door for other renderers: whatever conventions they have, what comes out is what the command makes of the same
 //! G-buffer; and what is wrong with their inputs is said before anything is recorded.
 
+use crate::common::engine::{
+    BYTES, Convention, Engine, FLOAT, HALVES, NATIVE, Theirs, bits, drawn, halves, info, rmse, view_of_rooms,
+};
 use crate::common::{gpu, own_gpu};
 use ash::vk;
-use glam::{Mat3, Mat4, Vec2, Vec3};
-use half::f16;
-use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, Pixels};
+use glam::Vec3;
+use ssct::gpu::{FrameContext, Gpu, Image};
 use ssct::methods::METHODS;
 use ssct::methods::{Setup, Wants};
-use ssct::scene::Projection;
 use ssct::{
-    CameraInput, CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, EnabledFeatures,
-    FactorInput, FrameInput, ImageInput, ImageUse, NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded,
-    Reflections, ReflectionsInfo,
+    CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, DeviceMemory, FactorInput,
+    FrameInput, ImageInput, MemoryBlock, MemoryPlace, NormalEncoding, NormalSpace, Reflections, ReflectionsInfo,
+    Reflectors,
 };
-use ssct_lab::scene::{Camera, Capture, GBufferData, Lens, Surface, library};
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
-use std::path::Path;
-use std::process::Command;
-
-const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
-const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
-const FLOAT: vk::Format = vk::Format::R32_SFLOAT;
-
-/// A renderer with a device of its own: the raw handles of ours stand for theirs.
-struct Engine {
-    gpu: Gpu,
-    frames: FrameContext,
-    pool: vk::CommandPool,
-}
-
-impl Engine {
-    fn new(gpu: &Gpu) -> Self {
-        let info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.shared().queue_family);
-        // SAFETY: destroyed in `drop`.
-        let pool = unsafe { gpu.raw().create_command_pool(&info, None) }.unwrap();
-        Self { gpu: gpu.clone(), frames: FrameContext::new(gpu).unwrap(), pool }
-    }
-
-    fn handles(&self) -> DeviceHandles {
-        let shared = self.gpu.shared();
-        let mut enabled = EnabledFeatures::default();
-        ssct::enable_features(&mut enabled.core, &mut enabled.vulkan12, &mut enabled.vulkan13);
-        DeviceHandles {
-            entry: shared.entry.clone(),
-            instance: shared.instance.clone(),
-            physical: shared.physical,
-            device: shared.device.clone(),
-            queue_family: shared.queue_family,
-            enabled,
-            debug_utils: false,
-            memory: None,
-        }
-    }
-
-    fn context(&self) -> Context {
-        // SAFETY: the handles are of one device, which outlives the test's contexts; its features are those of
-        // `Gpu::open`, which has them on.
-        unsafe { Context::new(self.handles()) }.unwrap()
-    }
-
-    fn upload(&mut self, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
-        use vk::ImageUsageFlags as U;
-        let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
-        let image =
-            Image::new(&self.gpu, &ImageDesc { name: "theirs", format, extent, levels: 1, layers: 1, usage }).unwrap();
-        let staging = Buffer::upload(&self.gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC).unwrap();
-        self.frames
-            .once(|frame| {
-                frame.upload("upload", &staging, image.all())?;
-                frame.hand_over(&image, ImageUse::FRAGMENT_SAMPLED);
-                Ok(())
-            })
-            .unwrap();
-        image
-    }
-
-    fn begin(&self) -> vk::CommandBuffer {
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the pool is alive, and frees its command buffers.
-        unsafe {
-            let commands = self.gpu.raw().allocate_command_buffers(&info).unwrap()[0];
-            self.gpu.raw().begin_command_buffer(commands, &begin).unwrap();
-            commands
-        }
-    }
-
-    fn submit(&self, commands: vk::CommandBuffer) -> ash::prelude::VkResult<()> {
-        let buffers = [commands];
-        let queue = self.gpu.queue().unwrap();
-        // SAFETY: the command buffer is recorded; the queue is waited for.
-        unsafe {
-            self.gpu.raw().end_command_buffer(commands)?;
-            self.gpu.raw().queue_submit(
-                *queue,
-                &[vk::SubmitInfo::default().command_buffers(&buffers)],
-                vk::Fence::null(),
-            )?;
-            self.gpu.raw().queue_wait_idle(*queue)
-        }
-    }
-
-    fn read(&mut self, output: &OutputImage) -> Pixels {
-        let part =
-            vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
-        let like = (output.format, output.extent);
-        let image = Image::of_others(&self.gpu, "output", (output.image, output.view), part, like);
-        self.frames
-            .once(|frame| {
-                frame.take_over(&image, ImageUse::TRANSFER_SOURCE);
-                Ok(())
-            })
-            .unwrap();
-        self.frames.read(image.all()).unwrap()
-    }
-
-    /// One frame, submitted.
-    fn frame(&mut self, reflections: &mut Reflections, input: &FrameInput) -> ssct::Result<Recorded> {
-        let commands = self.begin();
-        // SAFETY: the command buffer is recording; what is recorded is submitted and waited for at once.
-        let recorded = unsafe { reflections.record(commands, input) }?;
-        self.submit(commands).unwrap();
-        Ok(recorded)
-    }
-}
-
-impl Drop for Engine {
-    fn drop(&mut self) {
-        // SAFETY: nothing is under way.
-        unsafe { self.gpu.raw().destroy_command_pool(self.pool, None) };
-    }
-}
-
-/// How a renderer keeps its G-buffer.
-#[derive(Debug, Clone, Copy)]
-struct Convention {
-    normal: (NormalSpace, NormalEncoding),
-    /// Whether its view space is right-handed.
-    right_handed: bool,
-    standard_depth: bool,
-    clip_y: ClipY,
-}
-
-const NATIVE: Convention = Convention {
-    normal: (NormalSpace::View, NormalEncoding::Float),
-    right_handed: false,
-    standard_depth: false,
-    clip_y: ClipY::Up,
-};
-
-/// A G-buffer as a renderer of a convention has it, in its images.
-struct Theirs {
-    depth: Image,
-    normal: Image,
-    material: Image,
-    color: Image,
-    camera: CameraInput,
-    convention: Convention,
-}
-
-fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
-    values.flat_map(|v| f16::from_f32(v).to_ne_bytes()).collect()
-}
-
-fn octahedral(n: Vec3) -> Vec2 {
-    let n = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(1e-12);
-    let sign = |v: f32| if v >= 0.0 { 1.0 } else { -1.0 };
-    if n.z >= 0.0 { n.truncate() } else { Vec2::new((1.0 - n.y.abs()) * sign(n.x), (1.0 - n.x.abs()) * sign(n.y)) }
-}
-
-impl Theirs {
-    fn new(engine: &mut Engine, data: &GBufferData, convention: Convention) -> Self {
-        let extent = [data.width, data.height];
-        let turn = Mat3::from_diagonal(Vec3::new(1.0, 1.0, if convention.right_handed { -1.0 } else { 1.0 }));
-        let ours = data.camera.view_to_clip_reversed().to_cols_array();
-        let mut clip = ours;
-        let side = if convention.right_handed { -1.0 } else { 1.0 };
-        if convention.standard_depth {
-            clip[10] = 1.0 - ours[10];
-            clip[14] = -ours[14];
-        }
-        clip[10] *= side;
-        clip[11] = side;
-        if convention.clip_y == ClipY::Down {
-            clip[5] = -clip[5];
-        }
-        let world_to_view = Mat4::from_mat3(turn) * data.camera.world_to_view;
-        let to_world = Mat3::from_mat4(data.camera.world_to_view).transpose();
-        let stored = |n: &Vec3| -> [f32; 4] {
-            let n = match convention.normal.0 {
-                NormalSpace::View => turn * *n,
-                NormalSpace::World => to_world * *n,
-            };
-            let (o, unorm) = (octahedral(n), |v: f32| 0.5 * v + 0.5);
-            match convention.normal.1 {
-                NormalEncoding::Float => [n.x, n.y, n.z, 0.0],
-                NormalEncoding::Unorm => [unorm(n.x), unorm(n.y), unorm(n.z), 0.0],
-                NormalEncoding::Octahedral => [o.x, o.y, 0.0, 0.0],
-                NormalEncoding::OctahedralUnorm => [unorm(o.x), unorm(o.y), 0.0, 0.0],
-            }
-        };
-        let depth: Vec<f32> = data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
-        let material = data.roughness.iter().zip(&data.reflectivity).flat_map(|(ro, re)| [0.25, *ro, 0.5, *re]);
-        let color = data.color.iter().flat_map(|c| c.extend(1.0).to_array());
-        let camera =
-            CameraInput { world_to_view: world_to_view.to_cols_array(), view_to_clip: clip, clip_y: convention.clip_y };
-        Self {
-            depth: engine.upload(FLOAT, extent, bytemuck::cast_slice(&depth)),
-            normal: engine.upload(HALVES, extent, &halves(data.normal.iter().flat_map(stored))),
-            material: engine.upload(HALVES, extent, &halves(material)),
-            color: engine.upload(HALVES, extent, &halves(color)),
-            camera,
-            convention,
-        }
-    }
-
-    fn input(&self) -> FrameInput<'static> {
-        let of = |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
-        let (space, encoding) = self.convention.normal;
-        FrameInput {
-            slot: 0,
-            camera: self.camera,
-            depth: of(&self.depth),
-            normal: NormalInput { image: of(&self.normal), space, encoding },
-            reflectivity: FactorInput::Channel(of(&self.material), 3),
-            roughness: FactorInput::Channel(of(&self.material), 1),
-            color: of(&self.color),
-            sky: None,
-            captures: None,
-            timed: false,
-            outputs: ImageUse::TRANSFER_SOURCE,
-        }
-    }
-}
-
-/// A view of the rooms, with all kinds of surfaces; the camera is known by its matrix.
-fn view_of_rooms(gpu: &Gpu, extent: [u32; 2]) -> GBufferData {
-    let scene = library::scene("rooms").unwrap();
-    let view = scene.view("corridor").unwrap();
-    let mut stage = Stage::new(gpu, &scene).unwrap();
-    let materials = Globals::default().materials(&scene, view);
-    let camera = view.camera(&scene, extent);
-    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
-    image::render(&mut stage, &shot, false).unwrap();
-    let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
-    let clip = camera.view_to_clip_reversed();
-    let [a, b] = [clip.z_axis.z, clip.w_axis.z];
-    let scale = [clip.x_axis.x, clip.y_axis.y];
-    data.camera.projection = Some(Projection { scale, shift: [0.0; 2], depth: [a, b] });
-    data.camera.aspect = scale[1] / scale[0];
-    data.camera.lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m: b / (1.0 - a), far_m: -b / a };
-    // The example's images know no surface that shows the sky.
-    data.surface.fill(Surface::Lit);
-    data
-}
-
-fn info<'a>(data: &GBufferData, method: &'a str) -> ReflectionsInfo<'a> {
-    ReflectionsInfo { extent: [data.width, data.height], method, ..ReflectionsInfo::default() }
-}
-
-fn bits(pixels: &Pixels) -> Vec<u32> {
-    pixels.values.iter().map(|v| v.to_bits()).collect()
-}
-
-fn rmse(a: &Pixels, b: &Pixels) -> f64 {
-    assert_eq!(a.values.len(), b.values.len());
-    let sum: f64 = a.values.iter().zip(&b.values).map(|(a, b)| f64::from(a - b).powi(2)).sum();
-    (sum / a.values.len() as f64).sqrt()
-}
+use ssct_lab::scene::{Capture, library};
+use ssct_lab::study::{Globals, Stage, gbuffer};
+use std::ptr::NonNull;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[test]
 fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
@@ -283,7 +34,7 @@ fn every_screen_space_method_makes_through_the_door_what_it_makes_otherwise() {
         for slot in [0, 1, 0] {
             let recorded = engine.frame(&mut reflections, &FrameInput { slot, ..theirs.input() }).unwrap();
             assert_eq!(recorded.passes.first().map(String::as_str), Some("import"));
-            let composite = engine.read(&recorded.composite);
+            let composite = engine.read(&recorded.composite.unwrap());
             assert!(
                 bits(&composite) == bits(&direct.composite),
                 "{}: {}",
@@ -308,7 +59,7 @@ fn every_convention_shows_the_same() {
     let mut show = |convention| {
         let theirs = Theirs::new(&mut engine, &data, convention);
         let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
-        engine.read(&recorded.composite)
+        engine.read(&recorded.composite.unwrap())
     };
     let native = show(NATIVE);
     // Turned view spaces and clip spaces change nothing.
@@ -334,7 +85,7 @@ fn every_convention_shows_the_same() {
     let mut input = theirs.input();
     input.normal.space = NormalSpace::World;
     let recorded = engine.frame(&mut reflections, &input).unwrap();
-    assert!(rmse(&engine.read(&recorded.composite), &native) > 0.03);
+    assert!(rmse(&engine.read(&recorded.composite.unwrap()), &native) > 0.03);
     gpu.check_validation().unwrap();
 }
 
@@ -347,13 +98,13 @@ fn a_shifted_projection_shifts_the_image() {
     let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
-    let native = engine.read(&recorded.composite);
+    let native = engine.read(&recorded.composite.unwrap());
     // The same images, taken to be those of a projection that is shifted by 8 pixels, of a camera that looks so much
     // aside: what was in the middle of the view is at its side, and every angle changes.
     let mut aside = theirs.input();
     aside.camera.view_to_clip[8] = 2.0 * 8.0 / 96.0;
     let recorded = engine.frame(&mut reflections, &aside).unwrap();
-    let changed = engine.read(&recorded.composite);
+    let changed = engine.read(&recorded.composite.unwrap());
     assert!(rmse(&changed, &native) > 0.01, "the shift counts");
     // A G-buffer that is shifted with its projection shows the shifted image.
     let shift = 8;
@@ -372,7 +123,7 @@ fn a_shifted_projection_shifts_the_image() {
     let mut input = theirs.input();
     input.camera.view_to_clip[8] = 2.0 * shift as f32 / width as f32;
     let recorded = engine.frame(&mut reflections, &input).unwrap();
-    let shifted = engine.read(&recorded.composite);
+    let shifted = engine.read(&recorded.composite.unwrap());
     let (mut equal, mut all) = (0, 0);
     for (i, texel) in shifted.texels().enumerate().filter(|(i, _)| i % width >= 2 * shift && i % width < width - shift)
     {
@@ -382,6 +133,150 @@ fn a_shifted_projection_shifts_the_image() {
     }
     // Rays that leave by the sides see more or less of the scene.
     assert!(equal * 10 > all * 9, "{equal} of {all} pixels are as they were");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn a_sky_shows_where_rays_end_in_it() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = drawn(&gpu, "street", "puddles", [97, 61]);
+    assert!(data.depth.contains(&0.0), "the street is under the sky");
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let context = engine.context();
+    let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
+    let (reflectivity, roughness) = (FactorInput::Constant(0.5), FactorInput::Constant(0.0));
+    let mirrors = FrameInput { reflectivity, roughness, ..theirs.input() };
+    let mut show = |sky: Option<Vec3>| {
+        let cube = sky.map(|color| engine.cube(8, color));
+        let of = |cube: &Image| ImageInput::cube(cube.handle(), cube.faces().view(), cube.format(), cube.extent());
+        let recorded = engine.frame(&mut reflections, &FrameInput { sky: cube.as_ref().map(of), ..mirrors });
+        engine.read(&recorded.unwrap().composite.unwrap())
+    };
+    let (none, black, bright) = (show(None), show(Some(Vec3::ZERO)), show(Some(Vec3::new(0.0, 8.0, 0.0))));
+    assert!(bits(&black) != bits(&none), "without a sky, what the screen shows of it is reflected");
+    let greener = bright.texels().zip(black.texels()).filter(|(a, b)| a[1] > b[1] + 0.1).count();
+    assert!(greener > 20, "{greener} pixels show the sky");
+    assert!(bright.texels().zip(black.texels()).all(|(a, b)| a[0] == b[0] && a[1] >= b[1]), "and nothing else changes");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn what_is_not_asked_for_is_not_made() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = view_of_rooms(&gpu, [64, 48]);
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let context = engine.context();
+    for method in ["unified", "ssct"] {
+        let mut made = |composite, reflection| {
+            let before = context.allocated_bytes();
+            let wanted = ReflectionsInfo { composite, reflection, ..info(&data, method) };
+            let mut reflections = Reflections::new(&context, &wanted).unwrap();
+            let bytes = context.allocated_bytes() - before;
+            let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+            assert_eq!((recorded.composite.is_some(), recorded.reflection.is_some()), (composite, reflection));
+            let images = [recorded.composite, recorded.reflection].map(|o| o.map(|o| bits(&engine.read(&o))));
+            (images, bytes, recorded.passes)
+        };
+        let ([composite, reflection], all, _) = made(true, true);
+        let ([alone, _], fewer, _) = made(true, false);
+        assert!(alone == composite && fewer <= all, "{method}: {fewer} of {all} bytes");
+        let ([_, alone], fewer, passes) = made(false, true);
+        assert!(alone == reflection && fewer < all, "{method}: {fewer} of {all} bytes");
+        assert!(!passes.iter().any(|pass| pass == "composite"), "{passes:?}");
+    }
+    gpu.check_validation().unwrap();
+}
+
+/// An allocator of the caller's: an object for each block.
+struct Objects {
+    gpu: Gpu,
+    /// Blocks that were given, and those that were not taken back.
+    count: Arc<[AtomicUsize; 2]>,
+}
+
+// SAFETY: each block is an object of its own, of a type that fits; those for the host are mapped as long as they live.
+unsafe impl DeviceMemory for Objects {
+    fn allocate(
+        &mut self,
+        name: &str,
+        requirements: &vk::MemoryRequirements,
+        place: MemoryPlace,
+        _: bool,
+    ) -> Result<MemoryBlock, String> {
+        use vk::MemoryPropertyFlags as P;
+        let like = if place == MemoryPlace::Device { P::DEVICE_LOCAL } else { P::HOST_VISIBLE | P::HOST_COHERENT };
+        let (shared, device) = (self.gpu.shared(), self.gpu.raw());
+        // SAFETY: the device is alive; memory that is mapped was made for it.
+        unsafe {
+            let types = shared.instance.get_physical_device_memory_properties(shared.physical);
+            let fits = |(i, t): &(usize, &vk::MemoryType)| {
+                requirements.memory_type_bits & (1 << i) != 0 && t.property_flags.contains(like)
+            };
+            let found = types.memory_types_as_slice().iter().enumerate().find(fits);
+            let (kind, _) = found.ok_or_else(|| format!("no memory for {name}"))?;
+            // The layers advise against smaller objects.
+            let info = vk::MemoryAllocateInfo::default().allocation_size(requirements.size.max(1 << 20));
+            let info = info.memory_type_index(kind as u32);
+            let memory = device.allocate_memory(&info, None).map_err(|e| e.to_string())?;
+            let map = || device.map_memory(memory, 0, vk::WHOLE_SIZE, vk::MemoryMapFlags::empty()).unwrap();
+            let mapped = (place != MemoryPlace::Device).then(|| NonNull::new(map().cast()).unwrap());
+            let key = self.count[0].fetch_add(1, Ordering::SeqCst) as u64;
+            self.count[1].fetch_add(1, Ordering::SeqCst);
+            Ok(MemoryBlock { memory, offset: 0, mapped, key })
+        }
+    }
+
+    fn free(&mut self, block: MemoryBlock) {
+        assert!(block.key < self.count[0].load(Ordering::SeqCst) as u64);
+        self.count[1].fetch_sub(1, Ordering::SeqCst);
+        // SAFETY: what it was for is destroyed.
+        unsafe { self.gpu.raw().free_memory(block.memory, None) };
+    }
+}
+
+#[test]
+fn memory_of_the_callers_is_taken_and_given_back() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = view_of_rooms(&gpu, [64, 48]);
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let mut show = |context: Context| {
+        let mut reflections = Reflections::new(&context, &info(&data, "unified")).unwrap();
+        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+        (bits(&engine.read(&recorded.composite.unwrap())), context.allocated_bytes())
+    };
+    let count = Arc::new([const { AtomicUsize::new(0) }; 2]);
+    let memory: Box<dyn DeviceMemory> = Box::new(Objects { gpu: gpu.clone(), count: Arc::clone(&count) });
+    let engines = Engine::new(&gpu);
+    // SAFETY: as in `Engine::context`.
+    let with_memory = unsafe { Context::new(DeviceHandles { memory: Some(memory), ..engines.handles() }) }.unwrap();
+    let (ours, bytes) = show(engines.context());
+    let (theirs, none) = show(with_memory);
+    assert!(theirs == ours && bytes > 0 && none == 0, "{bytes} {none}");
+    let [given, held] = count.each_ref().map(|n| n.load(Ordering::SeqCst));
+    assert!(given > 10 && held == 0, "{held} of {given} blocks are held");
+    // Memory that there is not is an error that says for what.
+    struct Nothing;
+    // SAFETY: it gives nothing.
+    unsafe impl DeviceMemory for Nothing {
+        fn allocate(
+            &mut self,
+            _: &str,
+            _: &vk::MemoryRequirements,
+            _: MemoryPlace,
+            _: bool,
+        ) -> Result<MemoryBlock, String> {
+            Err("the budget is spent".into())
+        }
+
+        fn free(&mut self, _: MemoryBlock) {}
+    }
+    // SAFETY: as above.
+    let poor = unsafe { Context::new(DeviceHandles { memory: Some(Box::new(Nothing)), ..engines.handles() }) }.unwrap();
+    let said = Reflections::new(&poor, &info(&data, "unified")).err().unwrap();
+    assert!(matches!(said, ssct::Error::Memory { .. }) && said.to_string().contains("the budget is spent"), "{said}");
     gpu.check_validation().unwrap();
 }
 
@@ -429,12 +324,22 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
         // SAFETY: as above; submitted and waited for at once.
         unsafe { captures.record_face(commands, 0, &input) }.unwrap();
         engine.submit(commands).unwrap();
+        for (slot, wrong, words) in [
+            (1, input, ["slot", "frames_in_flight"]),
+            (0, CaptureFaceInput { capture: 1, ..input }, ["capture 1", "places has 1"]),
+            (0, CaptureFaceInput { face: 6, ..input }, ["face 6", "6 faces"]),
+        ] {
+            let commands = engine.begin();
+            // SAFETY: as above; it is thrown away.
+            let said = unsafe { captures.record_face(commands, slot, &wrong) }.unwrap_err().to_string();
+            assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
+        }
         kept.push((color, depth));
     }
     let input = FrameInput { captures: Some(&captures), ..theirs.input() };
     let recorded = engine.frame(&mut reflections, &input).unwrap();
     assert!(recorded.passes.iter().any(|p| p.starts_with("follow")), "{:?}", recorded.passes);
-    let seen = engine.read(&recorded.composite);
+    let seen = engine.read(&recorded.composite.unwrap());
     // Beside the same captures from the host, whose normals are not made of depth.
     let mut host = FrameContext::new(&gpu).unwrap();
     let given =
@@ -492,6 +397,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     wrong(&ReflectionsInfo { parameters: &[("fade", "maybe")], ..good }, "on, off");
     wrong(&ReflectionsInfo { frames_in_flight: 0, ..good }, "frames_in_flight");
     wrong(&ReflectionsInfo { extent: [0, 5], ..good }, "0x5");
+    wrong(&ReflectionsInfo { composite: false, reflection: false, ..good }, "no output");
     let mut lacking = engine.handles();
     lacking.enabled.vulkan13.synchronization2 = vk::FALSE;
     // SAFETY: refused before anything is made of it.
@@ -520,18 +426,27 @@ fn constants_stand_for_images_and_passes_are_timed_and_skipped() {
     assert_eq!(times.iter().map(|t| t.name.clone()).collect::<Vec<_>>(), recorded.passes);
     assert!(times.iter().any(|t| t.counted && t.ms > 0.0) && !times[0].counted);
     assert!(reflections.times(1).unwrap().is_empty());
+    let said = reflections.times(2).unwrap_err().to_string();
+    assert!(said.contains("slot") && said.contains("frames_in_flight"), "{said}");
     let nothing = FrameInput { reflectivity: FactorInput::Constant(0.0), ..input };
     let recorded = engine.frame(&mut reflections, &nothing).unwrap();
     assert!(recorded.reflection.is_none() && recorded.passes.iter().all(|p| p == "import"), "{:?}", recorded.passes);
+    // Neither is there a pass for what the caller knows not to be there; and what is shown is the same.
+    let of_image = theirs.input();
+    let mut data = data.clone();
+    data.roughness.fill(0.0);
+    let mirrors = Theirs::new(&mut engine, &data, NATIVE);
+    let recorded = engine.frame(&mut reflections, &mirrors.input()).unwrap();
+    let (all, shown) = (recorded.passes.len(), bits(&engine.read(&recorded.composite.unwrap())));
+    let reflectors = Reflectors { narrow: false, wide: false, ..Reflectors::UNKNOWN };
+    let recorded = engine.frame(&mut reflections, &FrameInput { reflectors, ..mirrors.input() }).unwrap();
+    assert!(bits(&engine.read(&recorded.composite.unwrap())) == shown && recorded.passes.len() < all);
     // Bytes are as good as halves for what needs no more.
     let bytes: Vec<u8> = data.roughness.iter().flat_map(|r| [(r * 255.0).round() as u8, 128, 0, 255]).collect();
     let image = engine.upload(BYTES, [64, 48], &bytes);
     let of = ImageInput::color(image.handle(), image.all().view(), BYTES, [64, 48]);
-    let input = FrameInput {
-        reflectivity: FactorInput::Channel(of, 1),
-        roughness: FactorInput::Channel(of, 0),
-        ..theirs.input()
-    };
+    let input =
+        FrameInput { reflectivity: FactorInput::Channel(of, 1), roughness: FactorInput::Channel(of, 0), ..of_image };
     assert!(engine.frame(&mut reflections, &input).unwrap().reflection.is_some());
     gpu.check_validation().unwrap();
 }
@@ -566,68 +481,4 @@ fn views_come_and_go_in_two_threads_and_leave_nothing() {
         run();
         one.join().unwrap();
     });
-}
-
-/// Numbers of a file of the example.
-fn numbers(path: &Path) -> Vec<f32> {
-    std::fs::read(path).unwrap().as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect()
-}
-
-/// The example as a user starts it, and the command on the images that it drew.
-#[test]
-fn the_example_shows_what_the_command_makes_of_its_images() {
-    let program = std::env::current_exe().unwrap();
-    let program = program.ancestors().nth(2).unwrap().join("examples/embed");
-    let folder = tempfile::tempdir().unwrap();
-    let output = Command::new(&program)
-        .args(["out.png", "images"])
-        .env("VK_INSTANCE_LAYERS", "VK_LAYER_KHRONOS_validation")
-        .env("VK_LAYER_ENABLES", "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT")
-        .current_dir(folder.path())
-        .output()
-        .unwrap_or_else(|e| panic!("{}: {e}", program.display()));
-    let said = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && !said.contains("VUID") && !said.contains("SYNC-"), "{said}");
-    let of = |name: &str| numbers(&folder.path().join(format!("images/{name}.f32")));
-    let camera = of("camera");
-    let (clip, view) = camera.split_at(16);
-    let (width, height) = (640, 360);
-    let vectors =
-        |name: &str, z: f32| of(name).as_chunks::<4>().0.iter().map(|t| Vec3::new(t[0], t[1], z * t[2])).collect();
-    let material: Vec<Vec3> = vectors("material", 1.0);
-    let turn = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
-    let projection = Projection { scale: [clip[0], -clip[5]], shift: [0.0; 2], depth: [-clip[10], clip[14]] };
-    let [near, far] = [clip[14] / (1.0 + clip[10]), clip[14] / clip[10]];
-    let lens = Lens { fov_y_radians: 2.0 * (1.0 / projection.scale[1]).atan(), near_m: near, far_m: far };
-    let data = GBufferData {
-        width,
-        height,
-        camera: Camera {
-            world_to_view: turn * Mat4::from_cols_slice(view),
-            lens,
-            aspect: projection.scale[1] / projection.scale[0],
-            near_plane: None,
-            projection: Some(projection),
-        },
-        depth: of("depth"),
-        normal: vectors("normal", -1.0),
-        reflectivity: material.iter().map(|m| m.x).collect(),
-        roughness: material.iter().map(|m| m.y).collect(),
-        color: vectors("color", 1.0),
-        surface: vec![Surface::Lit; (width * height) as usize],
-    };
-    let file = folder.path().join("g.exr");
-    std::fs::write(&file, ssct_lab::scene::gbuffer_file::encode(&data, &file).unwrap()).unwrap();
-    let run = Command::new(env!("CARGO_BIN_EXE_ssct"))
-        .args(["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "r.exr"])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let command = ssct_lab::report::images::read_image(&folder.path().join("r.exr")).unwrap();
-    let embedded = of("composite");
-    let shown: Vec<[f32; 3]> = embedded.as_chunks::<4>().0.iter().map(|t| [t[0], t[1], t[2]]).collect();
-    let differ = shown.iter().zip(&command.rgb).filter(|(a, b)| a.map(f32::to_bits) != b.map(f32::to_bits)).count();
-    assert_eq!(differ, 0, "of {} pixels", shown.len());
-    assert!(shown.iter().zip(of("color").as_chunks::<4>().0).any(|(a, b)| (a[0] - b[0]).abs() > 0.1), "it reflects");
 }

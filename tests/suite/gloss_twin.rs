@@ -49,14 +49,14 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
-    let setup = UnifiedSetup { extent, strip, oracle, over, reflection: true, followed: false };
+    let setup = UnifiedSetup { extent, strip, oracle, over, composite: true, reflection: true, followed: false };
     let pyramid = PyramidPass::new(gpu, extent).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();
     let gloss = UnifiedGlossPass::new(gpu, &setup).unwrap();
     let [composite, reflection] =
         ["composite", "reflection"].map(|name| Image::target(gpu, name, LIT_COLOR, extent).unwrap());
-    let canvas = Canvas { composite: &composite, reflection: Some(&reflection) };
+    let canvas = Canvas { composite: Some(&composite), reflection: Some(&reflection) };
     let is = |wide: bool| (0..data.depth.len()).any(|i| data.reflects(i) && (data.roughness[i] > 0.2) == wide);
     let known = Reflectors { mirrors: false, narrow: is(false), wide: is(true), everywhere: true };
     assert!(way.tiles || known.kinds() == 1);

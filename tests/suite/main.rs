@@ -20,6 +20,7 @@ mod cone;
 mod cube_maps;
 mod docs;
 mod embed;
+mod embed_example;
 mod error_study;
 mod figures;
 mod filters;

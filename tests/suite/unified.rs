@@ -434,7 +434,7 @@ fn every_way_to_draw_makes_the_same_image() {
     for roughness in [0.0, 0.1, 0.5] {
         let materials = corridor.materials(roughness);
         let images = |stage: &mut Stage, hits: bool, known: bool| {
-            let (setup, wants) = (setup(), Wants { hits, reflection: true });
+            let (setup, wants) = (setup(), Wants { hits, ..Wants::REFLECTION });
             let shot = Shot::new(stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (report, drawn) = stage.run(&shot, Mode::Plain).unwrap();
             // With hits, too, it is drawn whole: what is compared with the oracle is what is timed.
@@ -455,7 +455,7 @@ fn every_way_to_draw_makes_the_same_image() {
         }
         // Without a reflection of its own, the image is the same.
         let mut composite = |reflection: bool| {
-            let (setup, wants) = (setup(), Wants { hits: false, reflection });
+            let (setup, wants) = (setup(), Wants { reflection, ..Wants::IMAGE });
             let shot = Shot::new(&mut stage, &unified::INFO, &setup, wants, camera, materials.clone()).unwrap();
             let (_, _, output) = stage.output(&shot).unwrap();
             assert_eq!(output.traced.reflection.is_some(), reflection);

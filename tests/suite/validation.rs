@@ -5,7 +5,7 @@
 use crate::common::{check_validation, clutter, clutter_camera, expected_failures, is_gpu_assisted, own_gpu};
 use ash::vk;
 use ssct::gpu::frame::Mode;
-use ssct::gpu::memory::Place;
+use ssct::gpu::memory::MemoryPlace;
 use ssct::gpu::programs::Classify;
 use ssct::gpu::shader::UnifiedBlock;
 use ssct::gpu::validation::ALLOWED;
@@ -125,8 +125,9 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
     let said = |bytes: u64| {
         let gpu = own_gpu();
         let material = Image::target(&gpu, "material", vk::Format::R16G16_SFLOAT, [4, 4]).unwrap();
-        let buffer =
-            |name, size| Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, Place::Device).unwrap();
+        let buffer = |name, size| {
+            Buffer::new(&gpu, name, size, vk::BufferUsageFlags::STORAGE_BUFFER, MemoryPlace::Device).unwrap()
+        };
         let (counts, lists) = (buffer("counts", bytes), buffer("tiles", 4));
         let listed_image = ImageDesc {
             name: "listed tiles",

@@ -70,6 +70,7 @@ fn main() -> Result<()> {
             },
             reflectivity: ssct::FactorInput::Channel(material, 0),
             roughness: ssct::FactorInput::Channel(material, 1),
+            reflectors: ssct::Reflectors::UNKNOWN,
             color: renderer.input(&color)?,
             sky: None,
             captures: None,
@@ -89,7 +90,8 @@ fn main() -> Result<()> {
         let reflected = encoder.finish();
         // The image is the same in every frame, and was left as wgpu will take it to be.
         if composite.is_none() {
-            composite = Some(renderer.adopt(&recorded.composite)?);
+            let made = recorded.composite.ok_or("the composite is on by default")?;
+            composite = Some(renderer.adopt(&made)?);
         }
         let composite = composite.as_ref().ok_or("made above")?;
         passes = recorded.passes;

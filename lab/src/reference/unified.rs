@@ -15,7 +15,7 @@ mod resolve;
 pub use follow::{Answer, CubeWalk, Ended, LostRay, Seen};
 pub use gather::Cell;
 pub use gloss::{Footprint, Gloss};
-pub use gloss_trace::{Aim, Gathered};
+pub use gloss_trace::{Aim, Gathered, octahedral};
 pub use lobe::Lobe;
 
 use super::Level;

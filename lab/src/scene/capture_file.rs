@@ -165,7 +165,7 @@ pub fn sky_path(folder: &Path, face: usize) -> PathBuf {
 
 /// The text of [`LIST`].
 pub fn encode_list(captures: &[Capture]) -> String {
-    captures.iter().map(Capture::to_toml).collect::<Vec<_>>().join("\n")
+    captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n")
 }
 
 /// Encodes a face, of which only depth, normal, colour and surface are written, as the bytes of a file.

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::gpu::device::{Gpu, vulkan};
 use crate::gpu::frame::Frame;
 use crate::gpu::image::{Image, ImageDesc, ImageSlice};
-use crate::gpu::memory::{Buffer, Place};
+use crate::gpu::memory::{Buffer, MemoryPlace};
 use ash::vk;
 use egui_ash_renderer::allocator::Allocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, Renderer, RendererError, RendererResult};
@@ -99,7 +99,7 @@ impl Allocator for Memory {
         size: usize,
         usage: vk::BufferUsageFlags,
     ) -> RendererResult<(vk::Buffer, Held)> {
-        let buffer = Buffer::new(&self.0, "panel", size as u64, usage, Place::Upload).map_err(refused)?;
+        let buffer = Buffer::new(&self.0, "panel", size as u64, usage, MemoryPlace::Upload).map_err(refused)?;
         Ok((buffer.handle(), Held::Buffer(buffer)))
     }
 

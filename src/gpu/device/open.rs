@@ -1,5 +1,6 @@
 //! Opening a device: the instance, the choice among what the loader lists, and the logical device.
 
+use super::features::{self, enable_features};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::image::Samplers;
@@ -127,8 +128,7 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
     let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v12).push_next(&mut v13);
     // SAFETY: as above.
     unsafe { instance.get_physical_device_features2(physical, &mut features) };
-    let v10 = features.features;
-    if let Some((_, name)) = needed(&v10, &v12, &v13).into_iter().find(|(has, _)| *has == vk::FALSE) {
+    if let Some(name) = features::missing(features.features, v12, v13) {
         return Some(format!("it lacks the feature {name}"));
     }
     match families.iter().find(|f| is_universal(f)) {
@@ -136,22 +136,6 @@ fn unsuitable(instance: &ash::Instance, physical: vk::PhysicalDevice) -> Option<
         Some(f) if f.timestamp_valid_bits == 0 => Some("its queue has no timestamps".into()),
         Some(_) => None,
     }
-}
-
-/// The features that the crate does not do without: whether each is there or on, and its name.
-pub(super) fn needed(
-    v10: &vk::PhysicalDeviceFeatures,
-    v12: &vk::PhysicalDeviceVulkan12Features,
-    v13: &vk::PhysicalDeviceVulkan13Features,
-) -> [(vk::Bool32, &'static str); 6] {
-    [
-        (v10.image_cube_array, "imageCubeArray"),
-        (v10.fragment_stores_and_atomics, "fragmentStoresAndAtomics"),
-        (v12.host_query_reset, "hostQueryReset"),
-        (v13.dynamic_rendering, "dynamicRendering"),
-        (v13.synchronization2, "synchronization2"),
-        (v13.maintenance4, "maintenance4"),
-    ]
 }
 
 fn is_universal(family: &vk::QueueFamilyProperties) -> bool {
@@ -238,17 +222,14 @@ pub(super) fn open_device(
     }
     let queues =
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
-    let features = vk::PhysicalDeviceFeatures::default()
-        .image_cube_array(true)
-        .fragment_stores_and_atomics(true)
+    let mut features = vk::PhysicalDeviceFeatures::default()
         .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
-        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
-        .large_points(supported.large_points == vk::TRUE)
-        .shader_storage_image_extended_formats(supported.shader_storage_image_extended_formats == vk::TRUE);
-    let mut v12 = vk::PhysicalDeviceVulkan12Features::default().host_query_reset(true);
-    let mut v13 =
-        vk::PhysicalDeviceVulkan13Features::default().dynamic_rendering(true).synchronization2(true).maintenance4(true);
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
+    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
+    let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
+    enable_features(&mut features, &mut v12, &mut v13);
+    features.large_points = supported.large_points;
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
@@ -317,10 +298,8 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
     if properties.api_version < vk::API_VERSION_1_3 {
         return Err(refused("it has no Vulkan 1.3".into()));
     }
-    for (is_on, name) in needed(&enabled.core, &enabled.vulkan12, &enabled.vulkan13) {
-        if is_on == vk::FALSE {
-            return Err(refused(format!("the feature {name} was not enabled when the device was made")));
-        }
+    if let Some(name) = features::missing(enabled.core, enabled.vulkan12, enabled.vulkan13) {
+        return Err(refused(format!("the feature {name} was not enabled when the device was made")));
     }
     let family =
         families.get(queue_family as usize).ok_or_else(|| refused(format!("it has no queue family {queue_family}")))?;

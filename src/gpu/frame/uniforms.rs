@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 use crate::gpu::device::Gpu;
-use crate::gpu::memory::{Buffer, Place};
+use crate::gpu::memory::{Buffer, MemoryPlace};
 use ash::vk;
 
 /// Bytes of a chunk. The first one is enough for every built-in scene.
@@ -53,7 +53,7 @@ impl Uniforms {
 }
 
 fn chunk(gpu: &Gpu, size: u64) -> Result<Buffer> {
-    Buffer::new(gpu, "frame uniforms", size, vk::BufferUsageFlags::UNIFORM_BUFFER, Place::Upload)
+    Buffer::new(gpu, "frame uniforms", size, vk::BufferUsageFlags::UNIFORM_BUFFER, MemoryPlace::Upload)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The README's first plot: time and error against the world of every method over those of `ssct`, mirrors and a roughness.
 
-use super::records::{WorldPoint, world_points};
+use super::beyond::{WorldPoint, world_points};
 use std::fmt::Write;
 use std::path::Path;
 

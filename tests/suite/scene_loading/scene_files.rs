@@ -193,7 +193,7 @@ fn captures_arrive_and_can_be_written_again() {
     let first = Capture { position: Vec3::new(1.0, 1.5, 2.0), near_m: 0.25, resolution: 256 };
     let second = Capture { position: Vec3::new(3.0, 1.5, 2.0), near_m: Capture::NEAR_M, resolution: 256 };
     assert_eq!(scene.captures, [first, second]);
-    let written: String = scene.captures.iter().map(Capture::to_toml).collect();
+    let written: String = scene.captures.iter().map(|c| c.to_toml()).collect();
     let again = load(&folder(&format!("[[mesh]]\nfile = 'a.obj'\n{written}")), 1.0).unwrap();
     assert_eq!(again.captures, scene.captures);
     let bare = load(&folder("[[mesh]]\nfile = 'a.obj'\n[[capture]]\nplace = [0, 1, 0]\n"), 2.0).unwrap();

@@ -69,7 +69,7 @@ pub fn with_captures(text: &str, captures: &[Capture], path: &Path) -> Result<St
             kept.push('\n');
         }
     }
-    let tables = captures.iter().map(Capture::to_toml).collect::<Vec<_>>().join("\n");
+    let tables = captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n");
     let made = if kept.trim().is_empty() { tables } else { format!("{}\n\n{tables}", kept.trim_end()) };
     if rest(&made).ok() != Some(before) {
         let message = "it names captures by other tables than [[capture]], which cannot be replaced";

@@ -1,0 +1,89 @@
+//! Measures what reflections cost through the door for other renderers, beside the command's own. Prints a table to
+//! standard output.
+//!
+//! Each method records the same frames in turn: as the command does, after its scene passes, and through the door, out of
+//! images of another renderer that hold the same G-buffer. Times are those of the passes that count, by the device's
+//! timestamps: the median of [`FRAMES`] frames; `import` is the pass that only the door has, and does not count. The
+//! ratio is the median of the ratios of neighbouring frames.
+//!
+//! Both know of the materials that are drawn what they reflect ([`ssct::Reflectors`]).
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+#[path = "../tests/common/engine.rs"]
+mod engine;
+
+use engine::{Engine, NATIVE, Theirs};
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{DeviceQuery, Gpu, PassTime};
+use ssct::methods::{self, Setup, Wants};
+use ssct::{FrameInput, Reflections, ReflectionsInfo};
+use ssct_lab::scene::library;
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const FRAMES: usize = 11;
+const WARMUP: usize = 2;
+const SIZE: [u32; 2] = [960, 540];
+/// `None` for the materials of the scene, which differ from pixel to pixel.
+const ROUGHNESS: [Option<f32>; 3] = [None, Some(0.0), Some(0.1)];
+
+fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+    let mut values: Vec<_> = values.into_iter().collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn counted(passes: &[PassTime]) -> f64 {
+    passes.iter().filter(|p| p.counted).map(|p| p.ms).sum()
+}
+
+fn main() {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let scene = library::scene("rooms").expect("a built-in scene");
+    let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+    let mut engine = Engine::new(&gpu);
+    let context = engine.context();
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("# {}x{}, {FRAMES} frames each; bytes: of the device that the door's view holds", SIZE[0], SIZE[1]);
+    println!("method,roughness,view,command_ms,door_ms,ratio,import_ms,bytes");
+    let mut ratios = Vec::new();
+    for roughness in ROUGHNESS {
+        let globals = Globals { roughness, ..Globals::default() };
+        for view in &scene.views {
+            for method in ["unified", "ssct", "hzct"].map(|name| methods::find(name).expect("a method")) {
+                let (camera, materials) = (view.camera(&scene, SIZE), globals.materials(&scene, view));
+                let shot =
+                    Shot::new(&mut stage, method, &Setup::new(SIZE), Wants::IMAGE, camera, materials).expect("a shot");
+                let (_, drawn) = stage.run(&shot, Mode::Plain).expect("a frame");
+                let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+                let theirs = Theirs::new(&mut engine, &data, NATIVE);
+                let before = context.allocated_bytes();
+                let info =
+                    ReflectionsInfo { extent: SIZE, method: method.name, reflection: false, ..Default::default() };
+                let mut reflections = Reflections::new(&context, &info).expect("reflections");
+                let bytes = context.allocated_bytes() - before;
+                let input = FrameInput { timed: true, reflectors: drawn.reflectors, ..theirs.input() };
+                let mut pairs = Vec::new();
+                for frame in 0..WARMUP + FRAMES {
+                    let (report, _) = stage.run(&shot, Mode::Timed).expect("a frame");
+                    engine.frame(&mut reflections, &input).expect("a frame");
+                    engine.reset();
+                    let door = reflections.times(input.slot).expect("times");
+                    if frame >= WARMUP {
+                        pairs.push([counted(&report.passes), counted(&door), door[0].ms]);
+                    }
+                }
+                let [command, door, import] = [0, 1, 2].map(|i| median(pairs.iter().map(|p| p[i])));
+                let ratio = median(pairs.iter().map(|p| p[1] / p[0]));
+                let (name, view) = (method.name, &view.name);
+                let of = roughness.map_or("materials".into(), |value| value.to_string());
+                println!("{name},{of},{view},{command:.3},{door:.3},{ratio:.3},{import:.3},{bytes}");
+                ratios.push((name, roughness, ratio));
+            }
+        }
+    }
+    for (name, roughness) in ["unified", "ssct", "hzct"].into_iter().flat_map(|n| ROUGHNESS.map(|r| (n, r))) {
+        let of = ratios.iter().filter(|r| (r.0, r.1) == (name, roughness)).map(|r| r.2);
+        println!("# {name}, roughness {roughness:?}: median ratio {:.3}", median(of));
+    }
+}

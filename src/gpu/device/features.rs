@@ -1,0 +1,42 @@
+//! The features that devices have on.
+
+use ash::vk;
+
+/// The features that no device does without: the name of each, and whether it is there or on.
+fn needed<'a>(
+    v10: &'a mut vk::PhysicalDeviceFeatures,
+    v12: &'a mut vk::PhysicalDeviceVulkan12Features<'_>,
+    v13: &'a mut vk::PhysicalDeviceVulkan13Features<'_>,
+) -> [(&'static str, &'a mut vk::Bool32); 7] {
+    [
+        ("imageCubeArray", &mut v10.image_cube_array),
+        ("fragmentStoresAndAtomics", &mut v10.fragment_stores_and_atomics),
+        ("shaderStorageImageExtendedFormats", &mut v10.shader_storage_image_extended_formats),
+        ("hostQueryReset", &mut v12.host_query_reset),
+        ("dynamicRendering", &mut v13.dynamic_rendering),
+        ("synchronization2", &mut v13.synchronization2),
+        ("maintenance4", &mut v13.maintenance4),
+    ]
+}
+
+/// Turns on what a device must have on, beside whatever else is on. No extension is needed: this is core Vulkan 1.3.
+/// `largePoints` is among it, which a device may lack: then leave it off, and only `unified` cannot be made.
+pub fn enable_features(
+    core: &mut vk::PhysicalDeviceFeatures,
+    vulkan12: &mut vk::PhysicalDeviceVulkan12Features<'_>,
+    vulkan13: &mut vk::PhysicalDeviceVulkan13Features<'_>,
+) {
+    core.large_points = vk::TRUE;
+    for (_, feature) in needed(core, vulkan12, vulkan13) {
+        *feature = vk::TRUE;
+    }
+}
+
+/// The first needed feature that is not there or not on.
+pub fn missing(
+    mut v10: vk::PhysicalDeviceFeatures,
+    mut v12: vk::PhysicalDeviceVulkan12Features<'_>,
+    mut v13: vk::PhysicalDeviceVulkan13Features<'_>,
+) -> Option<&'static str> {
+    needed(&mut v10, &mut v12, &mut v13).into_iter().find(|(_, on)| **on == vk::FALSE).map(|(name, _)| name)
+}

@@ -1,0 +1,287 @@
+//! A renderer that is not ours, with what it draws in its own conventions, to try the door for other renderers.
+
+#![allow(dead_code)]
+
+use ash::vk;
+use glam::{Mat3, Mat4, Vec3};
+use half::f16;
+use ssct::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, Pixels};
+use ssct::methods::{METHODS, Setup, Wants};
+use ssct::scene::Projection;
+use ssct::{
+    CameraInput, ClipY, Context, DeviceHandles, EnabledFeatures, FactorInput, FrameInput, ImageInput, ImageUse,
+    NormalEncoding, NormalInput, NormalSpace, OutputImage, Recorded, Reflections, ReflectionsInfo, Reflectors,
+};
+use ssct_lab::reference::unified::octahedral;
+use ssct_lab::scene::{GBufferData, Lens, Surface, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
+
+pub const HALVES: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+pub const BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
+pub const FLOAT: vk::Format = vk::Format::R32_SFLOAT;
+
+/// A renderer with a device of its own: the raw handles of ours stand for theirs.
+pub struct Engine {
+    pub gpu: Gpu,
+    frames: FrameContext,
+    pool: vk::CommandPool,
+}
+
+impl Engine {
+    pub fn new(gpu: &Gpu) -> Self {
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(gpu.shared().queue_family);
+        // SAFETY: destroyed in `drop`.
+        let pool = unsafe { gpu.raw().create_command_pool(&info, None) }.unwrap();
+        Self { gpu: gpu.clone(), frames: FrameContext::new(gpu).unwrap(), pool }
+    }
+
+    pub fn handles(&self) -> DeviceHandles {
+        let shared = self.gpu.shared();
+        let mut enabled = EnabledFeatures::default();
+        ssct::enable_features(&mut enabled.core, &mut enabled.vulkan12, &mut enabled.vulkan13);
+        DeviceHandles {
+            entry: shared.entry.clone(),
+            instance: shared.instance.clone(),
+            physical: shared.physical,
+            device: shared.device.clone(),
+            queue_family: shared.queue_family,
+            enabled,
+            debug_utils: false,
+            memory: None,
+        }
+    }
+
+    pub fn context(&self) -> Context {
+        // SAFETY: the handles are of one device, which outlives the test's contexts; its features are those of
+        // `Gpu::open`, which has them on.
+        unsafe { Context::new(self.handles()) }.unwrap()
+    }
+
+    pub fn upload(&mut self, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
+        self.upload_layers(1, format, extent, bytes)
+    }
+
+    /// A cube map of one colour, in halves.
+    pub fn cube(&mut self, side: u32, color: Vec3) -> Image {
+        let texels = (0..6 * side * side).flat_map(|_| color.extend(1.0).to_array());
+        self.upload_layers(6, HALVES, [side; 2], &halves(texels))
+    }
+
+    fn upload_layers(&mut self, layers: u32, format: vk::Format, extent: [u32; 2], bytes: &[u8]) -> Image {
+        use vk::ImageUsageFlags as U;
+        let usage = U::SAMPLED | U::TRANSFER_DST | U::TRANSFER_SRC;
+        let image =
+            Image::new(&self.gpu, &ImageDesc { name: "theirs", format, extent, levels: 1, layers, usage }).unwrap();
+        let staging = Buffer::upload(&self.gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC).unwrap();
+        self.frames
+            .once(|frame| {
+                frame.upload("upload", &staging, image.all())?;
+                frame.hand_over(&image, ImageUse::FRAGMENT_SAMPLED);
+                Ok(())
+            })
+            .unwrap();
+        image
+    }
+
+    pub fn begin(&self) -> vk::CommandBuffer {
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the pool is alive, and frees its command buffers.
+        unsafe {
+            let commands = self.gpu.raw().allocate_command_buffers(&info).unwrap()[0];
+            self.gpu.raw().begin_command_buffer(commands, &begin).unwrap();
+            commands
+        }
+    }
+
+    pub fn submit(&self, commands: vk::CommandBuffer) -> ash::prelude::VkResult<()> {
+        let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+        let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
+        let queue = self.gpu.queue().unwrap();
+        // SAFETY: the command buffer is recorded; the device is waited for.
+        unsafe {
+            self.gpu.raw().end_command_buffer(commands[0].command_buffer)?;
+            self.gpu.raw().queue_submit2(*queue, &submit, vk::Fence::null())?;
+            self.gpu.raw().device_wait_idle()
+        }
+    }
+
+    /// Frees every command buffer; none is under way.
+    pub fn reset(&mut self) {
+        let info = vk::CommandPoolCreateInfo::default().queue_family_index(self.gpu.shared().queue_family);
+        // SAFETY: nothing is under way; the new pool is destroyed in `drop`.
+        unsafe {
+            self.gpu.raw().destroy_command_pool(self.pool, None);
+            self.pool = self.gpu.raw().create_command_pool(&info, None).unwrap();
+        }
+    }
+
+    pub fn read(&mut self, output: &OutputImage) -> Pixels {
+        let part =
+            vk::ImageSubresourceRange::default().aspect_mask(vk::ImageAspectFlags::COLOR).level_count(1).layer_count(1);
+        let like = (output.format, output.extent);
+        let image = Image::of_others(&self.gpu, "output", (output.image, output.view), part, like);
+        self.frames
+            .once(|frame| {
+                frame.take_over(&image, ImageUse::TRANSFER_SOURCE);
+                Ok(())
+            })
+            .unwrap();
+        self.frames.read(image.all()).unwrap()
+    }
+
+    /// One frame, submitted.
+    pub fn frame(&mut self, reflections: &mut Reflections, input: &FrameInput) -> ssct::Result<Recorded> {
+        let commands = self.begin();
+        // SAFETY: the command buffer is recording; what is recorded is submitted and waited for at once.
+        let recorded = unsafe { reflections.record(commands, input) }?;
+        self.submit(commands).unwrap();
+        Ok(recorded)
+    }
+}
+
+impl Drop for Engine {
+    fn drop(&mut self) {
+        // SAFETY: nothing is under way.
+        unsafe { self.gpu.raw().destroy_command_pool(self.pool, None) };
+    }
+}
+
+/// How a renderer keeps its G-buffer.
+#[derive(Debug, Clone, Copy)]
+pub struct Convention {
+    pub normal: (NormalSpace, NormalEncoding),
+    /// Whether its view space is right-handed.
+    pub right_handed: bool,
+    pub standard_depth: bool,
+    pub clip_y: ClipY,
+}
+
+pub const NATIVE: Convention = Convention {
+    normal: (NormalSpace::View, NormalEncoding::Float),
+    right_handed: false,
+    standard_depth: false,
+    clip_y: ClipY::Up,
+};
+
+/// A G-buffer as a renderer of a convention has it, in its images.
+pub struct Theirs {
+    pub depth: Image,
+    pub normal: Image,
+    pub material: Image,
+    pub color: Image,
+    pub camera: CameraInput,
+    pub convention: Convention,
+}
+
+pub fn halves(values: impl Iterator<Item = f32>) -> Vec<u8> {
+    values.flat_map(|v| f16::from_f32(v).to_ne_bytes()).collect()
+}
+
+impl Theirs {
+    pub fn new(engine: &mut Engine, data: &GBufferData, convention: Convention) -> Self {
+        let extent = [data.width, data.height];
+        let turn = Mat3::from_diagonal(Vec3::new(1.0, 1.0, if convention.right_handed { -1.0 } else { 1.0 }));
+        let ours = data.camera.view_to_clip_reversed().to_cols_array();
+        let mut clip = ours;
+        let side = if convention.right_handed { -1.0 } else { 1.0 };
+        if convention.standard_depth {
+            clip[10] = 1.0 - ours[10];
+            clip[14] = -ours[14];
+        }
+        clip[10] *= side;
+        clip[11] = side;
+        if convention.clip_y == ClipY::Down {
+            clip[5] = -clip[5];
+        }
+        let world_to_view = Mat4::from_mat3(turn) * data.camera.world_to_view;
+        let to_world = Mat3::from_mat4(data.camera.world_to_view).transpose();
+        let stored = |n: &Vec3| -> [f32; 4] {
+            let n = match convention.normal.0 {
+                NormalSpace::View => turn * *n,
+                NormalSpace::World => to_world * *n,
+            };
+            // Where nothing stands there is no normal to map.
+            let o = if n == Vec3::ZERO { n.truncate() } else { octahedral(n) };
+            let unorm = |v: f32| 0.5 * v + 0.5;
+            match convention.normal.1 {
+                NormalEncoding::Float => [n.x, n.y, n.z, 0.0],
+                NormalEncoding::Unorm => [unorm(n.x), unorm(n.y), unorm(n.z), 0.0],
+                NormalEncoding::Octahedral => [o.x, o.y, 0.0, 0.0],
+                NormalEncoding::OctahedralUnorm => [unorm(o.x), unorm(o.y), 0.0, 0.0],
+            }
+        };
+        let depth: Vec<f32> = data.depth.iter().map(|d| if convention.standard_depth { 1.0 - d } else { *d }).collect();
+        let material = data.roughness.iter().zip(&data.reflectivity).flat_map(|(ro, re)| [0.25, *ro, 0.5, *re]);
+        let color = data.color.iter().flat_map(|c| c.extend(1.0).to_array());
+        let camera =
+            CameraInput { world_to_view: world_to_view.to_cols_array(), view_to_clip: clip, clip_y: convention.clip_y };
+        Self {
+            depth: engine.upload(FLOAT, extent, bytemuck::cast_slice(&depth)),
+            normal: engine.upload(HALVES, extent, &halves(data.normal.iter().flat_map(stored))),
+            material: engine.upload(HALVES, extent, &halves(material)),
+            color: engine.upload(HALVES, extent, &halves(color)),
+            camera,
+            convention,
+        }
+    }
+
+    pub fn input(&self) -> FrameInput<'static> {
+        let of = |image: &Image| ImageInput::color(image.handle(), image.all().view(), image.format(), image.extent());
+        let (space, encoding) = self.convention.normal;
+        FrameInput {
+            slot: 0,
+            camera: self.camera,
+            depth: of(&self.depth),
+            normal: NormalInput { image: of(&self.normal), space, encoding },
+            reflectivity: FactorInput::Channel(of(&self.material), 3),
+            roughness: FactorInput::Channel(of(&self.material), 1),
+            reflectors: Reflectors::UNKNOWN,
+            color: of(&self.color),
+            sky: None,
+            captures: None,
+            timed: false,
+            outputs: ImageUse::TRANSFER_SOURCE,
+        }
+    }
+}
+
+/// A view of the rooms, with all kinds of surfaces; the camera is known by its matrix.
+pub fn view_of_rooms(gpu: &Gpu, extent: [u32; 2]) -> GBufferData {
+    drawn(gpu, "rooms", "corridor", extent)
+}
+
+/// A view of a scene; the camera is known by its matrix.
+pub fn drawn(gpu: &Gpu, scene: &str, view: &str, extent: [u32; 2]) -> GBufferData {
+    let scene = library::scene(scene).unwrap();
+    let view = scene.view(view).unwrap();
+    let mut stage = Stage::new(gpu, &scene).unwrap();
+    let materials = Globals::default().materials(&scene, view);
+    let camera = view.camera(&scene, extent);
+    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::IMAGE, camera, materials).unwrap();
+    image::render(&mut stage, &shot, false).unwrap();
+    let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let clip = camera.view_to_clip_reversed();
+    let [a, b] = [clip.z_axis.z, clip.w_axis.z];
+    let scale = [clip.x_axis.x, clip.y_axis.y];
+    data.camera.projection = Some(Projection { scale, shift: [0.0; 2], depth: [a, b] });
+    data.camera.aspect = scale[1] / scale[0];
+    data.camera.lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m: b / (1.0 - a), far_m: -b / a };
+    // The example's images know no surface that shows the sky.
+    data.surface.fill(Surface::Lit);
+    data
+}
+
+pub fn info<'a>(data: &GBufferData, method: &'a str) -> ReflectionsInfo<'a> {
+    ReflectionsInfo { extent: [data.width, data.height], method, ..ReflectionsInfo::default() }
+}
+
+pub fn bits(pixels: &Pixels) -> Vec<u32> {
+    pixels.values.iter().map(|v| v.to_bits()).collect()
+}
+
+pub fn rmse(a: &Pixels, b: &Pixels) -> f64 {
+    assert_eq!(a.values.len(), b.values.len());
+    let sum: f64 = a.values.iter().zip(&b.values).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+    (sum / a.values.len() as f64).sqrt()
+}

@@ -1,0 +1,225 @@
+//! Tables and numbers of captures and of what is behind a method, against the world.
+
+use super::records::{ROUGHNESS, greatest, json, least, median, median_and_greatest, percent, ratio, table, text};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+type Result<T> = std::result::Result<T, String>;
+
+/// The scenes that captures are measured on, each with its aim: the world RMSE of `unified` with four captures over
+/// that of `ssct`, for mirrors and in the median of its views.
+const BEYOND: [(&str, f64); 8] = [
+    ("rooms", 0.2),
+    ("ssct-rooms", 0.2),
+    ("atrium", 0.6),
+    ("sponza", 0.6),
+    ("museum", 0.25),
+    ("street", 0.3),
+    ("cathedral", 0.75),
+    ("corridor", 0.55),
+];
+
+/// How much more than its aim a scene may have at each of [`ROUGHNESS`].
+const ALLOWED: [f64; 5] = [0.0, 0.05, 0.05, 0.1, 0.1];
+
+/// `unified` with captures, and what it is held against: a method, and what is behind it.
+const CAPTURED: (&str, &str) = ("unified", "none");
+const ALONE: (&str, &str) = ("ssct", "none");
+
+/// The records of a scene, of folders that have one folder a scene; not every folder has every scene.
+fn of_scene(folders: &[PathBuf], scene: &str) -> Result<Vec<Value>> {
+    let there = folders.iter().map(|folder| folder.join(scene)).filter(|folder| folder.exists());
+    let all = there.map(|folder| json(&folder, "error.json"));
+    Ok(all.collect::<Result<Vec<_>>>()?.concat())
+}
+
+/// A figure against the world of a method at a roughness, by view; of the RMSE, the variance of the reference is taken off.
+fn by_view(records: &[Value], (method, behind): (&str, &str), roughness: &str, field: &str) -> BTreeMap<String, f64> {
+    let wanted: f64 = roughness.parse().unwrap_or(f64::NAN);
+    let of = records.iter().filter(|r| r["method"] == method && r["against"] == "world");
+    let here = of
+        .filter(|r| r["setup"]["fallback"] == behind)
+        .filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6));
+    let mut views = BTreeMap::new();
+    for r in here {
+        let noise = if field == "rmse" { r["standard_error"].as_f64().unwrap_or(0.0) } else { 0.0 };
+        if let (Some(view), Some(value)) = (r["view"].as_str(), r[field].as_f64()) {
+            // What is in several folders counts as the first has it.
+            views.entry(view.to_owned()).or_insert((value * value - noise * noise).max(0.0).sqrt());
+        }
+    }
+    views
+}
+
+/// A figure of `unified` with captures over that of another method, for each view.
+fn captured_over(records: &[Value], other: (&str, &str), roughness: &str, field: &str) -> Result<Vec<f64>> {
+    let [own, others] = [CAPTURED, other].map(|of| by_view(records, of, roughness, field));
+    if own.is_empty() || own.keys().ne(others.keys()) {
+        return Err(format!("at roughness {roughness}, not every view has unified and {other:?}"));
+    }
+    Ok(own.values().zip(others.values()).map(|(a, b)| a / b).collect())
+}
+
+/// The same for all views of all scenes.
+fn captured_over_in_all(folders: &[PathBuf], other: (&str, &str), roughness: &str) -> Result<Vec<f64>> {
+    let of = |(scene, _): &(&str, f64)| captured_over(&of_scene(folders, scene)?, other, roughness, "rmse");
+    Ok(BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+}
+
+/// The share of mirror rays that end where they do in the world: median and, in brackets, the least.
+fn right_places(records: &[Value]) -> Result<String> {
+    let places: Vec<f64> = by_view(records, CAPTURED, "0", "place_agreement").into_values().collect();
+    Ok(format!("{} ({})", percent(median(&places)?, 1), percent(least(&places), 1)))
+}
+
+/// What captures gain against the world at a roughness, a scene's views a row: medians of the errors, and `unified` over
+/// `ssct`.
+pub fn beyond(folders: &[PathBuf], roughness: &str) -> Result<String> {
+    let is_mirror = roughness == "0";
+    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(folders, scene)?;
+        let middle = |method: (&str, &str), field: &str| {
+            let values: Vec<f64> = by_view(&records, method, roughness, field).into_values().collect();
+            median(&values).map(|m| format!("{m:.3}"))
+        };
+        let over = |field: &str| median_and_greatest(&captured_over(&records, ALONE, roughness, field)?);
+        let errors = [ALONE, ("captures", "none"), CAPTURED].map(|method| middle(method, "rmse"));
+        let mut row = vec![(*scene).to_owned()];
+        row.extend(errors.into_iter().collect::<Result<Vec<_>>>()?);
+        // Lobes have no places, and their floor is for the most part the noise of the reference.
+        if is_mirror {
+            row.extend([middle(ALONE, "floor")?, over("rmse")?, right_places(&records)?, over("time_ms")?]);
+        } else {
+            row.extend([over("rmse")?, over("time_ms")?]);
+        }
+        Ok(row)
+    };
+    let (places, time) = ("rays that end right", "time over `ssct`");
+    let all = ["scene", "`ssct`", "`captures`", "`unified`", "floor", "`unified` over `ssct`", places, time];
+    let head: Vec<_> = all.into_iter().filter(|h| is_mirror || !["floor", places].contains(h)).collect();
+    table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// `unified` with captures over `ssct` against the world, a scene a row and a roughness a column, beside what the floor is
+/// of `ssct`; bold where the median misses the scene's aim.
+pub fn gain(folders: &[PathBuf]) -> Result<String> {
+    let row = |(scene, aim): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(folders, scene)?;
+        let cell = |(roughness, allowed): (&&str, &f64)| {
+            if by_view(&records, CAPTURED, roughness, "rmse").is_empty() {
+                return Ok("–".to_owned());
+            }
+            let over = captured_over(&records, ALONE, roughness, "rmse")?;
+            let (middle, most) = (median(&over)?, greatest(&over));
+            let mark = if middle > aim + allowed { "**" } else { "" };
+            Ok(format!("{mark}{}{mark} ({})", ratio(middle), ratio(most)))
+        };
+        let cells = ROUGHNESS.iter().zip(&ALLOWED).map(cell).collect::<Result<Vec<_>>>()?;
+        let (floor, base) = (by_view(&records, ALONE, "0", "floor"), by_view(&records, ALONE, "0", "rmse"));
+        let floors: Vec<f64> = floor.values().zip(base.values()).map(|(floor, base)| floor / base).collect();
+        let first = [(*scene).to_owned(), median_and_greatest(&floors)?, format!("{aim}")];
+        Ok(first.into_iter().chain(cells).collect())
+    };
+    let head = ["scene", "floor, ϱ 0", "aim", "ϱ 0", "0.05", "0.1", "0.3", "0.6"];
+    table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
+}
+
+/// `unified` with captures over `ssct` with each fallback against the world, at the roughness values that all have.
+pub fn fallbacks(folders: &[PathBuf]) -> Result<String> {
+    let columns = ["0", "0.1"].map(|r| ["none", "environment", "pccm"].map(|behind| (behind, r))).concat();
+    let mut rows = Vec::new();
+    for (scene, _) in BEYOND {
+        let records = of_scene(folders, scene)?;
+        let cell =
+            |(behind, r): &(&str, &str)| median_and_greatest(&captured_over(&records, ("ssct", behind), r, "rmse")?);
+        let cells = columns.iter().map(cell).collect::<Result<Vec<_>>>()?;
+        rows.push([scene.to_owned()].into_iter().chain(cells).collect());
+    }
+    let all = |(behind, r): &(&str, &str)| median_and_greatest(&captured_over_in_all(folders, ("ssct", behind), r)?);
+    let cells = columns.iter().map(all).collect::<Result<Vec<_>>>()?;
+    rows.push(["*all views*".to_owned()].into_iter().chain(cells).collect());
+    let head = [
+        "scene",
+        "over `ssct`, ϱ 0",
+        "over `ssct` + `environment`",
+        "over `ssct` + `pccm`",
+        "over `ssct`, ϱ 0.1",
+        "over `ssct` + `environment`",
+        "over `ssct` + `pccm`",
+    ];
+    table(&head, rows)
+}
+
+/// The scenes of the plot of the world.
+const PLOTTED: [&str; 3] = ["rooms", "museum", "corridor"];
+
+/// A method in the plot of the world: median over the views of its time and of its error over those of `ssct`.
+#[derive(Debug, Clone)]
+pub struct WorldPoint {
+    /// What it is called.
+    pub name: String,
+    /// Whether its rays go on in captures.
+    pub is_captured: bool,
+    /// Time and error.
+    pub at: [f64; 2],
+}
+
+/// The points of the plot at a roughness, each over the `ssct` of its own run.
+pub fn world_points(captured: &Path, fallbacks: &Path, roughness: &str) -> Result<Vec<WorldPoint>> {
+    let point = |folder: &Path, (method, behind): (&str, &str)| -> Result<WorldPoint> {
+        let mut over = [Vec::new(), Vec::new()];
+        for scene in PLOTTED {
+            let records = of_scene(&[folder.to_owned()], scene)?;
+            for (field, over) in ["time_ms", "rmse"].into_iter().zip(&mut over) {
+                let [own, base] = [(method, behind), ALONE].map(|of| by_view(&records, of, roughness, field));
+                if own.is_empty() || own.keys().ne(base.keys()) {
+                    return Err(format!("{scene}: not every view has {method} + {behind}"));
+                }
+                over.extend(own.values().zip(base.values()).map(|(a, b)| a / b));
+            }
+        }
+        let is_captured = folder == captured;
+        let name = match (method, behind) {
+            ("unified", _) if is_captured => "unified with four captures".to_owned(),
+            ("captures", _) => "four captures alone".to_owned(),
+            (method, "none") => method.to_owned(),
+            (method, behind) => format!("{method} + {behind}"),
+        };
+        Ok(WorldPoint { name, is_captured, at: [median(&over[0])?, median(&over[1])?] })
+    };
+    let screen = ["ssct", "hzct", "unified"].into_iter();
+    let behind = screen.flat_map(|method| ["none", "environment", "pccm"].map(|behind| (method, behind)));
+    let alone = behind.chain([("pccm", "none")]).map(|of| point(fallbacks, of));
+    alone.chain([CAPTURED, ("captures", "none")].map(|of| point(captured, of))).collect()
+}
+
+/// On how many of all views `unified` with captures has more than so many times the error of `ssct` with a fallback.
+pub fn views_above(folders: &[PathBuf], limit: &str, behind: &str, roughness: &str) -> Result<String> {
+    let limit: f64 = limit.parse().map_err(|_| format!("{limit} is no number"))?;
+    let over = captured_over_in_all(folders, ("ssct", behind), roughness)?;
+    Ok(format!("{} of {}", over.iter().filter(|o| **o > limit).count(), over.len()))
+}
+
+/// The share of what mirrors show in a scene that the screen and so many captures see: median of its views.
+pub fn seen(folder: &Path, scene: &str, captures: &str) -> Result<String> {
+    let all = text(folder, "captures.txt")?;
+    let row = |name: &str| all.lines().find_map(|l| l.strip_prefix(&format!("{scene},{name},"))).map(|l| l.split(','));
+    let found =
+        row("view").zip(row("median")).and_then(|(mut head, mut row)| row.nth(head.position(|n| n == captures)?));
+    Ok(format!("{} %", found.ok_or_else(|| format!("nothing is said of {captures} captures of {scene}"))?))
+}
+
+/// What captures gain for mirrors, in short.
+pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
+    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(folders, scene)?;
+        let over = |other, field| median_and_greatest(&captured_over(&records, other, "0", field)?);
+        let pccm = ("ssct", "pccm");
+        let right = right_places(&records)?;
+        Ok(vec![(*scene).to_owned(), over(ALONE, "rmse")?, over(pccm, "rmse")?, right, over(ALONE, "time_ms")?])
+    };
+    let head =
+        ["scene", "error over `ssct`", "error over `ssct --fallback pccm`", "rays that end right", "time over `ssct`"];
+    table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
+}
