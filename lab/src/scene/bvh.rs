@@ -14,8 +14,8 @@ use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 use std::time::Duration;
 
-/// How far boxes extend beyond their triangles, as a share of the scene's greatest coordinate. The slab test in
-/// f32 errs by a few units of 6e-8 for origins about that far from zero.
+/// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab
+/// test in f32 errs by a few units of 6e-8 for origins about that far from it.
 const PADDING: f32 = 4e-6;
 
 /// A ray and the range of distances, in metres, in which hits count.
@@ -64,6 +64,8 @@ pub trait Intersector: Send + Sync {
 /// Triangles in a bounding volume hierarchy.
 pub struct TriangleBvh {
     triangles: Vec<[Vec3; 3]>,
+    /// The middle of their bounds, from which boxes are measured: a scene far from the origin is not coarser for it.
+    middle: DVec3,
     /// `None` if there are no triangles.
     boxes: Option<CwBvh>,
 }
@@ -80,19 +82,22 @@ impl Boundable for Padded {
 impl TriangleBvh {
     /// Builds the hierarchy over triangles in metres. Hits refer to them by index.
     pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
-        let greatest = triangles.iter().flatten().fold(0.0_f32, |g, v| g.max(v.abs().max_element()));
+        let corners = || triangles.iter().flatten().map(|v| v.as_dvec3());
+        let [low, high] = [corners().reduce(DVec3::min), corners().reduce(DVec3::max)].map(Option::unwrap_or_default);
+        let middle = 0.5 * (low + high);
+        let greatest = (high - middle).max_element() as f32;
         let padding = Vec3A::splat(PADDING * greatest);
         let padded: Vec<Padded> = triangles
             .iter()
             .map(|corners| {
-                let corners = corners.map(Vec3A::from);
+                let corners = corners.map(|v| (v.as_dvec3() - middle).as_vec3a());
                 let [min, max] = [Vec3A::min, Vec3A::max].map(|f| f(f(corners[0], corners[1]), corners[2]));
                 Padded(Aabb::new(min - padding, max + padding))
             })
             .collect();
         let boxes = (!padded.is_empty())
             .then(|| build_cwbvh(&padded, BvhBuildParams::medium_build(), &mut Duration::default()));
-        Self { triangles, boxes }
+        Self { triangles, middle, boxes }
     }
 
     /// The corners of each triangle, in metres.
@@ -101,12 +106,12 @@ impl TriangleBvh {
     }
 }
 
-/// The ray as the boxes are tested against.
-fn box_ray(ray: &WorldRay) -> BoxRay {
+/// The ray as the boxes are tested against, from the middle of their bounds.
+fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
     // Adding 0 turns −0 into +0: obvhs takes the sign of the reciprocal from the zero itself, but the order
     // of a box's sides from a comparison, in which −0 is not less than 0.
     let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
-    BoxRay::new(ray.origin.as_vec3a(), direction, 0.0, f32::INFINITY)
+    BoxRay::new((ray.origin - middle).as_vec3a(), direction, 0.0, f32::INFINITY)
 }
 
 impl Intersector for TriangleBvh {
@@ -114,7 +119,7 @@ impl Intersector for TriangleBvh {
         let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
-        boxes.ray_traverse(box_ray(ray), &mut RayHit::none(), |_, slot| {
+        boxes.ray_traverse(box_ray(ray, self.middle), &mut RayHit::none(), |_, slot| {
             let triangle = boxes.primitive_indices[slot];
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
@@ -137,7 +142,7 @@ impl Intersector for TriangleBvh {
     fn any(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> bool {
         let Some(boxes) = &self.boxes else { return false };
         let sheared = ShearedRay::new(ray);
-        let mut box_ray = box_ray(ray);
+        let mut box_ray = box_ray(ray, self.middle);
         box_ray.tmax = (ray.t_max as f32).next_up();
         !boxes.ray_traverse_miss(box_ray, |_, slot| {
             let triangle = boxes.primitive_indices[slot];
