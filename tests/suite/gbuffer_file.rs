@@ -3,7 +3,11 @@
 
 use crate::common::folder::Folder;
 use crate::common::gpu;
-use ssct::methods::{METHODS, Setup, Wants};
+use ssct::math::DefinitionsVersion;
+use ssct::methods::setup::{CaptureCount, CaptureSide};
+use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
+use ssct::parameter::Choices;
+use ssct_lab::scene::capture_file::CaptureFolder;
 use ssct_lab::scene::{gbuffer_file, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
@@ -39,43 +43,57 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
     gpu.check_validation().unwrap();
 }
 
+/// Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof; and how many captures.
+const CAPTURED: [(&str, &str, CaptureCount); 2] =
+    [("rooms", "window", CaptureCount::Two), ("atrium", "hall", CaptureCount::One)];
+
+/// Texels along a side of their captures.
+const SIDE: CaptureSide = CaptureSide::Side128;
+
+/// The variable that tells [`child`] the folder of the captures of each scene.
+const CUBES: &str = "SSCT_TEST_CUBES";
+
 #[test]
 fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     let folder = Folder::new();
     // Rays are listed in the order in which threads find them, and with several threads a wide cone's colour may depend
     // on its neighbours in the list, in the last bit. Other drivers than lavapipe do not read the variable.
+    let succeed = |mut command: Command| {
+        let output = command.current_dir(folder.root()).env("LP_NUM_THREADS", "1").output().unwrap();
+        let said = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned()).concat();
+        assert!(output.status.success(), "{command:?}: {said}");
+    };
     let run = |args: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
-        let output = command.args(args).current_dir(folder.root()).env("LP_NUM_THREADS", "1").output().unwrap();
-        assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        command.args(args);
+        succeed(command);
     };
-    // Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof.
-    for (scene, view, captures) in [("rooms", "window", "2"), ("atrium", "hall", "1")] {
-        let side = "128";
-        run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", "cubes"]);
+    let side = SIDE.name();
+    for (scene, view, captures) in CAPTURED {
+        let captures = captures.name();
+        for cubes in ["cubes", scene] {
+            run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
+        }
+        // The command, with the scene's own materials; `child` has the others.
         let place = ["--scene", scene, "--view", view, "--size", "97x61"];
-        for roughness in [None, Some("0"), Some("0.1"), Some("0.6")] {
-            let materials: Vec<_> = roughness.into_iter().flat_map(|r| ["--roughness", r]).collect();
-            run(&[&["gbuffer", "export", "g.exr"], &place[..], &materials].concat());
-            for method in [
-                &["--method", "unified"][..],
-                &["--method", "captures"],
-                &["--method", "ssct", "--fallback", "captures"],
-                &["--method", "unified", "--fallback", "captures", "--definitions", "1"],
-            ] {
-                let direct = [&["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"], method];
-                run(&[&direct.concat(), &place[..], &materials].concat());
-                let beside = [&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], method];
-                run(&beside.concat());
-                let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
-                assert!(a == b, "{scene} {view}, roughness {roughness:?}, {method:?}");
-            }
-            run(&["gbuffer", "reflect", "g.exr", "--method", "unified", "-o", "c.exr"]);
-            run(&["gbuffer", "reflect", "g.exr", "--method", "unified", "--captures", "cubes", "-o", "b.exr"]);
-            let [b, c] = ["b.exr", "c.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
-            assert!(b != c, "{scene} {view}, roughness {roughness:?}: the captures show something");
+        run(&[&["gbuffer", "export", "g.exr"], &place[..]].concat());
+        for method in [
+            &["--method", "unified"][..],
+            &["--method", "captures"],
+            &["--method", "ssct", "--fallback", "captures"],
+            &["--method", "unified", "--fallback", "captures", "--definitions", "1"],
+        ] {
+            let direct = [&["render", "--captures", captures, "--capture-side", side, "-o", "a.exr"], method];
+            run(&[&direct.concat(), &place[..]].concat());
+            let beside = [&["gbuffer", "reflect", "g.exr", "--captures", "cubes", "-o", "b.exr"], method];
+            run(&beside.concat());
+            let [a, b] = ["a.exr", "b.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
+            assert!(a == b, "{scene} {view}, {method:?}");
         }
     }
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args(["--exact", "gbuffer_file::child", "--ignored", "--nocapture"]).env(CUBES, folder.root());
+    succeed(command);
     // Two captures of the rooms, and the first of them drawn over by that of the atrium.
     assert_eq!(folder.list("cubes"), ["1", "2", "captures.toml", "sky"]);
     let faces = ["nx.exr", "ny.exr", "nz.exr", "px.exr", "py.exr", "pz.exr"];
@@ -84,6 +102,51 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     assert_eq!(folder.list("cubes/1"), files);
     assert_eq!(folder.list("cubes/sky"), faces);
     assert_eq!(folder.image("cubes/1/color.png").dimensions(), (512, 384));
+}
+
+#[test]
+#[ignore = "a process that the test above starts"]
+fn child() {
+    let folder = std::path::PathBuf::from(std::env::var_os(CUBES).unwrap());
+    let gpu = gpu();
+    for (name, view, captures) in CAPTURED {
+        let scene = library::scene(name).unwrap();
+        let (mut stage, view) = (Stage::new(&gpu, &scene).unwrap(), scene.view(view).unwrap());
+        let cubes = CaptureFolder::open(&folder.join(name)).unwrap();
+        for roughness in [0.0, 0.1, 0.6] {
+            let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+            for (method, fallback, definitions) in [
+                ("unified", Fallback::None, DefinitionsVersion::V2),
+                ("captures", Fallback::None, DefinitionsVersion::V2),
+                ("ssct", Fallback::Captures, DefinitionsVersion::V2),
+                ("unified", Fallback::Captures, DefinitionsVersion::V1),
+            ] {
+                let what = format!("{name}, {method} before {fallback:?}, roughness {roughness}");
+                let method = methods::find(method).unwrap();
+                let setup = Setup::new([97, 61]).with(|p: &mut EffectParams| {
+                    (p.fallback, p.definitions) = (fallback, definitions);
+                    (p.captures, p.capture_side) = (captures, SIDE);
+                });
+                let camera = view.camera(&scene, setup.extent);
+                let materials = globals.materials(&scene, view);
+                let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
+                let direct = image::render(&mut stage, &shot, false).unwrap();
+                let data = gbuffer::read(&mut stage.context, &shot).unwrap();
+                let path = folder.join("child.exr");
+                std::fs::write(&path, gbuffer_file::encode(&data, &path).unwrap()).unwrap();
+                let data = gbuffer_file::load(&path).unwrap();
+                let beside = gbuffer::reflect(&gpu, &data, Some(&cubes), method, &setup).unwrap();
+                let bits = |p: &ssct::gpu::Pixels| p.values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+                assert!(bits(&beside.composite) == bits(&direct.composite), "{what}: composite");
+                assert!(bits(&beside.reflection) == bits(&direct.reflection), "{what}: reflection");
+                if method.is_screen_space() && fallback == Fallback::None {
+                    let alone = gbuffer::reflect(&gpu, &data, None, method, &Setup::new([97, 61])).unwrap();
+                    assert!(bits(&beside.composite) != bits(&alone.composite), "{what}: the captures show something");
+                }
+            }
+        }
+    }
+    gpu.check_validation().unwrap();
 }
 
 #[test]
