@@ -193,6 +193,21 @@ pub struct NormalInput {
 }
 
 impl NormalInput {
+    /// What is wrong with it, if anything.
+    pub(super) fn check(&self, extent: [u32; 2]) -> Result<()> {
+        self.image.check("normal", Some(extent))?;
+        let is_signed = matches!(self.encoding, NormalEncoding::Float | NormalEncoding::Octahedral);
+        let format = self.image.format;
+        let name = format!("{format:?}");
+        if is_signed && ["UNORM", "UFLOAT", "SRGB"].iter().any(|kind| name.contains(kind)) {
+            let encoding = self.encoding;
+            return Err(Error::Usage(format!(
+                "the input normal is encoded as {encoding:?}, and its format {format:?} holds no number below 0"
+            )));
+        }
+        Ok(())
+    }
+
     /// `NORMAL_*`, and what turns a decoded normal into our view space.
     pub(super) fn kind(&self, taken: &Taken) -> (i32, Mat3) {
         let kind = match self.encoding {

@@ -12,10 +12,10 @@ pub use captures::{CaptureCubes, CaptureCubesInfo, CaptureFaceInput};
 pub use input::{FactorInput, ImageInput, NormalEncoding, NormalInput, NormalSpace};
 pub use reflections::{FrameInput, OutputImage, Recorded, Reflections, ReflectionsInfo};
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::device::{DeviceHandles, DeviceInfo};
-use crate::methods::METHODS;
+use crate::methods::{METHODS, MethodInfo};
 
 /// A device of the caller's that reflections are recorded for. Clones share it. It destroys nothing of the caller's.
 #[derive(Clone)]
@@ -59,5 +59,22 @@ impl Context {
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
 /// each. `captures` needs [`CaptureCubes`], too.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
-    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures).map(|m| (m.name, m.summary))
+    of_a_gbuffer().map(|m| (m.name, m.summary))
+}
+
+fn of_a_gbuffer() -> impl Iterator<Item = &'static MethodInfo> {
+    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures)
+}
+
+/// # Errors
+/// [`Error::Usage`] for a name that no such method has.
+fn method(name: &str) -> Result<&'static MethodInfo> {
+    of_a_gbuffer().find(|m| m.name == name).ok_or_else(|| {
+        let names: Vec<_> = of_a_gbuffer().map(|m| m.name).collect();
+        let why = match METHODS.iter().any(|m| m.name == name) {
+            true => "needs the scene; a G-buffer alone does not show it",
+            false => "is none",
+        };
+        Error::Usage(format!("the method {name:?} {why}; there is: {}", names.join(", ")))
+    })
 }

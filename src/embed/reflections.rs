@@ -8,7 +8,7 @@ use crate::gpu::frame::Mode;
 use crate::gpu::sync::ImageUse;
 use crate::gpu::{Frame, FrameContext, Image, PassTime, Skipped};
 use crate::methods::effect::Effect;
-use crate::methods::{self, Input, MethodInfo, Setup, Wants};
+use crate::methods::{Input, MethodInfo, Setup, Wants};
 use crate::parameter::{Choices, Parameter, Preset};
 use crate::passes::Reflectors;
 use crate::passes::import::{Foreign, ImportPass};
@@ -133,7 +133,7 @@ impl Reflections {
     /// [`Error::Usage`] for a method, a parameter, a value or a size that there is not, or a method that needs the scene
     /// or captures that are not given; [`Error::Memory`] and [`Error::Vulkan`] from the device.
     pub fn new(context: &Context, info: &ReflectionsInfo) -> Result<Self> {
-        let method = methods::find(info.method)?;
+        let method = super::method(info.method)?;
         let mut setup = Setup::new(info.extent);
         for (name, value) in info.parameters {
             set(&mut setup, method, name, value)?;
@@ -249,7 +249,7 @@ impl Reflections {
             return Err(Error::Usage("the outputs' layout is UNDEFINED: their content would be lost".into()));
         }
         input.depth.check("depth", Some(extent))?;
-        input.normal.image.check("normal", Some(extent))?;
+        input.normal.check(extent)?;
         input.reflectivity.check("reflectivity", extent)?;
         input.roughness.check("roughness", extent)?;
         input.color.check("color", Some(extent))?;

@@ -374,6 +374,7 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
         assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said:?}");
     };
     refused(&|i| i.depth.view = vk::ImageView::null(), ["depth", "null"]);
+    refused(&|i| i.normal.image.format = BYTES, ["normal", "below 0"]);
     refused(&|i| i.color.usage = vk::ImageUsageFlags::TRANSFER_SRC, ["color", "SAMPLED"]);
     refused(&|i| i.normal.image.extent = [32, 23], ["normal", "32x23"]);
     refused(&|i| i.color.format = vk::Format::R8G8B8A8_UINT, ["color", "floats"]);
@@ -392,6 +393,10 @@ fn what_is_wrong_with_an_input_is_said_with_its_name() {
     };
     let good = info(&data, "unified");
     wrong(&ReflectionsInfo { method: "magic", ..good }, "magic");
+    wrong(&ReflectionsInfo { method: "planar", ..good }, "scene");
+    let said = Reflections::new(&context, &ReflectionsInfo { method: "magic", ..good }).err().unwrap().to_string();
+    assert!(said.contains("unified, ") || said.ends_with("unified"), "{said}");
+    assert!(!said.contains("planar"), "{said}");
     wrong(&ReflectionsInfo { method: "pccm", ..good }, "scene");
     wrong(&ReflectionsInfo { parameters: &[("cone-samples", "7")], ..good }, "cone-samples");
     wrong(&ReflectionsInfo { parameters: &[("fade", "maybe")], ..good }, "on, off");
