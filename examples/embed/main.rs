@@ -43,7 +43,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let info = ssct::ReflectionsInfo { extent: SIZE, method: "unified", reflection: false, ..Default::default() };
     let mut reflections = ssct::Reflections::new(&context, &info)?;
     // ---------------------
-
     let commands = renderer.begin()?;
     renderer.draw(commands, &pass, &view_to_clip, &world_to_view);
 
