@@ -9,8 +9,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// A constant, and below no branch on what is the same in a whole dispatch: some drivers (lavapipe) compile a shader anew
-// for the numbers that its branches go by, in every frame.
+// NORMAL_*. A constant, since lavapipe compiles a shader anew, in every frame, for the numbers of uniform blocks that
+// its branches depend on. For the same reason no branch below depends on such a number alone.
 layout(constant_id = 0) const int NORMAL_KIND = NORMAL_FLOAT;
 
 // Filled in by src/passes/import.rs.

@@ -28,8 +28,7 @@ impl Context {
     ///
     /// # Errors
     /// [`Error::NoDevice`](crate::Error::NoDevice) with what is missing: Vulkan 1.3, a feature of
-    /// [`enable_features`](crate::enable_features)
-    /// that is not on, or graphics or compute in the queue family.
+    /// [`enable_features`](crate::enable_features) that is not on, or graphics or compute in the queue family.
     ///
     /// # Safety
     /// The handles belong together, and outlive the context and all that is made with it. What
@@ -59,22 +58,16 @@ impl Context {
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on
 /// each. `captures` needs [`CaptureCubes`], too.
 pub fn methods() -> impl Iterator<Item = (&'static str, &'static str)> {
-    of_a_gbuffer().map(|m| (m.name, m.summary))
+    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures).map(|m| (m.name, m.summary))
 }
 
-fn of_a_gbuffer() -> impl Iterator<Item = &'static MethodInfo> {
-    METHODS.iter().filter(|m| m.is_screen_space() || m.takes_captures)
-}
-
+/// The method of a name. One that needs the scene is refused where it is made.
+///
 /// # Errors
-/// [`Error::Usage`] for a name that no such method has.
+/// [`Error::Usage`] for a name that no method has, with the names of [`methods`].
 fn method(name: &str) -> Result<&'static MethodInfo> {
-    of_a_gbuffer().find(|m| m.name == name).ok_or_else(|| {
-        let names: Vec<_> = of_a_gbuffer().map(|m| m.name).collect();
-        let why = match METHODS.iter().any(|m| m.name == name) {
-            true => "needs the scene; a G-buffer alone does not show it",
-            false => "is none",
-        };
-        Error::Usage(format!("the method {name:?} {why}; there is: {}", names.join(", ")))
+    METHODS.iter().find(|m| m.name == name).ok_or_else(|| {
+        let names: Vec<_> = methods().map(|(name, _)| name).collect();
+        Error::Usage(format!("no method {name:?}; there is: {}", names.join(", ")))
     })
 }

@@ -3,9 +3,9 @@
 mod features;
 mod open;
 
-use super::image::{Sampler, Samplers};
 use super::memory::{DeviceMemory, Source};
 use super::pipeline::ComputePipelines;
+use super::sampler::{Sampler, Samplers};
 use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
 use crate::error::{Error, Result};

@@ -2,7 +2,8 @@
 //! that `shaders-glsl/` names, so that a binding that is missing, or of the wrong kind, does not compile.
 
 use super::frame::Resource;
-use super::image::{ImageSlice, Sampler};
+use super::image::ImageSlice;
+use super::sampler::Sampler;
 use super::shader::Shader;
 
 /// A program: one stage with what is defined for it. Its fields are its bindings and its push constants, named as in

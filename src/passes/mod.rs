@@ -115,7 +115,7 @@ impl Reflectors {
         }
     }
 
-    /// What both of two may hold.
+    /// What there may be by both of two, each of which knows something of the same frame.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {

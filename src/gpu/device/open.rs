@@ -3,9 +3,9 @@
 use super::features::{self, enable_features};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
-use crate::gpu::image::Samplers;
 use crate::gpu::memory::Source;
 use crate::gpu::pipeline::ComputePipelines;
+use crate::gpu::sampler::Samplers;
 use crate::gpu::testing::watch;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};

@@ -1,0 +1,215 @@
+//! What frames reuse, and where they begin.
+
+use super::quirks::settle;
+use super::sets::DescriptorSets;
+use super::uniforms::Uniforms;
+use super::{Frame, Mode};
+use crate::error::{Error, Result};
+use crate::gpu::device::{Gpu, vulkan};
+use crate::gpu::timing::{PassTime, Statistics, Timestamps};
+use ash::vk;
+
+/// What frames reuse: uniform memory, descriptor sets and queries, and, for frames that are submitted here, a command
+/// buffer and a fence. It records one frame at a time.
+pub struct FrameContext {
+    pub(super) gpu: Gpu,
+    /// The command buffer that is recorded into.
+    pub(super) commands: vk::CommandBuffer,
+    /// None where somebody else submits.
+    pub(super) own: Option<OwnCommands>,
+    pub(super) slots: Vec<Slot>,
+    /// The slot of the frame that is recorded.
+    pub(super) slot: usize,
+    pub(super) statistics: Option<Statistics>,
+    pub(super) settling: Option<settle::Settling>,
+}
+
+/// What is submitted here.
+pub(super) struct OwnCommands {
+    gpu: Gpu,
+    pool: vk::CommandPool,
+    pub(super) commands: vk::CommandBuffer,
+    pub(super) fence: vk::Fence,
+}
+
+/// What a frame keeps until the device is done with it. One frame at a time, of which as many may be under way as there
+/// are slots.
+pub(super) struct Slot {
+    pub(super) uniforms: Uniforms,
+    pub(super) sets: DescriptorSets,
+    pub(super) timestamps: Timestamps,
+    /// The passes between whose timestamps the last frame's times lie.
+    pub(super) timed: Vec<(String, bool)>,
+}
+
+impl Slot {
+    fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            uniforms: Uniforms::new(gpu)?,
+            sets: DescriptorSets::new(gpu),
+            timestamps: Timestamps::new(gpu)?,
+            timed: Vec::new(),
+        })
+    }
+
+    /// Milliseconds of each timed pass, and of all of them together.
+    pub(super) fn times(&self) -> Result<(Vec<PassTime>, f64)> {
+        let stamps = self.timestamps.milliseconds()?;
+        let pairs = stamps.get(1..).unwrap_or_default().chunks_exact(2);
+        let time = |((name, counted), pair): (&(String, bool), &[f64])| PassTime {
+            name: name.clone(),
+            ms: pair[1] - pair[0],
+            counted: *counted,
+        };
+        Ok((self.timed.iter().zip(pairs).map(time).collect(), stamps.last().copied().unwrap_or(0.0)))
+    }
+}
+
+impl OwnCommands {
+    fn new(gpu: &Gpu) -> Result<Self> {
+        let device = gpu.raw();
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(gpu.shared().queue_family)
+            .flags(vk::CommandPoolCreateFlags::TRANSIENT);
+        // SAFETY: the create infos are complete; what is made is destroyed in `drop` (a failure
+        // after the pool leaves it to a struct with null handles, which `drop` accepts).
+        let pool = unsafe { device.create_command_pool(&info, None) }.map_err(vulkan("vkCreateCommandPool"))?;
+        let (commands, fence) = (vk::CommandBuffer::null(), vk::Fence::null());
+        let mut own = Self { gpu: gpu.clone(), pool, commands, fence };
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: as above; the pool frees its command buffers.
+        unsafe {
+            own.commands = device.allocate_command_buffers(&info).map_err(vulkan("vkAllocateCommandBuffers"))?[0];
+            own.fence = device.create_fence(&vk::FenceCreateInfo::default(), None).map_err(vulkan("vkCreateFence"))?;
+        }
+        gpu.name(own.commands, "frame");
+        Ok(own)
+    }
+}
+
+impl Drop for OwnCommands {
+    fn drop(&mut self) {
+        let device = self.gpu.raw();
+        // SAFETY: no submission is under way; null handles are allowed.
+        unsafe {
+            device.destroy_fence(self.fence, None);
+            device.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+impl FrameContext {
+    /// For frames that are submitted here and waited for, one at a time.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        let mut context = Self::in_others(gpu, 1)?;
+        context.statistics = gpu.shared().has_pipeline_statistics.then(|| Statistics::new(gpu)).transpose()?;
+        context.own = Some(OwnCommands::new(gpu)?);
+        Ok(context)
+    }
+
+    /// For frames that are recorded into somebody else's command buffers, of which so many may be under way at once.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for none.
+    pub fn in_others(gpu: &Gpu, slots: usize) -> Result<Self> {
+        if slots == 0 {
+            return Err(Error::Usage("no frame can be under way: frames_in_flight is 0".into()));
+        }
+        Ok(Self {
+            gpu: gpu.clone(),
+            commands: vk::CommandBuffer::null(),
+            own: None,
+            slots: (0..slots).map(|_| Slot::new(gpu)).collect::<Result<_>>()?,
+            slot: 0,
+            statistics: None,
+            settling: settle::Settling::new(gpu)?,
+        })
+    }
+
+    /// The device.
+    pub fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Begins a frame that is submitted here. A mode whose queries the device lacks records none.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a context of somebody else's command buffers.
+    pub fn begin(&mut self, mode: Mode) -> Result<Frame<'_>> {
+        let device = self.gpu.raw();
+        let Some(own) = &self.own else {
+            return Err(Error::Usage("these frames are recorded into the caller's command buffers".into()));
+        };
+        self.commands = own.commands;
+        // SAFETY: no submission is under way: `Frame::finish` waits, and an abandoned frame was
+        // never submitted.
+        unsafe {
+            device
+                .reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty())
+                .map_err(vulkan("vkResetCommandPool"))?;
+            let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+            device.begin_command_buffer(own.commands, &info).map_err(vulkan("vkBeginCommandBuffer"))?;
+            self.begin_slot(0, mode)
+        }
+    }
+
+    /// Begins a frame in somebody else's command buffer. It ends with [`Frame::end`].
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a slot that there is not.
+    ///
+    /// # Safety
+    /// The command buffer is recording, outside rendering, for a queue of the device's family. What an earlier frame of
+    /// the slot recorded is no longer under way. What is recorded is submitted before anything that a later frame of
+    /// this context records, or the frame is dropped without [`Frame::end`] and its command buffer thrown away.
+    pub unsafe fn begin_in(&mut self, commands: vk::CommandBuffer, slot: usize, mode: Mode) -> Result<Frame<'_>> {
+        self.slot(slot)?;
+        self.commands = commands;
+        // SAFETY: by the contract.
+        unsafe { self.begin_slot(slot, mode) }
+    }
+
+    /// # Safety
+    /// The command buffer is recording, and nothing that the slot recorded is under way.
+    unsafe fn begin_slot(&mut self, slot: usize, mode: Mode) -> Result<Frame<'_>> {
+        self.slot = slot;
+        let kept = &mut self.slots[slot];
+        // SAFETY: by the contract.
+        unsafe { kept.sets.reset() }?;
+        kept.uniforms.reset();
+        kept.timed.clear();
+        match mode {
+            Mode::Plain => {}
+            Mode::Timed => kept.timestamps.reset(),
+            Mode::Counted => {
+                if let Some(statistics) = &mut self.statistics {
+                    statistics.reset();
+                }
+            }
+        }
+        Frame::begun(self, mode)
+    }
+
+    /// The times of the last frame of a slot, after the device is done with it; empty unless it was recorded with
+    /// [`Mode::Timed`].
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for a slot that there is not.
+    pub fn times(&self, slot: usize) -> Result<Vec<PassTime>> {
+        Ok(self.slot(slot)?.times()?.0)
+    }
+
+    fn slot(&self, slot: usize) -> Result<&Slot> {
+        let slots = self.slots.len();
+        let wrong =
+            || Error::Usage(format!("the slot is {slot}; frames_in_flight is {slots}, so that it is below that"));
+        self.slots.get(slot).ok_or_else(wrong)
+    }
+
+    /// Records passes and submits them, for uploads and the like.
+    pub fn once(&mut self, record: impl FnOnce(&mut Frame) -> Result<()>) -> Result<()> {
+        let mut frame = self.begin(Mode::Plain)?;
+        record(&mut frame)?;
+        frame.finish().map(|_| ())
+    }
+}
