@@ -32,7 +32,7 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
         return seen;
     Ray ray = RayAlong(pixel, depth, direction);
     hit = Traverse(ray);
-    vec3 along = Sky(ToWorld(direction));
+    vec3 along = SkyAlong(direction);
     if (EndsInSky(ray, hit)) {
         hit.position = ray.start;
         hit.depth = 0.0;

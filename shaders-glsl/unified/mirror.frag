@@ -43,7 +43,7 @@ void main() {
     bool is_hit = hit.code == PATH_HI_Z && faces;
     bool in_sky = faces && EndsInSky(ray, hit);
     if (is_hit || in_sky) {
-        vec3 along = Sky(ToWorld(ray.direction));
+        vec3 along = SkyAlong(ray.direction);
         out_reflection = in_sky ? vec4(along, 1.0)
                                 : vec4(ColorMirrored(hit.position, along), Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {

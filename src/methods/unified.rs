@@ -114,6 +114,7 @@ impl UnifiedMethod {
         let image = |name| target(gpu, name, LIT_COLOR, extent);
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
+        let sky = effect.definitions == DefinitionsVersion::V2;
         let parts = UnifiedSetup {
             extent,
             strip: pyramid::strip(extent),
@@ -123,6 +124,8 @@ impl UnifiedMethod {
             composite,
             reflection,
             followed: making.captures.is_some(),
+            // A ray that captures let into the sky shows it by either version.
+            sky: sky || making.captures.is_some(),
         };
         let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
         let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
@@ -136,7 +139,7 @@ impl UnifiedMethod {
             follow: making.captures.map(follow).transpose()?,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
-            sky: effect.definitions == DefinitionsVersion::V2,
+            sky,
             // Where the screen ends, captures go on.
             fade: effect.fade && making.captures.is_none(),
         })

@@ -36,6 +36,8 @@ pub struct UnifiedSetup {
     pub reflection: bool,
     /// Whether rays that the screen loses go on in captures.
     pub followed: bool,
+    /// Whether the sky is looked up along rays, where it is known.
+    pub sky: bool,
 }
 
 impl UnifiedSetup {

@@ -67,7 +67,7 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, followed, .. } = *setup;
+        let UnifiedSetup { over, composite, followed, sky, .. } = *setup;
         let drawn = || setup.formats();
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
@@ -75,7 +75,7 @@ impl UnifiedGlossPass {
                 gpu,
                 NARROW_LIST,
                 || [RECORD],
-                |_| TraceNarrowConstants { strip, oracle, followed },
+                |_| TraceNarrowConstants { strip, oracle, followed, sky },
             )?,
             resolve_narrow: TiledPipeline::new(gpu, NARROW_LIST, drawn, |whole| ResolveNarrowConstants {
                 over,
@@ -86,7 +86,7 @@ impl UnifiedGlossPass {
                 gpu,
                 WIDE_LIST,
                 || [PLACE, LIT_COLOR],
-                |_| TraceWideConstants { strip, oracle, followed },
+                |_| TraceWideConstants { strip, oracle, followed, sky },
             )?,
             cells: TiledPipeline::new(
                 gpu,

@@ -41,8 +41,8 @@ impl UnifiedTracePass {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { followed, composite, .. } = *setup;
-        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite };
+        let UnifiedSetup { followed, composite, sky, .. } = *setup;
+        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
         let target = if followed { super::stored_target } else { Image::target };
         Ok(Self {
             mirrors: TiledPipeline::new(gpu, MIRROR_LIST, formats, constants)?,
