@@ -53,6 +53,12 @@ impl Context {
     pub fn allocated_bytes(&self) -> u64 {
         self.gpu.allocated_bytes()
     }
+
+    /// Destroys the pipelines that nothing uses now. Otherwise they are kept, so that what is made or resized next
+    /// compiles nothing twice.
+    pub fn trim(&self) {
+        self.gpu.trim();
+    }
 }
 
 /// The methods that need no more than a G-buffer, as [`ReflectionsInfo::method`] names them: their names, and a line on

@@ -4,7 +4,7 @@ mod features;
 mod open;
 
 use super::memory::{DeviceMemory, Source};
-use super::pipeline::ComputePipelines;
+use super::pipelines::Pipelines;
 use super::sampler::{Sampler, Samplers};
 use super::testing::watch::Watch;
 use super::validation::{self, ValidationLog};
@@ -114,7 +114,7 @@ pub struct Shared {
     /// None where somebody else submits.
     queue: Option<Mutex<vk::Queue>>,
     samplers: Samplers,
-    pub(crate) compute_pipelines: ComputePipelines,
+    pub(crate) pipelines: Pipelines,
     memory: ManuallyDrop<Source>,
     /// Whether instance and device go with the last handle, or are somebody else's.
     owned: bool,
@@ -354,6 +354,7 @@ impl Drop for Shared {
             if self.owned {
                 let _ = self.device.device_wait_idle();
             }
+            self.pipelines.clear();
             self.samplers.destroy(&self.device);
             ManuallyDrop::drop(&mut self.memory);
             if !self.owned {

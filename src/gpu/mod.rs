@@ -13,6 +13,7 @@ pub mod image;
 mod limits;
 pub mod memory;
 pub mod pipeline;
+mod pipelines;
 pub mod program;
 pub mod programs;
 pub mod readback;

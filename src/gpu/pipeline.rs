@@ -1,22 +1,22 @@
 //! Graphics and compute pipelines, typed by their programs. Set 0 is laid out as the shaders' reflection says, and is
-//! bound from pools (`frame/sets.rs`).
+//! bound from pools (`frame/sets.rs`). The device keeps what was compiled (`pipelines.rs`).
 
 use super::device::{Gpu, vulkan};
 use super::image;
 use super::limits;
+use super::pipelines::{KeptVertices, Key};
 use super::program::{self, Constants, Fragment, Program, VertexProgram, agree};
 use super::programs::Fullscreen;
 use super::shader::{Binding, BindingKind, Shader};
 use crate::error::{Error, Result};
 use ash::vk;
-use std::collections::HashMap;
 use std::marker::PhantomData;
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 /// Layouts that a pipeline of either kind has.
 pub(crate) struct Layout {
-    gpu: Gpu,
+    device: ash::Device,
     pub set: vk::DescriptorSetLayout,
     pub pipeline: vk::PipelineLayout,
     pub bindings: Vec<Binding>,
@@ -25,42 +25,33 @@ pub(crate) struct Layout {
 
 /// A fragment and a vertex program with their fixed state. `V` is by default the triangle that covers the targets.
 pub struct GraphicsPipeline<F, V = Fullscreen> {
-    pub(crate) graphics: Graphics,
+    pub(crate) graphics: Arc<SharedPipeline>,
+    /// Keeps the device until the pipeline is gone.
+    _gpu: Gpu,
     programs: PhantomData<fn() -> (F, V)>,
 }
 
-/// What a [`GraphicsPipeline`] is to Vulkan.
-pub(crate) struct Graphics {
+/// A compute program.
+pub struct ComputePipeline<P> {
+    pub(crate) compute: Arc<SharedPipeline>,
+    /// Keeps the device until the pipeline is gone.
+    _gpu: Gpu,
+    program: PhantomData<fn() -> P>,
+}
+
+/// What a pipeline of either kind is to Vulkan. It does not keep its device, since the device keeps it.
+pub(crate) struct SharedPipeline {
     pub layout: Layout,
     pub handle: vk::Pipeline,
     pub name: &'static str,
+    /// Threads of a workgroup; of a graphics pipeline 0.
+    pub local_size: [u32; 3],
     /// Whether it drew before (`frame/quirks/settle.rs`).
     pub settled: Arc<AtomicBool>,
 }
 
-/// A compute program. Those who use one program at the same time have one pipeline: a driver may take long to compile
-/// it, and under GPU-assisted validation takes half a minute for some.
-pub struct ComputePipeline<P> {
-    pub(crate) compute: Arc<SharedCompute>,
-    program: PhantomData<fn() -> P>,
-}
-
-/// The compute pipelines in use, by their shader's name and constants.
-#[derive(Default)]
-pub(crate) struct ComputePipelines(Mutex<HashMap<ComputeKey, Weak<SharedCompute>>>);
-
-type ComputeKey = (&'static str, Vec<(u32, u32)>);
-
-/// What the users of a [`ComputePipeline`] share.
-pub(crate) struct SharedCompute {
-    pub layout: Layout,
-    pub handle: vk::Pipeline,
-    pub name: &'static str,
-    pub local_size: [u32; 3],
-}
-
 /// What a pipeline does with the stencil of its depth target.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 enum Stencil {
     /// Sets it to 1.
     Mark,
@@ -69,7 +60,7 @@ enum Stencil {
 }
 
 /// The depth target of a pipeline.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct DepthState {
     format: vk::Format,
     /// Whether depth is tested and written.
@@ -120,7 +111,8 @@ impl Layout {
         // SAFETY: the create infos live through the calls; both handles are destroyed in `drop`.
         let set = unsafe { gpu.raw().create_descriptor_set_layout(&info, None) }
             .map_err(vulkan(format!("vkCreateDescriptorSetLayout for {name}")))?;
-        let mut layout = Self { gpu: gpu.clone(), set, pipeline: vk::PipelineLayout::null(), bindings, stages };
+        let device = gpu.raw().clone();
+        let mut layout = Self { device, set, pipeline: vk::PipelineLayout::null(), bindings, stages };
         let (sets, pushes) = ([set], [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size }]);
         let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(if push_size > 0 {
             &pushes
@@ -150,8 +142,8 @@ impl Drop for Layout {
     fn drop(&mut self) {
         // SAFETY: the pipeline of this layout is destroyed before it (`drop` of the pipelines).
         unsafe {
-            self.gpu.raw().destroy_pipeline_layout(self.pipeline, None);
-            self.gpu.raw().destroy_descriptor_set_layout(self.set, None);
+            self.device.destroy_pipeline_layout(self.pipeline, None);
+            self.device.destroy_descriptor_set_layout(self.set, None);
         }
     }
 }
@@ -223,22 +215,43 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
     ) -> Result<Self> {
         const { assert!(agree(F::SHADER, V::SHADER), "the stages disagree on a binding") };
         let stages = Stages { vertex: V::SHADER, fragment: F::SHADER, constants: &constants.entries() };
-        let graphics = Graphics::new(gpu, stages, geometry, targets.as_ref(), depth)?;
-        Ok(Self { graphics, programs: PhantomData })
+        let graphics = SharedPipeline::graphics(gpu, &stages, &geometry, targets.as_ref(), depth)?;
+        Ok(Self { graphics, _gpu: gpu.clone(), programs: PhantomData })
     }
 }
 
-impl Graphics {
-    /// Targets of no format at the end are left out.
-    pub(super) fn new(
+impl SharedPipeline {
+    /// The one that the device keeps, or a new one. Targets of no format at the end are left out.
+    fn graphics(
         gpu: &Gpu,
-        Stages { vertex, fragment, constants }: Stages,
-        geometry: Geometry,
+        stages: &Stages,
+        geometry: &Geometry,
+        targets: &[vk::Format],
+        depth: Option<DepthState>,
+    ) -> Result<Arc<Self>> {
+        let wanted = targets.iter().rposition(|format| *format != vk::Format::UNDEFINED).map_or(0, |last| last + 1);
+        let targets = &targets[..wanted];
+        let key = Key {
+            shaders: [Some(stages.vertex.name), Some(stages.fragment.name)],
+            constants: stages.constants.to_vec(),
+            targets: targets.to_vec(),
+            depth,
+            vertices: match geometry {
+                Geometry::Points => KeptVertices::Points,
+                Geometry::Triangles(None) => KeptVertices::Triangles,
+                Geometry::Triangles(Some(input)) => KeptVertices::Meshes(input.stride, input.attributes.to_vec()),
+            },
+        };
+        gpu.kept_pipeline(key, || Self::new_graphics(gpu, stages, geometry, targets, depth))
+    }
+
+    fn new_graphics(
+        gpu: &Gpu,
+        &Stages { vertex, fragment, constants }: &Stages,
+        geometry: &Geometry,
         targets: &[vk::Format],
         depth: Option<DepthState>,
     ) -> Result<Self> {
-        let wanted = targets.iter().rposition(|format| *format != vk::Format::UNDEFINED).map_or(0, |last| last + 1);
-        let targets = &targets[..wanted];
         let layout =
             Layout::new(gpu, &[(vertex, vk::ShaderStageFlags::VERTEX), (fragment, vk::ShaderStageFlags::FRAGMENT)])?;
         let modules = [Module::new(gpu, vertex)?, Module::new(gpu, fragment)?];
@@ -249,7 +262,7 @@ impl Graphics {
             modules[1].stage(vk::ShaderStageFlags::FRAGMENT).specialization_info(&constants),
         ];
         let (topology, input) = match geometry {
-            Geometry::Triangles(input) => (vk::PrimitiveTopology::TRIANGLE_LIST, input),
+            Geometry::Triangles(input) => (vk::PrimitiveTopology::TRIANGLE_LIST, *input),
             Geometry::Points => (vk::PrimitiveTopology::POINT_LIST, None),
         };
         let vertex_bindings = input.map(|i| {
@@ -321,7 +334,29 @@ impl Graphics {
         let made = unsafe { gpu.raw().create_graphics_pipelines(vk::PipelineCache::null(), &[info], None) };
         let handle = first(made, fragment.name)?;
         gpu.name(handle, fragment.name);
-        Ok(Self { layout, handle, name: fragment.name, settled: Arc::default() })
+        Ok(Self { layout, handle, name: fragment.name, local_size: [0; 3], settled: Arc::default() })
+    }
+
+    /// The one that the device keeps, or a new one.
+    fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
+        let key = Key { shaders: [Some(shader.name), None], constants, ..Key::default() };
+        let constants = key.constants.clone();
+        gpu.kept_pipeline(key, || Self::new_compute(gpu, shader, &constants))
+    }
+
+    fn new_compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
+        let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
+        let module = Module::new(gpu, shader)?;
+        let (entries, values) = specialization(constants);
+        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
+        let info = vk::ComputePipelineCreateInfo::default()
+            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants))
+            .layout(layout.pipeline);
+        // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
+        let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
+        let handle = first(made, shader.name)?;
+        gpu.name(handle, shader.name);
+        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size, settled: Arc::default() })
     }
 }
 
@@ -354,43 +389,8 @@ impl<P: program::Compute> ComputePipeline<P> {
 
     /// The same for a program with specialization constants.
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
-        let compute = SharedCompute::shared(gpu, P::SHADER, constants.entries())?;
-        Ok(Self { compute, program: PhantomData })
-    }
-}
-
-impl SharedCompute {
-    /// The one that is in use, or a new one.
-    pub(super) fn shared(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
-        // Code that a window replaced may change again.
-        #[cfg(feature = "reload")]
-        if gpu.shared().replaced_shaders.get(shader.name).is_some() {
-            return Ok(Arc::new(Self::new(gpu, shader, &constants)?));
-        }
-        let known = || gpu.shared().compute_pipelines.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (shader.name, constants);
-        let kept = known().get(&key).and_then(Weak::upgrade);
-        if let Some(kept) = kept {
-            return Ok(kept);
-        }
-        let made = Arc::new(Self::new(gpu, shader, &key.1)?);
-        known().insert(key, Arc::downgrade(&made));
-        Ok(made)
-    }
-
-    fn new(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
-        let layout = Layout::new(gpu, &[(shader, vk::ShaderStageFlags::COMPUTE)])?;
-        let module = Module::new(gpu, shader)?;
-        let (entries, values) = specialization(constants);
-        let constants = vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(&values));
-        let info = vk::ComputePipelineCreateInfo::default()
-            .stage(module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&constants))
-            .layout(layout.pipeline);
-        // SAFETY: everything that the create info points to is alive; destroyed in `drop`.
-        let made = unsafe { gpu.raw().create_compute_pipelines(vk::PipelineCache::null(), &[info], None) };
-        let handle = first(made, shader.name)?;
-        gpu.name(handle, shader.name);
-        Ok(Self { layout, handle, name: shader.name, local_size: shader.local_size })
+        let compute = SharedPipeline::compute(gpu, P::SHADER, constants.entries())?;
+        Ok(Self { compute, _gpu: gpu.clone(), program: PhantomData })
     }
 }
 
@@ -417,17 +417,11 @@ fn first(
     })
 }
 
-impl Drop for Graphics {
+impl Drop for SharedPipeline {
     fn drop(&mut self) {
-        // SAFETY: submissions are waited for before resources go (`FrameContext`).
-        unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };
-    }
-}
-
-impl Drop for SharedCompute {
-    fn drop(&mut self) {
-        // SAFETY: as above.
-        unsafe { self.layout.gpu.raw().destroy_pipeline(self.handle, None) };
+        // SAFETY: submissions are waited for before those go who use the pipeline (`FrameContext`); it goes before its
+        // device (`Shared`).
+        unsafe { self.layout.device.destroy_pipeline(self.handle, None) };
     }
 }
 

@@ -4,6 +4,7 @@
 //! tile.
 
 use glam::{IVec2, Vec2};
+use std::array::from_fn;
 
 /// A hash of a lattice point: three odd multipliers, followed by MurmurHash3's 32-bit finaliser.
 fn hash(at: IVec2, seed: u32) -> u32 {
@@ -33,9 +34,14 @@ pub fn value(at: Vec2, period: IVec2, seed: u32) -> f32 {
     let cell = at.floor();
     let f = at - cell;
     let f = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
-    let corner = |dx, dy| unit((cell.as_ivec2() + IVec2::new(dx, dy)).rem_euclid(period), seed);
-    let lower = corner(0, 0) + (corner(1, 0) - corner(0, 0)) * f.x;
-    let upper = corner(0, 1) + (corner(1, 1) - corner(0, 1)) * f.x;
+    let near = cell.as_ivec2().rem_euclid(period);
+    // The next lattice point is one further, and the first again after the last.
+    let far = (near + 1) * IVec2::from((near + 1).cmpne(period));
+    let along = |y: i32| {
+        let [left, right] = [near.x, far.x].map(|x| unit(IVec2::new(x, y), seed));
+        left + (right - left) * f.x
+    };
+    let [lower, upper] = [along(near.y), along(far.y)];
     lower + (upper - lower) * f.y
 }
 
@@ -71,22 +77,21 @@ pub fn cells(at: Vec2, cell_size: Vec2, period: IVec2, jitter: f32, seed: u32) -
         let middle = Vec2::new(ix as f32 + 0.5 + shift, iy as f32 + 0.5);
         (id, (middle + random * jitter) * cell_size)
     };
-    let around = |reach: i32| {
-        let column = (at.x / cell_size.x).floor() as i32;
-        (-reach..=reach).flat_map(move |dy| (-reach - 1..=reach).map(move |dx| centre(column + dx, row + dy)))
-    };
+    let column = (at.x / cell_size.x).floor() as i32;
+    // The sites of two rows above and below; of a shifted row, one more to the left than to the right.
+    let around: [[_; 6]; 5] = from_fn(|j| from_fn(|i| centre(column + i as i32 - 3, row + j as i32 - 2)));
     let mut nearest = (IVec2::ZERO, Vec2::ZERO, f32::INFINITY);
-    for (id, point) in around(1) {
+    for (id, point) in around[1..4].iter().flat_map(|row| &row[1..5]) {
         let distance = point.distance_squared(at);
         if distance < nearest.2 {
-            nearest = (id, point, distance);
+            nearest = (*id, *point, distance);
         }
     }
     let mut border = f32::INFINITY;
-    for (_, point) in around(2) {
-        let apart = point - nearest.1;
+    for (_, point) in around.as_flattened() {
+        let apart = *point - nearest.1;
         if apart.length_squared() > 1e-8 {
-            let middle = 0.5 * (point + nearest.1);
+            let middle = 0.5 * (*point + nearest.1);
             border = border.min((middle - at).dot(apart.normalize()));
         }
     }

@@ -12,6 +12,7 @@ use ash::vk;
 use glam::Vec3;
 use std::cell::RefCell;
 use std::rc::Rc;
+use std::sync::OnceLock;
 use std::time::Instant;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
@@ -278,17 +279,22 @@ fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
 
 /// The generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
 pub fn environment(context: &mut FrameContext) -> Result<Image> {
-    let texels: Vec<[f32; 4]> = sky::cube_map(SKY_SIZE).concat();
-    sky_image(context, SKY_SIZE, &texels)
+    // The same for every scene, and a second of work: it is made once.
+    static HALVES: OnceLock<Vec<u16>> = OnceLock::new();
+    sky_image(context, SKY_SIZE, HALVES.get_or_init(|| halves(sky::cube_map(SKY_SIZE).iter().flatten())))
 }
 
 /// A sky that comes from elsewhere as such a cube map, rounded to its format.
 pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
     let texels: Vec<[f32; 4]> = cube.texels.iter().map(|t| t.extend(1.0).to_array()).collect();
-    sky_image(context, cube.side, &texels)
+    sky_image(context, cube.side, &halves(&texels))
 }
 
-fn sky_image(context: &mut FrameContext, side: u32, texels: &[[f32; 4]]) -> Result<Image> {
+fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
+    texels.into_iter().flatten().map(|v| half::f16::from_f32(*v).to_bits()).collect()
+}
+
+fn sky_image(context: &mut FrameContext, side: u32, halves: &[u16]) -> Result<Image> {
     let made = Image::new(
         context.gpu(),
         &ImageDesc {
@@ -300,9 +306,8 @@ fn sky_image(context: &mut FrameContext, side: u32, texels: &[[f32; 4]]) -> Resu
             usage: vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::TRANSFER_SRC,
         },
     )?;
-    let bits: Vec<u16> = texels.as_flattened().iter().map(|v| half::f16::from_f32(*v).to_bits()).collect();
     let staging =
-        Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(&bits), vk::BufferUsageFlags::TRANSFER_SRC)?;
+        Buffer::upload(context.gpu(), "staging", bytemuck::cast_slice(halves), vk::BufferUsageFlags::TRANSFER_SRC)?;
     context.once(|frame| {
         frame.upload("upload", &staging, made.level(0))?;
         frame.make_ready(made.all(), Access::FragmentSampled);

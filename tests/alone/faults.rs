@@ -12,7 +12,7 @@ use ssct::error::{Error, Result};
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{DeviceQuery, Fault, Gpu, Watch};
 use ssct::methods::{self, METHODS, MethodInfo, Setup, Wants};
-use ssct::{FrameInput, Reflections};
+use ssct::{Context, FrameInput, Reflections};
 use ssct_lab::scene::{Camera, Lens, Scene, View};
 use ssct_lab::study::image::render;
 use ssct_lab::study::{Globals, Shot, Stage};
@@ -54,18 +54,27 @@ fn is_of(error: &Error, fault: Fault) -> bool {
 struct Watched {
     gpu: Gpu,
     watch: Arc<Watch>,
+    /// What a caller records for on the device.
+    context: Option<Context>,
 }
 
 impl Watched {
     /// What lives there, and the bytes that are allocated. Blocks of memory may stay for whoever comes next.
     fn live(&self) -> (Vec<(&'static str, i64)>, u64) {
+        self.trim();
         let counts = self.watch.live().into_iter().filter(|(kind, _)| *kind != "device memory");
         (counts.collect(), self.gpu.allocated_bytes())
     }
 
+    fn trim(&self) {
+        self.gpu.trim();
+        self.context.iter().for_each(Context::trim);
+    }
+
     /// Destroys the device: nothing is left on it, and the layers say nothing.
     fn close(self) {
-        let Self { gpu, watch } = self;
+        let Self { gpu, watch, context } = self;
+        drop(context);
         let log = gpu.validation_log().unwrap();
         drop(gpu);
         assert_eq!(watch.live().into_iter().collect::<Vec<_>>(), [], "with the device gone");
@@ -82,6 +91,11 @@ impl Watched {
         mut act: impl FnMut() -> Result<T>,
         same: fn(&T, &T) -> bool,
     ) -> usize {
+        // Pipelines that are kept would not be made again, and so not fail.
+        let mut act = || {
+            self.trim();
+            act()
+        };
         self.watch.arm(None);
         let expected = act().unwrap();
         let [allocations, submissions] = self.watch.calls();
@@ -109,7 +123,7 @@ impl Watched {
 /// Every `step`th allocation and every submission of a run of some methods; how many.
 fn every_fault(methods: &[&MethodInfo], step: usize) -> usize {
     let (watch, scene) = (Arc::<Watch>::default(), two_quads());
-    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
     let mut tried = on.try_faults("uploads", step, || Stage::new(&on.gpu, &scene), |_, _| true);
     let mut stage = Stage::new(&on.gpu, &scene).unwrap();
     for method in methods {
@@ -177,14 +191,14 @@ fn a_frame_that_was_not_submitted_changed_nothing() {
 fn a_device_of_the_callers_may_fail() {
     let _alone = alone();
     let watch = Arc::<Watch>::default();
-    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let mut on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
     let mut engine = Engine::new(&on.gpu);
     let data = view_of_rooms(&on.gpu, EXTENT);
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let (context, what) = (engine.context(), info(&data, "unified"));
-    // What is made is an object of the context's, which keeps pipelines for the next.
-    let mut reflections = Reflections::new(&context, &what).unwrap();
+    on.context = Some(context.clone());
     let tried = on.try_faults("reflections", 3, || Reflections::new(&context, &what), |_, _| true);
+    let mut reflections = Reflections::new(&context, &what).unwrap();
     assert!(tried > 20, "{tried}");
 
     // The device is lost in the caller's submission: the caller sees that, and times are an error and no numbers.
@@ -216,7 +230,7 @@ fn a_frame_that_cannot_grow_is_an_error_and_the_next_one_grows() {
         b.quad(material, corner, Vec3::X * 0.1, Vec3::Y * 0.06, Vec3::NEG_Z);
     }
     let watch = Arc::<Watch>::default();
-    let on = Watched { gpu: open(&watch).unwrap(), watch };
+    let on = Watched { gpu: open(&watch).unwrap(), watch, context: None };
     let mut stage = Stage::new(&on.gpu, &b.0).unwrap();
     let shot = shot(&mut stage, methods::find("ssct").unwrap(), &b.0).unwrap();
     // Memory for uniform blocks and descriptor pools that a frame grew by before it failed are kept for the next one.

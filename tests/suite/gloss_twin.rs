@@ -49,7 +49,8 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
-    let setup = UnifiedSetup { extent, strip, oracle, over, composite: true, reflection: true, followed: false, sky: false };
+    let setup =
+        UnifiedSetup { extent, strip, oracle, over, composite: true, reflection: true, followed: false, sky: false };
     let pyramid = PyramidPass::new(gpu, extent).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();

@@ -4,7 +4,7 @@ use super::features::{self, enable_features};
 use super::{Debug, DeviceHandles, DeviceInfo, DeviceListing, DeviceQuery, Shared, vulkan};
 use crate::error::{Error, Result};
 use crate::gpu::memory::Source;
-use crate::gpu::pipeline::ComputePipelines;
+use crate::gpu::pipelines::Pipelines;
 use crate::gpu::sampler::Samplers;
 use crate::gpu::testing::watch;
 use ash::vk;
@@ -266,7 +266,7 @@ pub(super) fn open_device(
         device,
         queue_family: queue_family as u32,
         samplers,
-        compute_pipelines: ComputePipelines::default(),
+        pipelines: Pipelines::default(),
         memory: ManuallyDrop::new(memory),
         owned: true,
         submissions: AtomicU64::new(0),
@@ -327,7 +327,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         physical,
         queue_family,
         samplers,
-        compute_pipelines: ComputePipelines::default(),
+        pipelines: Pipelines::default(),
         memory: ManuallyDrop::new(memory),
         owned: false,
         submissions: AtomicU64::new(0),

@@ -7,7 +7,7 @@ use super::{Frame, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::memory::Buffer;
-use crate::gpu::pipeline::{self, ComputePipeline, Graphics, GraphicsPipeline};
+use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline, SharedPipeline};
 use crate::gpu::program::{Compute, Fragment, VertexProgram};
 use crate::gpu::sync::Access;
 use ash::vk;
@@ -58,7 +58,7 @@ impl Frame<'_> {
     pub(super) fn shade(
         &mut self,
         name: &str,
-        pipeline: &Graphics,
+        pipeline: &SharedPipeline,
         (targets, depth): (&[Target], Option<Target>),
         given: &Given,
         vertices: Vertices,
@@ -110,7 +110,7 @@ impl Frame<'_> {
         depth: Target,
         draw: impl FnOnce(&mut Raster<F, V>) -> Result<()>,
     ) -> Result<()> {
-        let pipeline = &pipeline.graphics;
+        let pipeline: &SharedPipeline = &pipeline.graphics;
         self.pass(name, |frame| {
             frame.rendering(targets.as_ref(), Some(depth), View::Up, |frame| {
                 frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
@@ -147,7 +147,7 @@ impl Frame<'_> {
     pub(super) fn dispatch(
         &mut self,
         name: &str,
-        pipeline: &pipeline::SharedCompute,
+        pipeline: &SharedPipeline,
         given: &Given,
         workgroups: Workgroups,
     ) -> Result<()> {
@@ -208,7 +208,7 @@ const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 /// Records the draws of [`Frame::raster`].
 pub struct Raster<'f, 'c, F, V> {
     pub(super) frame: &'f mut Frame<'c>,
-    pipeline: &'f Graphics,
+    pipeline: &'f SharedPipeline,
     programs: PhantomData<(F, V)>,
 }
 

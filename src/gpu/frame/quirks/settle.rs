@@ -15,7 +15,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::frame::Frame;
 use crate::gpu::frame::bind::Given;
 use crate::gpu::frame::target::View;
-use crate::gpu::pipeline::{Graphics, GraphicsPipeline};
+use crate::gpu::pipeline::{GraphicsPipeline, SharedPipeline};
 use crate::gpu::programs::Nothing;
 use ash::vk;
 use std::sync::Arc;
@@ -49,7 +49,7 @@ impl Frame<'_> {
 
     /// Pushes the values that a graphics pipeline reads and lets another pipeline consume them. Must be called outside
     /// of rendering.
-    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &Graphics, given: &Given) -> Result<()> {
+    pub(in crate::gpu::frame) fn take_in(&mut self, pipeline: &SharedPipeline, given: &Given) -> Result<()> {
         let Some(other) = self.context.settling.as_ref().map(|s| s.0.graphics.handle) else { return Ok(()) };
         self.rendering(&[], None, View::Down, |frame| {
             frame.push(&pipeline.layout, vk::PipelineBindPoint::GRAPHICS, pipeline.name, given)?;
