@@ -10,6 +10,8 @@ const float REFLECTS_ABOVE = 1e-4;
 const float NO_NORMAL = 1e-4;
 // ξ of Eq. 4.5: the share of the lobe's energy outside the cone.
 const float XI = 0.244;
+// Exponents of Eq. 4.5 above this count as a mirror's (thesis 4.2.8).
+const float MIRROR_ALPHA = 1000.0;
 // Share of the view depth that a pixel's surface is taken to measure in depth at least (docs/definitions.md, "Oracle",
 // item 3).
 const float SHARE_OF_DEPTH = 0.004;

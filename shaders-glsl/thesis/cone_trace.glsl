@@ -7,6 +7,13 @@ layout(binding = 5) uniform sampler2D visibilityBuffer; // pre-integrated, trili
 #include "thesis/cone_angle.glsl"
 #include "thesis/border_fade.glsl"
 
+// Eq. 4.5 with the least changes that let it run. Errata: arccos, not cos; and alpha falls with roughness, so that the ends
+// of its interpolation are swapped. "We can interpolate theta to zero if alpha is greater than 1000 for instance."
+float InterpolatedConeAngle(float roughness) {
+    float alpha = mix(thesis.cone_alpha_max, thesis.cone_alpha_min, roughness);
+    return alpha > MIRROR_ALPHA ? 0.0 : acos(pow(XI, 1.0 / (alpha + 1.0)));
+}
+
 // Eq. 4.6
 float IsoscelesTriangleBase(float h, float theta) {
     return 2.0 * h * tan(theta);
@@ -47,7 +54,8 @@ vec3 HiZConeTrace(vec2 R_origin, vec2 R_intersection, float theta) {
 vec4 Reflection(vec2 texCoord, vec3 hit, vec3 reflectionVS, float roughness) {
     if (hit == vec3(-1.0))
         return vec4(0.0);
-    vec3 color = HiZConeTrace(texCoord, hit.xy, ConeAngle(roughness));
+    float theta = thesis.cone_interpolated != 0 ? InterpolatedConeAngle(roughness) : ConeAngle(roughness);
+    vec3 color = HiZConeTrace(texCoord, hit.xy, theta);
     float fade = 1.0;
     if (thesis.fade != 0) {
         fade = BorderFade(hit.xy, thesis.fade_start, thesis.fade_end);

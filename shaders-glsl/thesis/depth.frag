@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Depth)
 // Level 0 of the Hi-Z buffer: the post-projected depth (thesis 4.2.1), here standard depth from
-// the G-buffer's reversed depth (docs/definitions.md, "Spaces"), as both minimum and maximum.
+// the G-buffer's reversed depth (docs/definitions.md, "Spaces"), as minimum, and as maximum if that is kept.
 
 layout(binding = 0) uniform sampler2D depth_buffer;
 

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(HiZ)
 // Hi-Z buffer generation: one level from the level below (thesis 4.2.4, Alg. 3, Eq. 4.1). The
-// author's program keeps the maximum beside the minimum; so does this.
+// author's program keeps the maximum beside the minimum; so does this if the target has a second channel.
 
 layout(binding = 0) uniform sampler2D Tex; // the level below, as a view of one level
 
@@ -9,7 +9,7 @@ layout(push_constant) uniform HiZBlock {
     ivec2 Offset; // Eq. 4.1: 1 where the level below has an even side, else 2
 } hiz;
 
-layout(location = 0) out vec2 z_min_max;
+layout(location = 0) out vec2 z_min_max; // g is lost in a target of one channel
 
 vec2 ReadDepth(ivec2 p) {
     // Departure: the level below may be one texel wide, and a fetch outside an image has no

@@ -22,6 +22,9 @@ layout(std140, binding = 0) uniform ThesisBlock {
     float depth_delta_epsilon;     // DEPTH_DELTA_EPSILON
     int cone_samples;              // circles of the cone
     int cone_lengthened;           // 1: the first triangle is lengthened by its base
+    int cone_interpolated;         // 1: alpha of Eq. 4.5 is interpolated between the next two
+    float cone_alpha_min;          // alpha at roughness 1
+    float cone_alpha_max;          // alpha at roughness 0
     float fade_start;              // I_start of Eq. 4.7
     float fade_end;                // I_end of Eq. 4.7
     float fade_towards_camera;     // hzct: factor of its fade; 0: none

@@ -50,6 +50,8 @@ parameters! {
         chain_filter: ChainFilter = Parameter::new(ChainFilter::Hardware)
             .sweep(Preset::Published, &[ChainFilter::Gaussian])
             .source("§4.2.6"),
+        /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it; it costs time.
+        hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
         /// Trace rays and cones in two passes instead of one.
         split: bool = Parameter::new(false).source("§4.2.3: combined"),
     }
@@ -79,7 +81,7 @@ impl ThesisMethod {
     pub(super) fn new(gpu: &Gpu, making: &Making, drawn: ThesisDrawing, fallback: bool, fill: Fill) -> Result<Self> {
         let extent = making.setup.extent;
         Ok(Self {
-            hi_z: HiZPass::new(gpu, extent)?,
+            hi_z: HiZPass::new(gpu, extent, drawn.hi_z_maximum)?,
             visibility: VisibilityPass::new(gpu, extent)?,
             color: ColorChainPass::new(gpu, extent, LIT_COLOR, drawn.chain_filter)?,
             trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,

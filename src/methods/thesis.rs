@@ -2,7 +2,7 @@
 //! and which is the author's. Sources: thesis §4.2 and §4.3, and the facts on the author's own program.
 
 use crate::gpu::shader::ThesisBlock;
-use crate::parameter::{Parameter, Preset, parameters};
+use crate::parameter::{Parameter, Preset, choices, parameters};
 use crate::scene::Camera;
 
 /// A bound for loops that the thesis leaves unbounded (docs/definitions.md, "Time").
@@ -56,9 +56,29 @@ parameters! {
     }
 }
 
+choices! {
+    /// Which exponent α of Eq. 4.5 a roughness ϱ stands for. The equation is printed with an α that grows with ϱ, so that
+    /// mirrors have the widest cones.
+    pub enum ConeAngle {
+        /// That of the lobe that ϱ stands for everywhere in this project: the angle is ϱ/2, as in the author's program.
+        Lobe = "lobe",
+        /// The equation's interpolation with its ends swapped, from `cone_alpha_max` for mirrors to `cone_alpha_min`; and
+        /// no angle at all for an α above 1000 (§4.2.8).
+        Interpolated = "interpolated",
+    }
+}
+
 parameters! {
     /// Parameters of the cone trace (thesis Alg. 5).
     pub struct ConeParams {
+        /// The exponent of Eq. 4.5 that a roughness stands for.
+        cone_angle: ConeAngle = Parameter::new(ConeAngle::Lobe)
+            .sweep(Preset::Published, &[ConeAngle::Interpolated])
+            .source("Eq. 4.5"),
+        /// The exponent of the roughest surfaces, where it is interpolated.
+        cone_alpha_min: f32 = Parameter::new(0.1).between(0.0, 1e4).source(UNPRINTED),
+        /// The exponent of mirrors, where it is interpolated.
+        cone_alpha_max: f32 = Parameter::new(1024.0).between(0.0, 1e4).source(UNPRINTED),
         /// Circles of the cone.
         cone_samples: u32 = Parameter::new(7)
             .within(1, 64)
@@ -139,6 +159,9 @@ impl ConeParams {
         ThesisBlock {
             cone_samples: self.cone_samples as i32,
             cone_lengthened: i32::from(self.cone_lengthened),
+            cone_interpolated: i32::from(self.cone_angle == ConeAngle::Interpolated),
+            cone_alpha_min: self.cone_alpha_min,
+            cone_alpha_max: self.cone_alpha_max,
             ..block
         }
     }

@@ -1,5 +1,6 @@
 //! The Hi-Z buffer (thesis §4.2.4, Alg. 3, Eq. 4.1): level 0 is the standard depth, each further
-//! level the minimum and maximum of four texels of the level below. CPU twin: `reference::hi_z`.
+//! level the minimum of four texels of the level below, and beside it their maximum if that is wanted. CPU twin:
+//! `reference::hi_z`.
 
 use super::{GBuffer, HiZ};
 use crate::error::Result;
@@ -7,7 +8,9 @@ use crate::gpu::shader::HiZBlock;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use ash::vk;
 
-const FORMAT: vk::Format = vk::Format::R32G32_SFLOAT;
+/// The minimum alone, and with the maximum in g.
+const MINIMUM: vk::Format = vk::Format::R32_SFLOAT;
+const BOTH: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// Pipelines and the chain of one size.
 pub struct HiZPass {
@@ -17,9 +20,9 @@ pub struct HiZPass {
 }
 
 impl HiZPass {
-    /// A full chain over a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::with_levels(gpu, extent, image::full_chain(extent))
+    /// A full chain over a size in pixels, with or without maxima.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], maximum: bool) -> Result<Self> {
+        Self::with_levels(gpu, extent, image::full_chain(extent), if maximum { BOTH } else { MINIMUM })
     }
 
     /// Level 0 alone: the depth buffer of the linear marches, which filter it.
@@ -27,20 +30,20 @@ impl HiZPass {
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter its format.
     pub fn depth_alone(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        gpu.require_linear_filter(FORMAT)?;
-        Self::with_levels(gpu, extent, 1)
+        gpu.require_linear_filter(MINIMUM)?;
+        Self::with_levels(gpu, extent, 1, MINIMUM)
     }
 
-    fn with_levels(gpu: &Gpu, extent: [u32; 2], levels: u32) -> Result<Self> {
+    fn with_levels(gpu: &Gpu, extent: [u32; 2], levels: u32, format: vk::Format) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         Ok(Self {
-            depth: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
-            reduce: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
+            depth: GraphicsPipeline::fullscreen(gpu, [format])?,
+            reduce: GraphicsPipeline::fullscreen(gpu, [format])?,
             chain: Image::new(
                 gpu,
                 &ImageDesc {
                     name: "hi-z",
-                    format: FORMAT,
+                    format,
                     extent,
                     levels,
                     layers: 1,

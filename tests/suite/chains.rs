@@ -33,8 +33,9 @@ const SIZES: [[u32; 2]; 14] = [
     [800, 600],
 ];
 
+/// With the maximum beside the minimum in the chain of depths.
 fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
-    let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.chain_filter = filter);
+    let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| (p.chain_filter, p.hi_z_maximum) = (filter, true));
     show(gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
 }
 
@@ -82,12 +83,30 @@ fn depth_chains_equal_their_twin_to_the_bit() {
 }
 
 #[test]
+fn without_maxima_the_minima_and_the_image_are_the_same() {
+    let gpu = gpu();
+    let extent = [127, 61];
+    let shown = [true, false].map(|maximum| {
+        let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.hi_z_maximum = maximum);
+        show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default())
+    });
+    let [both, minimum] = shown.each_ref().map(|s| s.levels("hi-z"));
+    assert_eq!(both.len(), minimum.len());
+    for (both, minimum) in both.iter().zip(minimum) {
+        assert_eq!((both.channels, minimum.channels), (2, 1));
+        let minima: Vec<f32> = both.texels().map(|t| t[0]).collect();
+        assert_eq!(minima, minimum.values);
+    }
+    assert_eq!(shown[0].get("composite").values, shown[1].get("composite").values);
+}
+
+#[test]
 fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     let Some(folder) = shared_scenes() else { return };
     let gpu = gpu();
     let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
     for (view, extent) in scene.views.iter().zip([[321, 179], [240, 135], [127, 61]]) {
-        let setup = Setup::new(extent);
+        let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.hi_z_maximum = true);
         let camera = view.camera(&scene, extent);
         check_depth(&show(&gpu, &scene, camera, "ssct", &setup, &Globals::default()));
     }

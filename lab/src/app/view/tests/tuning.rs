@@ -34,6 +34,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("search-tolerance", "1"),
         ("cone-samples", "1"),
         ("cone-lengthened", "on"),
+        ("cone-angle", "interpolated"),
+        ("cone-alpha-min", "50"),
+        ("cone-alpha-max", "80"),
+        ("hi-z-maximum", "on"),
         ("camera-fade", "0"),
         ("pixel-step", "7"),
         ("distance-blur", "on"),
@@ -86,14 +90,18 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
             // In this scene, no quad is behind another one or behind anything else.
-            // The version of the definitions is what the references judge by.
-            if info.name == "billboard" || option.0 == "definitions" {
+            // The version of the definitions is what the references judge by, and nothing reads the maximum of the Hi-Z.
+            if info.name == "billboard" || ["definitions", "hi-z-maximum"].contains(&option.0) {
                 continue;
             }
             // Where distances are blurred, the chain is made.
             let (blurred, captured) = (("distance-blur", "on"), ("captures", "1"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
+                (_, "cone-alpha-min" | "cone-alpha-max") => {
+                    let interpolated = ("cone-angle", "interpolated");
+                    (vec![interpolated, option], frame(&mut bench, info, &[interpolated]))
+                }
                 // Where there are captures, they have a side, and passes that renew them.
                 ("unified", "capture-side" | "captures-per-frame") => {
                     (vec![captured, option], frame(&mut bench, info, &[captured]))
