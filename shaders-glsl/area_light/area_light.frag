@@ -8,7 +8,7 @@
 #include "area_light/share.glsl"
 
 struct AreaLightData { // view space, metres
-    vec4 a;        // centre, or one end; w: radius
+    vec4 a;        // centre, or one end; w: radius, or a cuboid's third half
     vec4 b;        // the other end, or half_u
     vec4 c;        // half_v
     vec4 radiance; // linear; w: SHAPE_*
@@ -46,8 +46,10 @@ void main() {
         float share;
         if (light.radiance.w == SHAPE_SPHERE)
             share = SphereShare(r, n, a, light.a.w, m);
-        else if (light.radiance.w == SHAPE_CAPSULE)
-            share = CapsuleShare(r, n, a, light.b.xyz - position, light.a.w, m);
+        else if (light.radiance.w == SHAPE_CAPSULE || light.radiance.w == SHAPE_CYLINDER)
+            share = TubeShare(r, n, a, light.b.xyz - position, light.a.w, light.radiance.w == SHAPE_CYLINDER, m);
+        else if (light.radiance.w == SHAPE_CUBOID)
+            share = CuboidShare(r, n, a, light.b.xyz, light.c.xyz, light.a.w, m);
         else
             share = RectangleShare(r, n, a, light.b.xyz, light.c.xyz, m);
         sum += share * light.radiance.rgb;

@@ -1,5 +1,5 @@
-// Which share of a reflection lobe a light with an extent fills: analytic highlights of spheres, capsules
-// and rectangles with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
+// Which share of a reflection lobe a light with an extent fills: analytic highlights of spheres, capsules,
+// cylinders, rectangles and cuboids with roughness (thesis 3.1.1: where the ray meets the light, all of it; else by the
 // nearest distance, attenuated by the roughness).
 //
 // The lobe is cos^a around the mirror direction r (docs/definitions.md, "Surfaces"), and m = a + 1. Of directions
@@ -77,7 +77,13 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     return Between(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
 }
 
-float CapsuleShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, float m) {
+// The angle of a vector from the direction `nearest`, around an axis that stands on both.
+float Along(vec3 nearest, vec3 v, vec3 axis) {
+    return atan(dot(cross(nearest, v), axis), dot(nearest, v));
+}
+
+// A capsule's, or with `flat_ends` a cylinder's.
+float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, float m) {
     vec3 normal = cross(a, b);
     if (dot(normal, normal) < 1e-10 * dot(a, a) * dot(b, b))
         return SphereShare(r, n, dot(a, a) < dot(b, b) ? a : b, radius, m);
@@ -107,8 +113,23 @@ float CapsuleShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, float m) {
     vec2 ends = vec2(s_a, s_b);
     vec2 sharp = ends * ends * m / (1.0 + ends * ends * m);
     ends = mix(0.25 * 3.14159265 * ends, sqrt(max(ends * ends - x * x, 0.0)), sharp);
+    float from = to_a - ends.x, to = to_b + ends.y;
+    if (flat_ends) {
+        // A flat end is an ellipse: how far its rim reaches along the great circle. The nearer end may cover the other.
+        vec3 out_of_axis = radius * normalize(cross(normal, b - a));
+        vec4 rims = vec4(Along(nearest, a - out_of_axis, normal), Along(nearest, a + out_of_axis, normal),
+                         Along(nearest, b - out_of_axis, normal), Along(nearest, b + out_of_axis, normal));
+        vec4 middles = vec4(vec2(to_a), vec2(to_b));
+        vec2 wide = vec2(s_a, s_b);
+        vec2 within = vec2(to_a, to_b) / max(0.5 * abs(rims.yw - rims.xz), 1e-6);
+        wide *= sqrt(max(1.0 - within * within, 0.0));
+        s = max(s, max(wide.x, wide.y));
+        rims = middles + (rims - middles) * (ends / max(vec2(s_a, s_b), 1e-9)).xxyy;
+        from = min(min(rims.x, rims.y), min(rims.z, rims.w));
+        to = max(max(rims.x, rims.y), max(rims.z, rims.w));
+    }
     float e_a = Elevation(a, n), e_b = Elevation(b, n);
-    return Between(x - s, x + s, m) * Between(to_a - ends.x, to_b + ends.y, m)
+    return Between(x - s, x + s, m) * Between(from, to, m)
         * AboveHorizon(r, n, min(e_a - s_a, e_b - s_b), max(e_a + s_a, e_b + s_b), m);
 }
 
@@ -130,4 +151,23 @@ float RectangleShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, floa
     vec4 e = vec4(Elevation(p0, n), Elevation(p1, n), Elevation(p2, n), Elevation(p3, n));
     float lowest = min(min(e.x, e.y), min(e.z, e.w)), highest = max(max(e.x, e.y), max(e.z, e.w));
     return max(u, 0.0) * max(v, 0.0) * AboveHorizon(r, n, lowest, highest, m);
+}
+
+// The faces that are seen, each by itself: at most three.
+float CuboidShare(vec3 r, vec3 n, vec3 centre, vec3 half_u, vec3 half_v, float half_w, float m) {
+    vec3 halves[3] = vec3[3](half_u, half_v, half_w * normalize(cross(half_u, half_v)));
+    float sum = 0.0;
+    bool is_inside = true;
+    for (int i = 0; i < 3; ++i) {
+        vec3 outward = halves[i];
+        // The face on the side of the point that is lit.
+        float side = dot(centre, outward) < 0.0 ? 1.0 : -1.0;
+        if (abs(dot(centre, outward)) <= dot(outward, outward))
+            continue; // between two faces, of which neither shows its front
+        is_inside = false;
+        // half_u x half_v of a rectangle points to where it shines.
+        vec3 u = halves[(i + 1) % 3], v = halves[(i + 2) % 3];
+        sum += RectangleShare(r, n, centre + side * outward, u, dot(cross(u, v), side * outward) > 0.0 ? v : -v, m);
+    }
+    return is_inside ? 1.0 : min(sum, 1.0);
 }

@@ -96,6 +96,8 @@ const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.
 const int SHAPE_SPHERE = 0;       // An area light that is a sphere.
 const int SHAPE_CAPSULE = 1;      // An area light that is a capsule.
 const int SHAPE_RECTANGLE = 2;    // An area light that is a rectangle.
+const int SHAPE_CUBOID = 3;       // An area light that is a cuboid.
+const int SHAPE_CYLINDER = 4;     // An area light that is a cylinder.
 
 const int ORDER_PRINTED = 0;      // Billboards as listing 2 has it.
 const int ORDER_UNBROKEN = 1;     // The last billboard of the list that lies ahead.

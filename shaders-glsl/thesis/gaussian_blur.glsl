@@ -1,4 +1,4 @@
-// The 7-tap separable Gaussian of thesis 4.3.2 (Eq. 4.8, sigma = 1; the listing's weights), one
+// The 7-tap separable Gaussian of thesis 4.3.2 (Eq. 4.8; the listing's weights, whose sigma is 0.85, not 1), one
 // direction. `tap` is a function of texture coordinates: what a sample reads.
 
 #include "common/constants.glsl"

@@ -1,4 +1,4 @@
-//! `area-light`: analytic highlights of spheres, capsules and rectangles with roughness (thesis §3.1.1). It
+//! `area-light`: analytic highlights of spheres, capsules, cylinders, rectangles and cuboids with roughness (thesis §3.1.1). It
 //! reflects the area lights of a scene and nothing else, and nothing hides them: "direct lighting only".
 
 use super::{Input, Method, MethodInfo, SceneInput, Traced};

@@ -6,7 +6,7 @@ use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::shader::{AreaLightBlock, AreaLightData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::math::constants::{self, SHAPE_CAPSULE, SHAPE_RECTANGLE, SHAPE_SPHERE};
+use crate::math::constants::{self, SHAPE_CAPSULE, SHAPE_CUBOID, SHAPE_CYLINDER, SHAPE_RECTANGLE, SHAPE_SPHERE};
 use crate::scene::{AreaLight, AreaShape, Camera};
 
 /// The most area lights that a scene can have for this pass.
@@ -71,6 +71,12 @@ fn light_block(lights: &[AreaLight], camera: &Camera) -> AreaLightBlock {
             AreaShape::Sphere { centre, radius } => (SHAPE_SPHERE, place(centre).extend(radius), [0.0; 4], [0.0; 4]),
             AreaShape::Capsule { a, b, radius } => {
                 (SHAPE_CAPSULE, place(a).extend(radius), place(b).extend(0.0).to_array(), [0.0; 4])
+            }
+            AreaShape::Cylinder { a, b, radius } => {
+                (SHAPE_CYLINDER, place(a).extend(radius), place(b).extend(0.0).to_array(), [0.0; 4])
+            }
+            AreaShape::Cuboid { centre, half_u, half_v, half_w } => {
+                (SHAPE_CUBOID, place(centre).extend(half_w), along(half_u), along(half_v))
             }
             AreaShape::Rectangle { centre, half_u, half_v } => {
                 (SHAPE_RECTANGLE, place(centre).extend(0.0), along(half_u), along(half_v))

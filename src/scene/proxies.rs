@@ -75,6 +75,26 @@ pub enum AreaShape {
         /// From the centre to the middle of an adjacent edge; orthogonal to half_u.
         half_v: Vec3,
     },
+    /// A box.
+    Cuboid {
+        /// Centre.
+        centre: Vec3,
+        /// From the centre to the middle of one face.
+        half_u: Vec3,
+        /// From the centre to the middle of an adjacent face; orthogonal to half_u.
+        half_v: Vec3,
+        /// Half the length of the third side, along half_u × half_v, > 0.
+        half_w: f32,
+    },
+    /// A tube with flat ends, which shine too.
+    Cylinder {
+        /// The middle of one end.
+        a: Vec3,
+        /// The middle of the other end.
+        b: Vec3,
+        /// Radius, > 0.
+        radius: f32,
+    },
 }
 
 impl Probe {
@@ -118,7 +138,7 @@ impl AreaShape {
                 *centre *= factor;
                 *radius *= factor;
             }
-            Self::Capsule { a, b, radius } => {
+            Self::Capsule { a, b, radius } | Self::Cylinder { a, b, radius } => {
                 *a *= factor;
                 *b *= factor;
                 *radius *= factor;
@@ -128,14 +148,22 @@ impl AreaShape {
                 *half_u *= factor;
                 *half_v *= factor;
             }
+            Self::Cuboid { centre, half_u, half_v, half_w } => {
+                *centre *= factor;
+                *half_u *= factor;
+                *half_v *= factor;
+                *half_w *= factor;
+            }
         }
     }
 
     /// Moves the shape.
     pub(super) fn translate(&mut self, offset: Vec3) {
         match self {
-            Self::Sphere { centre, .. } | Self::Rectangle { centre, .. } => *centre += offset,
-            Self::Capsule { a, b, .. } => {
+            Self::Sphere { centre, .. } | Self::Rectangle { centre, .. } | Self::Cuboid { centre, .. } => {
+                *centre += offset;
+            }
+            Self::Capsule { a, b, .. } | Self::Cylinder { a, b, .. } => {
                 *a += offset;
                 *b += offset;
             }

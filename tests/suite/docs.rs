@@ -4,6 +4,7 @@
 mod beyond;
 mod headline;
 mod records;
+mod thesis;
 mod world;
 
 use crate::common::repository;

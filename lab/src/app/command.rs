@@ -40,7 +40,7 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
-    /// Make every figure of the theses, and a page that shows them.
+    /// Make the figures of the theses, say what those lack that cannot be made, and show them on a page.
     Figures(FiguresOptions),
     /// Say where captures of a scene stand, or place them.
     Captures(CapturesOptions),

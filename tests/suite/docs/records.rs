@@ -1,6 +1,6 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
-use super::beyond;
+use super::{beyond, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -27,6 +27,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["versions"] => versions(folders)?,
         ["definitions"] => definitions(folders)?,
         ["beyond", roughness] => beyond::beyond(folders, roughness)?,
+        ["search"] => thesis::search(first)?,
+        ["cone-angle"] => thesis::cone_angle(first)?,
+        ["unneeded"] => thesis::unneeded(first)?,
         ["gain"] => beyond::gain(folders)?,
         ["fallbacks"] => beyond::fallbacks(folders)?,
         ["views-above", limit, behind, roughness] => beyond::views_above(folders, limit, behind, roughness)?,
@@ -57,7 +60,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
 }
 
 /// Rows of a CSV file; lines that begin with # are comments.
-fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
+pub(super) fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
     let path = folder.join(file);
     let at = |e: csv::Error| format!("{}: {e}", path.display());
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(at)?;
@@ -78,7 +81,7 @@ pub(super) fn text(folder: &Path, file: &str) -> Result<String> {
     fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-fn number(row: &Row, field: &str) -> Result<f64> {
+pub(super) fn number(row: &Row, field: &str) -> Result<f64> {
     let value = row.get(field).ok_or_else(|| format!("no field {field}"))?;
     value.parse().map_err(|_| format!("{field} is {value:?}, not a number"))
 }
@@ -104,7 +107,7 @@ pub fn median(values: &[f64]) -> Result<f64> {
     }
 }
 
-fn mean(values: &[f64]) -> Result<f64> {
+pub(super) fn mean(values: &[f64]) -> Result<f64> {
     if values.is_empty() {
         Err("nothing to take the mean of".to_owned())
     } else {

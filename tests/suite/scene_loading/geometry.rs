@@ -281,8 +281,10 @@ fn places(scene: &Scene) -> Vec<Vec3> {
     let probes = scene.probes.iter().flat_map(|p| [p.position, p.bounds.min, p.bounds.max]);
     let impostors = scene.impostors.iter().map(|i| i.centre);
     let area_lights = scene.area_lights.iter().map(|l| match l.shape {
-        AreaShape::Sphere { centre, .. } | AreaShape::Rectangle { centre, .. } => centre,
-        AreaShape::Capsule { a, .. } => a,
+        AreaShape::Sphere { centre, .. } | AreaShape::Rectangle { centre, .. } | AreaShape::Cuboid { centre, .. } => {
+            centre
+        }
+        AreaShape::Capsule { a, .. } | AreaShape::Cylinder { a, .. } => a,
     });
     let captures = scene.captures.iter().map(|c| c.position);
     let kinds: [Vec<Vec3>; 9] = [

@@ -108,6 +108,21 @@ centre = [0, 3, 0]
 half_u = [1, 0, 0]
 half_v = [0, 0, 2]
 
+[[area_light]]
+kind = "cuboid"
+radiance = [1, 1, 1]
+centre = [0, 3, 0]
+half_u = [1, 0, 0]
+half_v = [0, 0, 2]
+half_w = 0.5
+
+[[area_light]]
+kind = "cylinder"
+radiance = [1, 1, 1]
+a = [0, 1, 0]
+b = [0, 2, 0]
+radius = 0.25
+
 [[capture]]
 place = [1, 1.5, 2]
 resolution = 256
@@ -171,6 +186,7 @@ fn probes_impostors_and_area_lights_arrive() {
     assert_eq!((image.width, image.height, image.encoding), (4, 2, Encoding::Srgb));
     assert_eq!((image.rgba[3], image.rgba[7], &scene.textures[same.texture].rgba), (0, 255, &image.rgba));
     let rectangle = AreaShape::Rectangle { centre: 3.0 * Vec3::Y, half_u: Vec3::X, half_v: 2.0 * Vec3::Z };
+    let cuboid = AreaShape::Cuboid { centre: 3.0 * Vec3::Y, half_u: Vec3::X, half_v: 2.0 * Vec3::Z, half_w: 0.5 };
     assert_eq!(
         scene.area_lights,
         [
@@ -183,6 +199,11 @@ fn probes_impostors_and_area_lights_arrive() {
                 radiance: Vec3::ONE
             },
             AreaLight { shape: rectangle, radiance: Vec3::splat(2.0) },
+            AreaLight { shape: cuboid, radiance: Vec3::ONE },
+            AreaLight {
+                shape: AreaShape::Cylinder { a: Vec3::Y, b: 2.0 * Vec3::Y, radius: 0.25 },
+                radiance: Vec3::ONE
+            },
         ]
     );
 }
@@ -327,6 +348,12 @@ fn errors_name_the_line() {
         (
             "[[area_light]]\nkind = 'capsule'\nradiance = [1, 1, 1]\na = [0, 0, 0]\nb = [0, 1, 0]\nradius = 0\n".into(),
             "8: radius must be a number > 0, not 0",
+        ),
+        (
+            "[[area_light]]\nkind = 'cuboid'\nradiance = [1, 1, 1]\ncentre = [0, 0, 0]\nhalf_u = [1, 0, 0]\n\
+             half_v = [0, 1, 0]\n"
+                .into(),
+            "3: a cuboid has a centre, half_u, half_v and the length half_w beside its radiance, and no other key",
         ),
     ];
     for (rest, expected) in cases {

@@ -182,8 +182,13 @@ fn probes_stand_free_inside_boxes_that_fit_the_scene() {
 fn lengths(shape: &AreaShape) -> Vec<f32> {
     match *shape {
         AreaShape::Sphere { centre, radius } => vec![centre.length(), radius],
-        AreaShape::Capsule { a, b, radius } => vec![a.length(), b.length(), a.distance(b), radius],
+        AreaShape::Capsule { a, b, radius } | AreaShape::Cylinder { a, b, radius } => {
+            vec![a.length(), b.length(), a.distance(b), radius]
+        }
         AreaShape::Rectangle { centre, half_u, half_v } => vec![centre.length(), half_u.length(), half_v.length()],
+        AreaShape::Cuboid { centre, half_u, half_v, half_w } => {
+            vec![centre.length(), half_u.length(), half_v.length(), half_w]
+        }
     }
 }
 
@@ -205,7 +210,7 @@ fn a_scale_enlarges_probes_impostors_and_area_lights() {
 }
 
 #[test]
-fn every_shape_of_area_light_occurs() {
+fn spheres_capsules_and_rectangles_shine_in_the_built_in_scenes() {
     let shapes: Vec<AreaShape> = SCENES.iter().flat_map(|s| &s.area_lights).map(|l| l.shape).collect();
     assert!(shapes.iter().any(|s| matches!(s, AreaShape::Sphere { .. })));
     assert!(shapes.iter().any(|s| matches!(s, AreaShape::Capsule { .. })));

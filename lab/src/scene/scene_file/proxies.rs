@@ -37,6 +37,8 @@ enum AreaKind {
     Sphere,
     Capsule,
     Rectangle,
+    Cuboid,
+    Cylinder,
 }
 
 #[derive(Deserialize)]
@@ -50,6 +52,7 @@ pub(super) struct AreaLightSection {
     b: Option<Spanned<[f32; 3]>>,
     half_u: Option<Spanned<[f32; 3]>>,
     half_v: Option<Spanned<[f32; 3]>>,
+    half_w: Option<Spanned<f32>>,
 }
 
 impl SourceText<'_> {
@@ -80,22 +83,29 @@ impl SourceText<'_> {
     }
 
     pub(super) fn area_light(&self, section: &Spanned<AreaLightSection>) -> Result<AreaLight> {
-        let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v } = section.get_ref();
+        let AreaLightSection { kind, radiance, centre, radius, a, b, half_u, half_v, half_w } = section.get_ref();
         let span = radiance.span();
         let radiance = self.vector("radiance", radiance)?;
         if radiance.min_element() < 0.0 {
             return Err(self.error(span, format!("radiance must not be negative, but is {radiance}")));
         }
-        let shape = match (kind, centre, radius, [a, b], [half_u, half_v]) {
-            (AreaKind::Sphere, Some(centre), Some(radius), [None, None], [None, None]) => {
+        let shape = match (kind, centre, radius, [a, b], [half_u, half_v], half_w) {
+            (AreaKind::Sphere, Some(centre), Some(radius), [None, None], [None, None], None) => {
                 AreaShape::Sphere { centre: self.vector("centre", centre)?, radius: self.positive("radius", radius)? }
             }
-            (AreaKind::Capsule, None, Some(radius), [Some(a), Some(b)], [None, None]) => AreaShape::Capsule {
-                a: self.vector("a", a)?,
-                b: self.vector("b", b)?,
-                radius: self.positive("radius", radius)?,
-            },
-            (AreaKind::Rectangle, Some(centre), None, [None, None], [Some(half_u), Some(half_v)]) => {
+            (AreaKind::Capsule | AreaKind::Cylinder, None, Some(radius), [Some(a), Some(b)], [None, None], None) => {
+                let (a, b, radius) = (self.vector("a", a)?, self.vector("b", b)?, self.positive("radius", radius)?);
+                match kind {
+                    AreaKind::Cylinder => AreaShape::Cylinder { a, b, radius },
+                    _ => AreaShape::Capsule { a, b, radius },
+                }
+            }
+            (AreaKind::Cuboid, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], Some(half_w)) => {
+                let centre = self.vector("centre", centre)?;
+                let [half_u, half_v] = self.halves(half_u, half_v)?;
+                AreaShape::Cuboid { centre, half_u, half_v, half_w: self.positive("half_w", half_w)? }
+            }
+            (AreaKind::Rectangle, Some(centre), None, [None, None], [Some(half_u), Some(half_v)], None) => {
                 let centre = self.vector("centre", centre)?;
                 let [half_u, half_v] = self.halves(half_u, half_v)?;
                 AreaShape::Rectangle { centre, half_u, half_v }
@@ -105,6 +115,8 @@ impl SourceText<'_> {
                     AreaKind::Sphere => "a sphere has a centre and a radius",
                     AreaKind::Capsule => "a capsule has a, b and a radius",
                     AreaKind::Rectangle => "a rectangle has a centre, half_u and half_v",
+                    AreaKind::Cuboid => "a cuboid has a centre, half_u, half_v and the length half_w",
+                    AreaKind::Cylinder => "a cylinder has a, b and a radius",
                 };
                 return Err(self.error(section.span(), format!("{has} beside its radiance, and no other key")));
             }
