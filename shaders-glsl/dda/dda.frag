@@ -134,7 +134,8 @@ float March(Line line, float shift, out int path) {
             return -1.0;
         if (i > dda.steps)
             break;
-        float from = max(s - 0.5 * dda.stride, OWN_PIXEL);
+        // Steps meet half-way between samples. The first one begins at the ray's own pixel if what it meets is checked.
+        float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);
         float next = min(s + 0.5 * dda.stride, line.end);
         if (!Meets(line, Place(line, s), from, next))
             continue;
@@ -144,10 +145,6 @@ float March(Line line, float shift, out int path) {
             path = PATH_LINEAR;
             return hit;
         }
-#ifdef KEEP
-        path = PATH_LINEAR;
-        return s;
-#endif
     }
     path = PATH_LINEAR_EXHAUSTED;
     return -1.0;

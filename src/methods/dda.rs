@@ -12,6 +12,11 @@ use crate::passes::dda_trace::DdaTracePass;
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     parameters: DdaParams::table,
+    // The march without what is added to it, at the other two strides.
+    combinations: |base| {
+        let plain = |stride| base.with(|p: &mut DdaParams| (p.dda_stride, p.dda_refine) = (stride, false));
+        vec![plain(1), plain(16)]
+    },
     ..MethodInfo::screen(
         "dda",
         "perspective-correct march over pixels with a constant thickness, mirror lookup: no gloss",
@@ -30,22 +35,22 @@ parameters! {
         dda_stride: u32 = Parameter::new(4)
             .within(1, 64)
             .unit("pixels")
-            .sweep(Preset::Published, &[1, 4, 16])
+            .sweep(Preset::Published, &[1, 16])
             .source(TUNED),
         /// What every surface is taken to measure in view depth.
-        dda_thickness: f32 = Parameter::new(0.25)
+        dda_thickness: f32 = Parameter::new(0.5)
             .between(0.0, 1000.0)
             .unit("m")
-            .sweep(Preset::Published, &[0.05, 0.1, 0.25, 0.5, 1.0])
+            .sweep(Preset::Published, &[0.05, 0.1, 0.25, 1.0])
             .source(TUNED),
         /// Samples are shifted along the ray by up to half a stride, from pixel to pixel in a fixed pattern of 4 × 4, so
         /// that bands become noise.
-        dda_jitter: bool = Parameter::new(true)
-            .sweep(Preset::Published, &[true, false])
+        dda_jitter: bool = Parameter::new(false)
+            .sweep(Preset::Published, &[true])
             .source(TUNED),
         /// A hit is searched for by halves within the step that found it, and must stand up there.
         dda_refine: bool = Parameter::new(true)
-            .sweep(Preset::Published, &[true, false])
+            .sweep(Preset::Published, &[false])
             .source("not in McGuire and Mara 2014; as engines do"),
         /// Samples of a ray at most; a ray that needs more is a miss.
         dda_steps: u32 = Parameter::new(UNBOUNDED).within(1, 65536).source("McGuire and Mara 2014 leave it open"),
