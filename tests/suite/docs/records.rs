@@ -1,6 +1,6 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
-use super::beyond;
+use super::{beyond, dda};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -44,6 +44,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["wrong-rays"] => wrong_rays(folders)?,
         ["why-wrong", scene, view, size] => why_wrong(first, scene, view, size)?,
         ["need"] => need(first)?,
+        ["dda-tuning"] => dda::tuning(first)?,
+        ["dda-beside"] => dda::beside(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
         ["stress-cases"] => stress_cases(first)?,
@@ -104,7 +106,7 @@ pub fn median(values: &[f64]) -> Result<f64> {
     }
 }
 
-fn mean(values: &[f64]) -> Result<f64> {
+pub(super) fn mean(values: &[f64]) -> Result<f64> {
     if values.is_empty() {
         Err("nothing to take the mean of".to_owned())
     } else {
