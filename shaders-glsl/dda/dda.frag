@@ -128,6 +128,7 @@ float Refine(Line line, float s, float next) {
 // s of the hit, or -1; and how the ray ended.
 float March(Line line, float shift, out int path) {
     path = PATH_LINEAR_MISS;
+    bool was_behind = false;
     for (int i = 1;; ++i) {
         float s = (float(i) + shift) * dda.stride;
         if (!(s < line.end))
@@ -137,7 +138,14 @@ float March(Line line, float shift, out int path) {
         // Steps meet half-way between samples. The first one begins at the ray's own pixel if what it meets is checked.
         float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);
         float next = min(s + 0.5 * dda.stride, line.end);
-        if (!Meets(line, Place(line, s), from, next))
+        bool meets = Meets(line, Place(line, s), from, next);
+        if (REFINE) {
+            // What is steep may be met between the depths of two steps: the ray was before it, and is behind it.
+            bool behind = IsBehind(line, s);
+            meets = meets || (behind && !was_behind);
+            was_behind = behind;
+        }
+        if (!meets)
             continue;
         float hit = REFINE ? Refine(line, s, next) : s;
         // What the step met must be met where the search ended, too: by the ray within one pixel.
