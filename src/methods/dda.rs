@@ -48,7 +48,8 @@ parameters! {
         dda_jitter: bool = Parameter::new(false)
             .sweep(Preset::Published, &[true])
             .source(TUNED),
-        /// A hit is searched for by halves within the step that found it, and must stand up there.
+        /// A hit is searched for by halves within the step that found it, and must stand up there. Steps in which the ray
+        /// goes behind what is seen are searched, too.
         dda_refine: bool = Parameter::new(true)
             .sweep(Preset::Published, &[false])
             .source("not in McGuire and Mara 2014; as engines do"),
