@@ -38,10 +38,10 @@ parameters! {
             .sweep(Preset::Published, &[1, 16])
             .source(TUNED),
         /// What every surface is taken to measure in view depth.
-        dda_thickness: f32 = Parameter::new(0.5)
+        dda_thickness: f32 = Parameter::new(0.25)
             .between(0.0, 1000.0)
             .unit("m")
-            .sweep(Preset::Published, &[0.05, 0.1, 0.25, 1.0])
+            .sweep(Preset::Published, &[0.05, 0.1, 0.5, 1.0])
             .source(TUNED),
         /// Samples are shifted along the ray by up to half a stride, from pixel to pixel in a fixed pattern of 4 × 4, so
         /// that bands become noise.

@@ -19,12 +19,12 @@ const TRIED: [(f64, bool, bool); 7] = [
     (0.25, true, false),
     (0.5, true, false),
     (1.0, true, false),
-    (0.5, true, true),
-    (0.5, false, false),
+    (0.25, true, true),
+    (0.25, false, false),
 ];
 
 /// The variant that stands in every folder of a stride, by which times are told.
-const TIMED_BY: (u64, (f64, bool, bool)) = (16, (0.5, true, false));
+const TIMED_BY: (u64, (f64, bool, bool)) = (16, (0.25, true, false));
 
 /// The records of a variant, at full resolution and with nothing behind it.
 fn of_variant(records: &[Value], stride: u64, (thickness, refine, jitter): (f64, bool, bool)) -> Vec<&Value> {
