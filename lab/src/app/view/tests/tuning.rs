@@ -37,7 +37,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("camera-fade", "0"),
         ("dda-stride", "16"),
         ("dda-thickness", "0.01"),
-        ("dda-jitter", "off"),
+        ("dda-jitter", "on"),
         ("dda-refine", "off"),
         ("dda-steps", "2"),
         ("dda-distance", "0.5"),
