@@ -39,6 +39,7 @@ const int PATH_MISS_SKY = 10;     // `unified`: went beyond the far plane.
 const int PATH_MISS_BEHIND = 11;  // `unified`: left the frustum behind geometry.
 const int PATH_SKY = 12;          // With captures: ends in the sky.
 const int PATH_UNKNOWN = 13;      // With captures: goes where no image sees it.
+const int PATH_LINEAR_EXHAUSTED = 14;  // `dda`: out of steps, and taken for a miss.
 const int PATH_CAPTURE = 16;      // Hit in capture k: this plus k.
 const int CAPTURE_SLOTS = 8;      // The most captures that a frame takes.
 const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray that captures let into the sky is put.

@@ -6,6 +6,7 @@ pub mod area_light;
 pub mod billboard;
 pub mod capture;
 pub mod captures;
+pub mod dda;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
@@ -257,6 +258,7 @@ pub const METHODS: &[MethodInfo] = &[
     poster::INFO,
     ssr::INFO,
     ssr_fast::INFO,
+    dda::INFO,
     pccm::INFO,
     billboard::INFO,
     planar::INFO,

@@ -10,6 +10,7 @@ pub mod color_chain;
 pub mod composite;
 pub mod cone_march;
 pub mod cube_filter;
+pub mod dda_trace;
 pub mod environment;
 pub mod fallback;
 pub mod filtered_gbuffer;
@@ -352,6 +353,8 @@ pub enum PathCode {
     Sky = constants::PATH_SKY as isize,
     /// With captures: went where no image sees it.
     Unknown = constants::PATH_UNKNOWN as isize,
+    /// `dda`: out of steps, and taken for a miss.
+    LinearExhausted = constants::PATH_LINEAR_EXHAUSTED as isize,
     /// With captures: hit in one of them, which [`PathCode::capture`] tells.
     Capture = constants::PATH_CAPTURE as isize,
 }
@@ -359,7 +362,7 @@ pub enum PathCode {
 impl PathCode {
     /// The code of a channel value; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 14] = [
+        const CODES: [PathCode; 15] = [
             PathCode::None,
             PathCode::HiZ,
             PathCode::Linear,
@@ -374,6 +377,7 @@ impl PathCode {
             PathCode::MissBehind,
             PathCode::Sky,
             PathCode::Unknown,
+            PathCode::LinearExhausted,
         ];
         if Self::capture(value).is_some() {
             return Some(Self::Capture);
@@ -393,7 +397,7 @@ impl PathCode {
 
     /// Whether the ray ran out of steps before it ended.
     pub fn is_exhausted(self) -> bool {
-        matches!(self, Self::Exhausted | Self::Unfinished)
+        matches!(self, Self::Exhausted | Self::Unfinished | Self::LinearExhausted)
     }
 
     /// Whether the ray was traced by the Hi-Z traversal (`Some(true)`) or by a linear march.
@@ -402,7 +406,7 @@ impl PathCode {
             Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
             Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
             Self::Sky | Self::Unknown | Self::Capture => Some(true),
-            Self::Linear | Self::LinearMiss => Some(false),
+            Self::Linear | Self::LinearMiss | Self::LinearExhausted => Some(false),
             Self::None | Self::Untraced => None,
         }
     }

@@ -49,7 +49,7 @@ fn mistakes() -> Vec<(Vec<&'static str>, i32, &'static str)> {
         (
             aimed(&["--method", "magic"]),
             2,
-            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, pccm, \
+            "no method \"magic\"; there is: ssct, hzct, sslr, linear, poster, ssr, ssr-fast, dda, pccm, \
              billboard, planar, area-light, environment, captures, unified",
         ),
         (

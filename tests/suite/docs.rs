@@ -2,6 +2,7 @@
 //! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
 
 mod beyond;
+mod dda;
 mod headline;
 mod records;
 mod thesis;

@@ -18,6 +18,7 @@ mod cli;
 mod compare;
 mod cone;
 mod cube_maps;
+mod dda;
 mod docs;
 mod embed;
 mod embed_example;

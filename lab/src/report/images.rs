@@ -209,6 +209,7 @@ pub fn paths(hits: &Pixels) -> Rgb {
         Some(PathCode::Miss | PathCode::MissScreen | PathCode::MissNear | PathCode::MissSky) => [0, 90, 0],
         Some(PathCode::MissBehind) => [0, 60, 60],
         Some(PathCode::Exhausted | PathCode::Unfinished) => [160, 160, 0],
+        Some(PathCode::LinearExhausted) => [110, 80, 0],
         Some(PathCode::Linear) => [220, 0, 0],
         Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
         Some(PathCode::Sky) => [120, 180, 255],

@@ -1,6 +1,6 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
-use super::{beyond, thesis};
+use super::{beyond, dda, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -47,6 +47,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["wrong-rays"] => wrong_rays(folders)?,
         ["why-wrong", scene, view, size] => why_wrong(first, scene, view, size)?,
         ["need"] => need(first)?,
+        ["dda-tuning"] => dda::tuning(first)?,
+        ["dda-beside"] => dda::beside(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
         ["stress-cases"] => stress_cases(first)?,

@@ -1,0 +1,196 @@
+#version 460
+#pragma program(Dda)
+// `dda`: every ray by a march over pixels along its longer screen axis, and the colour where it ends: a mirror lookup,
+// whatever the roughness. After the text of McGuire and Mara, "Efficient GPU Screen-Space Ray Tracing" (JCGT 3(4),
+// 2014); ERRATA.md beside this file lists what that leaves open and what differs.
+
+#include "common/camera.glsl"
+#include "common/constants.glsl"
+#include "thesis/border_fade.glsl"
+
+layout(constant_id = 0) const bool JITTER = false; // whether samples are shifted from pixel to pixel
+layout(constant_id = 1) const bool REFINE = false; // whether a hit is searched for within its step
+layout(constant_id = 2) const bool HITS = false;   // whether out_hit is wanted
+
+layout(push_constant) uniform DdaBlock {
+    float stride;     // pixels from one sample to the next
+    float thickness;  // metres that every surface is taken to measure in view depth
+    float longest;    // metres after which a ray ends
+    int steps;        // samples of a ray at most
+    float fade_start; // I_start of the thesis's Eq. 4.7
+    float fade_end;   // I_end of it
+    int fade;         // 0: no fade at all
+} dda;
+
+layout(binding = 1) uniform sampler2D depth_buffer;    // reversed; nearest
+layout(binding = 2) uniform sampler2D normal_buffer;   // view space
+layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
+layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, bilinear
+
+layout(location = 0) out vec4 out_reflection; // colour, and fade in a
+layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
+
+// A ray on the screen. Everything about it is a function of s, the pixels along the longer of its two axes from the
+// centre of the pixel where it starts. Pixels and k = 1 / z are linear in s. The paper interpolates Q k beside k; of Q
+// only the depth is asked for, and since w is z in our clip space, its z k is 1 all along the ray.
+struct Line {
+    vec2 start; // pixels
+    vec2 slope; // pixels of each axis to one of s; one of the two is 1 or -1
+    float k;    // 1 / z at the start
+    float dk;   // what it grows by with s
+    float end;  // s where the ray ends, or leaves the screen
+};
+
+// How near to its own start a ray is not held against anything: the rest of its own pixel.
+const float OWN_PIXEL = 0.5;
+// Pixels that the search within a step gets near to a hit.
+const float SEARCH_ENDS = 0.25;
+// The order in which a block of 4 x 4 pixels is shifted, so that neighbours are far apart in it.
+const int ORDER[16] = int[](0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5);
+
+// By how much of a stride the samples of a pixel are shifted: -1/2 to 1/2.
+float Shift(ivec2 pixel) {
+    if (!JITTER)
+        return 0.0;
+    return (float(ORDER[(pixel.y & 3) * 4 + (pixel.x & 3)]) + 0.5) / 16.0 - 0.5;
+}
+
+// View depth of what is seen at a place on the screen; what is not there is infinitely far away.
+float SceneDepth(vec2 place) {
+    ivec2 pixel = clamp(ivec2(place), ivec2(0), ivec2(camera.resolution) - 1);
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    if (!(depth > 0.0))
+        return NEVER;
+    mat4 m = camera.clip_to_view_reversed;
+    return (m[2][2] * depth + m[3][2]) / (m[2][3] * depth + m[3][3]);
+}
+
+vec2 Place(Line line, float s) {
+    return line.start + line.slope * s;
+}
+
+// View depth of the ray. Its end lies before the near plane, so that k is never 0.
+float Depth(Line line, float s) {
+    return 1.0 / (line.k + line.dk * s);
+}
+
+// The ray from a point in view space on the screen: cut off at the near plane and at its greatest length, projected,
+// and cut off where it leaves the screen. Without an end (0) if it never leaves its own pixel.
+Line Project(vec2 start, vec3 position, vec3 direction) {
+    float len = dda.longest;
+    if (direction.z < 0.0)
+        len = min(len, (camera.near_plane - position.z) / direction.z);
+    vec3 last = position + direction * len;
+    vec4 clip = camera.view_to_clip * vec4(last, 1.0);
+    vec2 way = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.resolution - start;
+    float pixels = max(abs(way.x), abs(way.y));
+    Line line = Line(start, vec2(0.0), 1.0 / position.z, 0.0, 0.0);
+    // Also where the ray has no length, or numbers are none.
+    if (!(pixels > OWN_PIXEL) || !(last.z > 0.0) || isinf(pixels))
+        return line;
+    line.slope = way / pixels;
+    line.dk = (1.0 / last.z - line.k) / pixels;
+    line.end = pixels;
+    for (int axis = 0; axis < 2; ++axis) {
+        float side = line.slope[axis] > 0.0 ? camera.resolution[axis] : 0.0;
+        if (line.slope[axis] != 0.0)
+            line.end = min(line.end, (side - start[axis]) / line.slope[axis]);
+    }
+    return line;
+}
+
+// Whether the depths of the ray from s = a to b meet what stands at `place`.
+bool Meets(Line line, vec2 place, float a, float b) {
+    float scene = SceneDepth(place);
+    vec2 depths = vec2(Depth(line, a), Depth(line, b));
+    return max(depths.x, depths.y) >= scene && min(depths.x, depths.y) <= scene + dda.thickness;
+}
+
+bool IsBehind(Line line, float s) {
+    return Depth(line, s) >= SceneDepth(Place(line, s));
+}
+
+// Where within the step around a sample that met something the ray goes behind it.
+float Refine(Line line, float s, float next) {
+    bool behind = IsBehind(line, s);
+    float before = behind ? max(s - dda.stride, OWN_PIXEL) : s;
+    float after = behind ? s : next;
+    for (float width = after - before; width > SEARCH_ENDS; width *= 0.5) {
+        float middle = 0.5 * (before + after);
+        if (IsBehind(line, middle))
+            after = middle;
+        else
+            before = middle;
+    }
+    return after;
+}
+
+// s of the hit, or -1; and how the ray ended.
+float March(Line line, float shift, out int path) {
+    path = PATH_LINEAR_MISS;
+    bool was_behind = false;
+    for (int i = 1;; ++i) {
+        float s = (float(i) + shift) * dda.stride;
+        if (!(s < line.end))
+            return -1.0;
+        if (i > dda.steps)
+            break;
+        // Steps meet half-way between samples. The first one begins at the ray's own pixel if what it meets is checked.
+        float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);
+        float next = min(s + 0.5 * dda.stride, line.end);
+        bool meets = Meets(line, Place(line, s), from, next);
+        if (REFINE) {
+            // What is steep may be met between the depths of two steps: the ray was before it, and is behind it.
+            bool behind = IsBehind(line, s);
+            meets = meets || (behind && !was_behind);
+            was_behind = behind;
+        }
+        if (!meets)
+            continue;
+        float hit = REFINE ? Refine(line, s, next) : s;
+        // What the step met must be met where the search ended, too: by the ray within one pixel.
+        if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit)) {
+            path = PATH_LINEAR;
+            return hit;
+        }
+    }
+    path = PATH_LINEAR_EXHAUSTED;
+    return -1.0;
+}
+
+// A colour whose numbers are finite: what shines less than nothing, or is no number, is black.
+vec3 Finite(vec3 color) {
+    return mix(vec3(0.0), min(color, GREATEST_HALF), greaterThan(color, vec3(0.0)));
+}
+
+void main() {
+    out_reflection = vec4(0.0);
+    if (HITS)
+        out_hit = vec4(vec3(-1.0), PATH_NONE);
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
+    float reflectivity = texelFetch(material_buffer, pixel, 0).r;
+    if (!(depth > 0.0) || !(reflectivity > REFLECTS_ABOVE) || !(dot(normal, normal) > NO_NORMAL))
+        return;
+
+    vec2 ndc = gl_FragCoord.xy / camera.resolution * vec2(2.0, -2.0) + vec2(-1.0, 1.0);
+    vec4 h = camera.clip_to_view_reversed * vec4(ndc, depth, 1.0);
+    vec3 position = h.xyz / h.w;
+    vec3 direction = reflect(normalize(position), normalize(normal));
+    Line line = Project(gl_FragCoord.xy, position, direction);
+    int path;
+    float s = March(line, Shift(pixel), path);
+    if (s < 0.0) {
+        if (HITS)
+            out_hit.w = float(path);
+        return;
+    }
+
+    vec2 uv = Place(line, s) / camera.resolution;
+    float z = Depth(line, s);
+    if (HITS)
+        out_hit = vec4(uv, (camera.view_to_clip[2][2] * z + camera.view_to_clip[3][2]) / z, path);
+    float fade = dda.fade != 0 ? BorderFade(uv, dda.fade_start, dda.fade_end) : 1.0;
+    out_reflection = vec4(Finite(textureLod(color_buffer, uv, 0.0).rgb), fade);
+}

@@ -1,0 +1,47 @@
+//! The march over pixels of McGuire and Mara 2014 for every ray, and a mirror lookup where it ends.
+
+use super::{GBuffer, Hits, Reflection, TracedImages, camera_block};
+use crate::error::Result;
+use crate::gpu::programs::{Dda, DdaConstants};
+use crate::gpu::shader::DdaBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::scene::Camera;
+
+/// Pipeline and images of one size.
+pub struct DdaTracePass {
+    pipeline: GraphicsPipeline<Dda<'static>>,
+    images: TracedImages,
+}
+
+impl DdaTracePass {
+    /// With samples that are shifted from pixel to pixel (`jitter`), with a search for each hit within its step
+    /// (`refine`), with an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], jitter: bool, refine: bool, hits: bool) -> Result<Self> {
+        let constants = DdaConstants { jitter, refine, hits };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
+            images: TracedImages::new(gpu, extent, hits)?,
+        })
+    }
+
+    /// Pass "ray march".
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer,
+        camera: &Camera,
+        parameters: &DdaBlock,
+    ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
+        let camera = camera_block(camera, gbuffer.depth.extent());
+        let program = Dda {
+            camera: &camera,
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+            material_buffer: Sampled::nearest(gbuffer.material.all()),
+            color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+            dda: parameters,
+        };
+        frame.fullscreen("ray march", &self.pipeline, self.images.targets(), &program)?;
+        Ok(self.images.traced())
+    }
+}

@@ -1,0 +1,177 @@
+//! `dda` against the exact oracle: where its hits lie, what refinement and jitter do to them, and that no size and no
+//! ray breaks it.
+
+use crate::common::{Builder, camera, clutter, clutter_camera, gpu, show, unfaded};
+use glam::Vec3;
+use ssct::gpu::Pixels;
+use ssct::methods::dda::DdaParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct::passes::PathCode;
+use ssct_lab::metrics::HitAgreement;
+use ssct_lab::reference::{Oracle, Outcome};
+use ssct_lab::scene::{Camera, Scene, View};
+use ssct_lab::study::gbuffer::{self, hit_positions};
+use ssct_lab::study::{Globals, Shot, Stage};
+
+const EYE: Vec3 = Vec3::new(0.0, 1.2, 0.0);
+const WALL_Z: f32 = 6.0;
+const EXTENT: [u32; 2] = [321, 239];
+
+/// A mirror floor that ends at a wall, which reaches below it.
+fn floor_and_wall() -> Scene {
+    let mut b = Builder::new("floor and wall");
+    b.light(Vec3::Z);
+    let picture = b.picture(64, 64, |x, y| [(4 * x) as u8, (4 * y) as u8, 128]);
+    b.quad(picture, Vec3::new(-12.0, -1.0, WALL_Z), Vec3::X * 24.0, Vec3::Y * 12.0, -Vec3::Z);
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-12.0, 0.0, 0.0), Vec3::X * 24.0, Vec3::Z * WALL_Z, Vec3::Y);
+    b.0
+}
+
+/// A mirror that faces the camera, between a floor and a ceiling: its rays come back.
+fn facing_mirror() -> Scene {
+    let mut b = Builder::new("facing mirror");
+    b.light(Vec3::Y);
+    let mirror = b.mirror();
+    b.quad(mirror, Vec3::new(-3.0, 0.0, 6.0), Vec3::X * 6.0, Vec3::new(0.0, 2.4, 0.4), -Vec3::Z);
+    let gray = b.matt(Vec3::splat(0.5));
+    b.quad(gray, Vec3::new(-6.0, 0.0, 0.5), Vec3::X * 12.0, Vec3::Z * 8.0, Vec3::Y);
+    b.quad(gray, Vec3::new(-6.0, 3.0, 0.5), Vec3::X * 12.0, Vec3::Z * 8.0, -Vec3::Y);
+    b.0
+}
+
+fn looks_ahead(extent: [u32; 2]) -> Camera {
+    camera(EYE, EYE + Vec3::Z, extent)
+}
+
+/// A setup without fade, with other parameters.
+fn setup(extent: [u32; 2], change: impl FnOnce(&mut DdaParams)) -> Setup {
+    unfaded(extent).with(change)
+}
+
+/// The image of the hits, and how these agree with the oracle of the same G-buffer.
+fn judged(scene: &Scene, camera: Camera, setup: &Setup) -> (Pixels, HitAgreement) {
+    let gpu = gpu();
+    let mut stage = Stage::new(&gpu, scene).unwrap();
+    let materials = Globals::default().materials(scene, &View::default());
+    let shot = Shot::new(&mut stage, find("dda").unwrap(), setup, Wants::HITS, camera, materials).unwrap();
+    let (_, _, output) = stage.output(&shot).unwrap();
+    let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
+    let g = gbuffer::read(&mut stage.context, &shot).unwrap();
+    let oracle = Oracle::new(&g);
+    let reflects: Vec<_> = (0..g.depth.len()).map(|i| g.reflects(i)).collect();
+    let truth: Vec<_> = (0..g.depth.len() as u32)
+        .map(|i| match oracle.trace(i % g.width, i / g.width).outcome {
+            Outcome::Hit { position, .. } => Some([position.x, position.y]),
+            _ => None,
+        })
+        .collect();
+    let agreement = HitAgreement::new(&reflects, &hit_positions(&hits), &truth);
+    gpu.check_validation().unwrap();
+    (hits, agreement)
+}
+
+#[test]
+fn a_sample_a_pixel_ends_where_the_oracle_says() {
+    for extent in [[512, 256], EXTENT] {
+        for refine in [false, true] {
+            let plain = setup(extent, |p| (p.dda_stride, p.dda_jitter, p.dda_refine) = (1, false, refine));
+            let (_, agreement) = judged(&floor_and_wall(), looks_ahead(extent), &plain);
+            println!("{extent:?}, refined {refine}: {agreement:?}");
+            assert!(agreement.pixels > 10_000 && agreement.hit_agreement.unwrap() > 0.99, "{agreement:?}");
+            assert!(agreement.hit_error_px_p50.unwrap() < 0.75, "{agreement:?}");
+        }
+    }
+}
+
+#[test]
+fn refinement_brings_hits_nearer() {
+    for jitter in [false, true] {
+        let [plain, refined] = [false, true].map(|refine| {
+            let setup = setup(EXTENT, |p| (p.dda_stride, p.dda_jitter, p.dda_refine) = (16, jitter, refine));
+            judged(&floor_and_wall(), looks_ahead(EXTENT), &setup).1
+        });
+        println!("jitter {jitter}: {plain:?}, refined {refined:?}");
+        assert!(refined.hit_error_px_p50.unwrap() < 0.25 * plain.hit_error_px_p50.unwrap(), "{plain:?} {refined:?}");
+        assert!(refined.hit_agreement.unwrap() > plain.hit_agreement.unwrap() + 0.3, "{plain:?} {refined:?}");
+    }
+}
+
+#[test]
+fn jitter_is_the_same_in_every_frame_and_not_in_neighbours() {
+    let hits = |jitter| {
+        let setup = setup(EXTENT, |p| (p.dda_stride, p.dda_jitter, p.dda_refine) = (16, jitter, false));
+        judged(&floor_and_wall(), looks_ahead(EXTENT), &setup).0
+    };
+    let (jittered, again, plain) = (hits(true), hits(true), hits(false));
+    assert_eq!(jittered, again);
+    // The floor's rays go straight up the screen from the middle column on, so that without jitter neighbours in a row
+    // end in the same row. With it, they end as far apart as the pattern shifts them: by an eighth of a stride or more.
+    let apart = |hits: &Pixels| {
+        let x = EXTENT[0] / 2;
+        let is_hit = |t: &[f32]| PathCode::from_channel(t[3]).unwrap().is_hit();
+        let pairs = (0..EXTENT[1]).map(|y| (hits.at(x, y), hits.at(x + 1, y))).filter(|(a, b)| is_hit(a) && is_hit(b));
+        pairs.map(|(a, b)| (a[1] - b[1]).abs() * EXTENT[1] as f32).collect::<Vec<_>>()
+    };
+    let (with, without) = (apart(&jittered), apart(&plain));
+    assert!(with.len() > 50 && without.len() > 50);
+    assert!(without.iter().all(|d| *d < 0.5), "{without:?}");
+    let differ = with.iter().filter(|d| **d > 1.5).count();
+    assert!(differ * 10 > with.len() * 9, "{differ} of {}", with.len());
+}
+
+#[test]
+fn no_size_and_no_ray_breaks_the_march() {
+    let gpu = gpu();
+    for extent in [[1, 1], [1, 37], [127, 61]] {
+        for stride in [1, 4, 16] {
+            for (scene, view) in [
+                (clutter(), clutter_camera(extent)),
+                (facing_mirror(), looks_ahead(extent)),
+                // Straight down on the floor: rays run back along the view, and into the camera.
+                (floor_and_wall(), camera(Vec3::new(0.0, 1.2, 3.0), Vec3::new(0.0, 0.0, 3.001), extent)),
+            ] {
+                for (jitter, refine, thickness) in [(false, false, 0.0), (true, true, 0.25), (true, false, 1000.0)] {
+                    let setup = setup(extent, |p| {
+                        (p.dda_stride, p.dda_jitter, p.dda_refine) = (stride, jitter, refine);
+                        p.dda_thickness = thickness;
+                    });
+                    let what = format!("{extent:?}, {}, stride {stride}, thickness {thickness}", scene.name);
+                    let shown = show(&gpu, &scene, view, "dda", &setup, &Globals::default());
+                    for name in ["reflection", "hits", "composite"] {
+                        assert!(shown.get(name).texels().flatten().all(|v| v.is_finite()), "{what}: {name}");
+                    }
+                    for t in shown.get("hits").texels() {
+                        let code = PathCode::from_channel(t[3]).unwrap();
+                        assert!(!code.is_exhausted(), "{what}");
+                        let place = t[..3].iter().all(|v| (0.0..=1.0).contains(v));
+                        assert!(if code.is_hit() { place } else { t[..3] == [-1.0; 3] }, "{what}: {t:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rays_towards_the_camera_are_traced_and_end_where_the_oracle_says() {
+    let exact = setup(EXTENT, |p| (p.dda_stride, p.dda_jitter) = (1, false));
+    let (_, agreement) = judged(&facing_mirror(), looks_ahead(EXTENT), &exact);
+    println!("{agreement:?}");
+    assert!(agreement.pixels > 5_000 && agreement.hit_agreement.unwrap() > 0.9, "{agreement:?}");
+}
+
+#[test]
+fn a_march_without_enough_steps_says_so_and_misses() {
+    let short = setup(EXTENT, |p| (p.dda_stride, p.dda_steps) = (1, 4));
+    let shown = show(&gpu(), &floor_and_wall(), looks_ahead(EXTENT), "dda", &short, &Globals::default());
+    let (mut exhausted, mut hits) = (0, 0);
+    for (hit, color) in shown.get("hits").texels().zip(shown.get("reflection").texels()) {
+        let code = PathCode::from_channel(hit[3]).unwrap();
+        exhausted += usize::from(code == PathCode::LinearExhausted);
+        hits += usize::from(code == PathCode::Linear);
+        assert!(code.is_hit() || color == [0.0; 4]);
+    }
+    println!("{exhausted} exhausted, {hits} hits");
+    assert!(exhausted > 10_000 && hits > 100, "{exhausted} {hits}");
+}
