@@ -326,7 +326,8 @@ fn shown(name: &str, text: &str) -> (String, usize) {
 #[test]
 fn pages_say_what_the_records_say() {
     let mut shows = 0;
-    for (name, text) in pages() {
+    // The page of options has none; another test writes it.
+    for (name, text) in pages().into_iter().filter(|(_, text)| text.contains("<!-- show:")) {
         let (should, count) = shown(&name, &text);
         keep(&root().join(&name), &should);
         shows += count;

@@ -1,6 +1,8 @@
 //! Tables and numbers of captures and of what is behind a method, against the world.
 
-use super::records::{ROUGHNESS, greatest, json, least, median, median_and_greatest, percent, ratio, table, text};
+use super::records::{
+    ROUGHNESS, csv, greatest, json, least, median, median_and_greatest, number, percent, ratio, table, text,
+};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -61,6 +63,46 @@ fn captured_over(records: &[Value], other: (&str, &str), roughness: &str, field:
     Ok(own.values().zip(others.values()).map(|(a, b)| a / b).collect())
 }
 
+/// The time of a method's effect by view, of the runs that measured times alone, which lie in the first folder.
+fn times(folders: &[PathBuf], scene: &str, method: &str, roughness: &str) -> Result<BTreeMap<String, f64>> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no number"))?;
+    let mut views = BTreeMap::new();
+    for row in csv(&folders[0], "times.csv")? {
+        let is_wanted = row["scene"] == scene && row["method"] == method;
+        if is_wanted && (number(&row, "roughness")? - wanted).abs() < 1e-6 {
+            views.insert(row["view"].clone(), number(&row, "median_ms")?);
+        }
+    }
+    Ok(views)
+}
+
+/// The time of a method over that of `ssct`, for each view.
+fn times_over(folders: &[PathBuf], scene: &str, method: &str, roughness: &str) -> Result<Vec<f64>> {
+    let own = times(folders, scene, method, roughness)?;
+    let others = times(folders, scene, "ssct", roughness)?;
+    if own.is_empty() || own.keys().ne(others.keys()) {
+        return Err(format!("{scene} at roughness {roughness}: not every view has times of {method} and ssct"));
+    }
+    Ok(own.values().zip(others.values()).map(|(a, b)| a / b).collect())
+}
+
+/// The time of `unified` with captures over that of `ssct`, a scene a row and a roughness a column.
+pub fn times_beyond(folders: &[PathBuf]) -> Result<String> {
+    let row = |scene: &str| -> Result<Vec<String>> {
+        let cell = |roughness: &&str| median_and_greatest(&times_over(folders, scene, "unified", roughness)?);
+        let cells = ROUGHNESS.iter().map(cell).collect::<Result<Vec<_>>>()?;
+        Ok([scene.to_owned()].into_iter().chain(cells).collect())
+    };
+    let mut rows = BEYOND.iter().map(|(scene, _)| row(scene)).collect::<Result<Vec<_>>>()?;
+    let all = |roughness: &&str| {
+        let of = |(scene, _): &(&str, f64)| times_over(folders, scene, "unified", roughness);
+        median_and_greatest(&BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+    };
+    let cells = ROUGHNESS.iter().map(all).collect::<Result<Vec<_>>>()?;
+    rows.push(["*all views*".to_owned()].into_iter().chain(cells).collect());
+    table(&["scene", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], rows)
+}
+
 /// The same for all views of all scenes.
 fn captured_over_in_all(folders: &[PathBuf], other: (&str, &str), roughness: &str) -> Result<Vec<f64>> {
     let of = |(scene, _): &(&str, f64)| captured_over(&of_scene(folders, scene)?, other, roughness, "rmse");
@@ -89,14 +131,14 @@ pub fn beyond(folders: &[PathBuf], roughness: &str) -> Result<String> {
         row.extend(errors.into_iter().collect::<Result<Vec<_>>>()?);
         // Lobes have no places, and their floor is for the most part the noise of the reference.
         if is_mirror {
-            row.extend([middle(ALONE, "floor")?, over("rmse")?, right_places(&records)?, over("time_ms")?]);
+            row.extend([middle(ALONE, "floor")?, over("rmse")?, right_places(&records)?]);
         } else {
-            row.extend([over("rmse")?, over("time_ms")?]);
+            row.push(over("rmse")?);
         }
         Ok(row)
     };
-    let (places, time) = ("rays that end right", "time over `ssct`");
-    let all = ["scene", "`ssct`", "`captures`", "`unified`", "floor", "`unified` over `ssct`", places, time];
+    let places = "rays that end right";
+    let all = ["scene", "`ssct`", "`captures`", "`unified`", "floor", "`unified` over `ssct`", places];
     let head: Vec<_> = all.into_iter().filter(|h| is_mirror || !["floor", places].contains(h)).collect();
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
@@ -171,13 +213,18 @@ pub fn world_points(captured: &Path, fallbacks: &Path, roughness: &str) -> Resul
         let mut over = [Vec::new(), Vec::new()];
         for scene in PLOTTED {
             let records = of_scene(&[folder.to_owned()], scene)?;
-            for (field, over) in ["time_ms", "rmse"].into_iter().zip(&mut over) {
+            let over_ssct = |field: &str| {
                 let [own, base] = [(method, behind), ALONE].map(|of| by_view(&records, of, roughness, field));
                 if own.is_empty() || own.keys().ne(base.keys()) {
                     return Err(format!("{scene}: not every view has {method} + {behind}"));
                 }
-                over.extend(own.values().zip(base.values()).map(|(a, b)| a / b));
-            }
+                Ok(own.values().zip(base.values()).map(|(a, b)| a / b).collect())
+            };
+            over[0].extend(match folder == captured {
+                true => times_over(&[folder.to_owned()], scene, method, roughness)?,
+                false => over_ssct("time_ms")?,
+            });
+            over[1].extend::<Vec<f64>>(over_ssct("rmse")?);
         }
         let is_captured = folder == captured;
         let name = match (method, behind) {
@@ -214,10 +261,9 @@ pub fn seen(folder: &Path, scene: &str, captures: &str) -> Result<String> {
 pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
     let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
         let records = of_scene(folders, scene)?;
-        let over = |other, field| median_and_greatest(&captured_over(&records, other, "0", field)?);
-        let pccm = ("ssct", "pccm");
-        let right = right_places(&records)?;
-        Ok(vec![(*scene).to_owned(), over(ALONE, "rmse")?, over(pccm, "rmse")?, right, over(ALONE, "time_ms")?])
+        let over = |other| median_and_greatest(&captured_over(&records, other, "0", "rmse")?);
+        let time = median_and_greatest(&times_over(folders, scene, "unified", "0")?)?;
+        Ok(vec![(*scene).to_owned(), over(ALONE)?, over(("ssct", "pccm"))?, right_places(&records)?, time])
     };
     let head =
         ["scene", "error over `ssct`", "error over `ssct --fallback pccm`", "rays that end right", "time over `ssct`"];

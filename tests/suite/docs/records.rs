@@ -30,6 +30,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["search"] => thesis::search(first)?,
         ["cone-angle"] => thesis::cone_angle(first)?,
         ["unneeded"] => thesis::unneeded(first)?,
+        ["times-beyond"] => beyond::times_beyond(folders)?,
         ["gain"] => beyond::gain(folders)?,
         ["fallbacks"] => beyond::fallbacks(folders)?,
         ["views-above", limit, behind, roughness] => beyond::views_above(folders, limit, behind, roughness)?,
