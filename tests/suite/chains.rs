@@ -40,7 +40,7 @@ fn render(gpu: &Gpu, extent: [u32; 2], filter: ChainFilter) -> Shown {
 }
 
 fn min_max(pixels: &Pixels) -> Level<MinMax> {
-    let texels = pixels.texels().map(|t| MinMax { min: t[0], max: t[1] }).collect();
+    let texels = pixels.texels().map(MinMax::of).collect();
     Level { width: pixels.width, height: pixels.height, texels }
 }
 

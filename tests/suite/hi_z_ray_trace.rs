@@ -34,11 +34,7 @@ fn every_ray_ends_where_the_shader_says() {
         let chain: Vec<Level<MinMax>> = all
             .iter()
             .filter(|(_, kind, _)| *kind == Content::StandardDepth)
-            .map(|(.., p)| Level {
-                width: p.width,
-                height: p.height,
-                texels: p.texels().map(|t| MinMax { min: t[0], max: t[1] }).collect(),
-            })
+            .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::of).collect() })
             .collect();
         assert_eq!((chain[0].width, chain[0].height), (SIZE[0], SIZE[1]));
         let published: HiZParams = setup.of();

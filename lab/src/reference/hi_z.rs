@@ -12,6 +12,13 @@ pub struct MinMax {
     pub max: f32,
 }
 
+impl MinMax {
+    /// A texel of a device's chain. Where it keeps no maxima, that is NaN.
+    pub fn of(texel: &[f32]) -> Self {
+        Self { min: texel[0], max: texel.get(1).copied().unwrap_or(f32::NAN) }
+    }
+}
+
 /// Eq. 4.1: the offset to the right (or down) of the second texel, for a side of the level below.
 pub fn offset(side: u32) -> u32 {
     if side.is_multiple_of(2) { 1 } else { 2 }

@@ -181,7 +181,9 @@ pub fn picture(kind: Content, pixels: &Pixels, lens: &Lens) -> Rgb {
         }
         Content::ReversedDepth => Rgb::from_pixels(pixels, |c| [depth_shade(c[0], lens); 3]),
         Content::StandardDepth => {
-            Rgb::from_pixels(pixels, |c| [depth_shade(1.0 - c[0], lens), depth_shade(1.0 - c[1], lens), 0])
+            // The minimum alone, or in two colours with the maximum.
+            let shade = |depth: f32| depth_shade(1.0 - depth, lens);
+            Rgb::from_pixels(pixels, |c| if c.len() > 1 { [shade(c[0]), shade(c[1]), 0] } else { [shade(c[0]); 3] })
         }
         Content::LinearDepth => Rgb::from_pixels(pixels, |c| [distance_shade(c[0], lens); 3]),
         Content::Share => Rgb::from_pixels(pixels, |c| [unit(c[0]); 3]),

@@ -86,8 +86,9 @@ fn find<'a>(all: &'a Intermediates, stem: &str) -> Result<&'a Pixels, Error> {
 /// The Hi-Z chain of a frame, as the pass made it.
 fn hi_z(all: &Intermediates) -> Vec<Level<MinMax>> {
     let levels = all.iter().filter(|(_, kind, _)| *kind == Content::StandardDepth);
-    let texel = |t: &[f32]| MinMax { min: t[0], max: t[1] };
-    levels.map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(texel).collect() }).collect()
+    levels
+        .map(|(.., p)| Level { width: p.width, height: p.height, texels: p.texels().map(MinMax::of).collect() })
+        .collect()
 }
 
 fn minima(chain: &[Level<MinMax>]) -> Vec<Level<f32>> {
