@@ -77,9 +77,9 @@ float SphereShare(vec3 r, vec3 n, vec3 centre, float radius, float m) {
     return Between(x - s, x + s, m) * across * AboveHorizon(r, n, e - s, e + s, m);
 }
 
-// The angle of a vector from the direction `nearest`, around an axis that stands on both.
-float Along(vec3 nearest, vec3 v, vec3 axis) {
-    return atan(dot(cross(nearest, v), axis), dot(nearest, v));
+// The angle from one vector to another around an axis that stands on both.
+float Along(vec3 from, vec3 to, vec3 axis) {
+    return atan(dot(cross(from, to), axis), dot(from, to));
 }
 
 // A capsule's, or with `flat_ends` a cylinder's.
@@ -91,8 +91,7 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     // Along the great circle of the segment, from the direction nearest to the ray.
     vec3 nearest = r - dot(r, normal) * normal;
     nearest = length(nearest) > 1e-6 ? normalize(nearest) : normalize(a + b);
-    float to_a = atan(dot(cross(nearest, a), normal), dot(nearest, a));
-    float to_b = atan(dot(cross(nearest, b), normal), dot(nearest, b));
+    float to_a = Along(nearest, a, normal), to_b = Along(nearest, b, normal);
     if (to_b < to_a) { // the segment passes behind
         float arc = Angle(a, b);
         if (abs(to_a) < abs(to_b))
@@ -115,16 +114,16 @@ float TubeShare(vec3 r, vec3 n, vec3 a, vec3 b, float radius, bool flat_ends, fl
     ends = mix(0.25 * 3.14159265 * ends, sqrt(max(ends * ends - x * x, 0.0)), sharp);
     float from = to_a - ends.x, to = to_b + ends.y;
     if (flat_ends) {
-        // A flat end is an ellipse: how far its rim reaches along the great circle. The nearer end may cover the other.
-        vec3 out_of_axis = radius * normalize(cross(normal, b - a));
-        vec4 rims = vec4(Along(nearest, a - out_of_axis, normal), Along(nearest, a + out_of_axis, normal),
-                         Along(nearest, b - out_of_axis, normal), Along(nearest, b + out_of_axis, normal));
-        vec4 middles = vec4(vec2(to_a), vec2(to_b));
-        vec2 wide = vec2(s_a, s_b);
-        vec2 within = vec2(to_a, to_b) / max(0.5 * abs(rims.yw - rims.xz), 1e-6);
-        wide *= sqrt(max(1.0 - within * within, 0.0));
+        // A flat end is an ellipse, which reaches so far along the great circle, on either side of its middle.
+        vec3 rim = radius * normalize(cross(normal, b - a));
+        vec4 reach = vec4(Along(a, a - rim, normal), Along(a, a + rim, normal),
+                          Along(b, b - rim, normal), Along(b, b + rim, normal));
+        vec2 middles = vec2(to_a, to_b), half_angles = vec2(s_a, s_b);
+        // The nearer end may cover the other one, and the ray may pass it there.
+        vec2 off = middles / max(0.5 * abs(reach.yw - reach.xz), 1e-6);
+        vec2 wide = half_angles * sqrt(max(1.0 - off * off, 0.0));
         s = max(s, max(wide.x, wide.y));
-        rims = middles + (rims - middles) * (ends / max(vec2(s_a, s_b), 1e-9)).xxyy;
+        vec4 rims = middles.xxyy + reach * (ends / max(half_angles, 1e-9)).xxyy;
         from = min(min(rims.x, rims.y), min(rims.z, rims.w));
         to = max(max(rims.x, rims.y), max(rims.z, rims.w));
     }

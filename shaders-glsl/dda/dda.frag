@@ -6,6 +6,7 @@
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
+#include "common/sound.glsl"
 #include "thesis/border_fade.glsl"
 
 layout(constant_id = 0) const bool JITTER = false; // whether samples are shifted from pixel to pixel
@@ -158,11 +159,6 @@ float March(Line line, float shift, out int path) {
     return -1.0;
 }
 
-// A colour whose numbers are finite: what shines less than nothing, or is no number, is black.
-vec3 Finite(vec3 color) {
-    return mix(vec3(0.0), min(color, GREATEST_HALF), greaterThan(color, vec3(0.0)));
-}
-
 void main() {
     out_reflection = vec4(0.0);
     if (HITS)
@@ -192,5 +188,5 @@ void main() {
     if (HITS)
         out_hit = vec4(uv, (camera.view_to_clip[2][2] * z + camera.view_to_clip[3][2]) / z, path);
     float fade = dda.fade != 0 ? BorderFade(uv, dda.fade_start, dda.fade_end) : 1.0;
-    out_reflection = vec4(Finite(textureLod(color_buffer, uv, 0.0).rgb), fade);
+    out_reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), fade);
 }

@@ -4,6 +4,7 @@
 #define UNIFIED_PARAMETERS_GLSL
 
 #include "common/constants.glsl"
+#include "common/sound.glsl"
 
 // Filled in by src/methods/unified.rs.
 layout(std140, binding = 0) uniform UnifiedBlock {
@@ -64,18 +65,6 @@ float Fade(vec2 uv) {
     float boundary = length(uv - vec2(0.5)) * 2.0;
     float fade = 1.0 - clamp((boundary - unified.fade_start) / (unified.fade_end - unified.fade_start), 0.0, 1.0);
     return unified.fade != 0 ? fade : 1.0;
-}
-
-// What a G-buffer of any origin holds as a colour, made fit to be summed and stored in 16 bits: NaN and
-// what is negative are no light, infinity is the greatest number. A comparison with NaN is false, which
-// no compiler may assume away as it may with isnan.
-
-float Sound(float v) {
-    return v > 0.0 ? min(v, GREATEST_HALF) : 0.0;
-}
-
-vec3 Sound(vec3 color) {
-    return vec3(Sound(color.r), Sound(color.g), Sound(color.b));
 }
 
 #endif

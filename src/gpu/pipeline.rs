@@ -39,7 +39,8 @@ pub struct ComputePipeline<P> {
     program: PhantomData<fn() -> P>,
 }
 
-/// What a pipeline of either kind is to Vulkan. It does not keep its device, since the device keeps it.
+/// A compiled pipeline of either kind, which all who ask for it share. It holds no [`Gpu`], since the device keeps it, and
+/// would never go.
 pub(crate) struct SharedPipeline {
     pub layout: Layout,
     pub handle: vk::Pipeline,

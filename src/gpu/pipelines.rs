@@ -1,5 +1,5 @@
-//! The pipelines of a device. A driver takes its time to compile one, and under GPU-assisted validation half a minute
-//! for some. So whoever asks for the same pipeline gets the same one, and a device keeps those that nobody uses now.
+//! The pipelines of a device. A driver takes long to compile one, and under GPU-assisted validation half a minute for
+//! some. So whoever asks for a pipeline that there is gets that one, and a device keeps those that nobody uses now.
 
 use super::device::Gpu;
 use super::pipeline::{DepthState, SharedPipeline};
@@ -9,8 +9,8 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// From so many pipelines on, one that nobody uses goes for each that is new: that which was asked for the longest time
-/// ago. All methods with all their variants are fewer.
+/// Above so many pipelines, each new one takes the place of one that nobody uses: of the one that was asked for the
+/// longest time ago.
 const KEPT: usize = 512;
 
 /// What was compiled for a device and is not gone.
@@ -19,8 +19,9 @@ pub(crate) struct Pipelines(Mutex<Kept<Key, SharedPipeline>>);
 
 /// Things by their keys.
 struct Kept<K, T> {
-    /// Each with the number of the question that it last was the answer to.
+    /// Each with what `asked` was when it was last asked for.
     things: HashMap<K, (u64, Arc<T>)>,
+    /// How often something was asked for.
     asked: u64,
 }
 
@@ -64,7 +65,7 @@ impl Gpu {
         if let Some(kept) = pipelines.lock().get(&key) {
             return Ok(kept);
         }
-        // Unlocked meanwhile, since it takes long.
+        // Without the lock, since it takes long.
         let made = Arc::new(make()?);
         Ok(pipelines.lock().insert(key, made))
     }

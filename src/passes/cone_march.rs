@@ -1,37 +1,30 @@
 //! The poster's cone march through the pre-filtered G-buffer.
 
-use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, TracedImages, camera_block};
+use super::traced::TracedPass;
+use super::{FilteredGBuffer, GBuffer, Hits, PosterFilter, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{ConeMarchMip, ConeMarchMipConstants, ConeMarchVolume, ConeMarchVolumeConstants};
 use crate::gpu::shader::PosterBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled};
 use crate::scene::Camera;
 
-/// Pipeline and images of one size.
-pub struct ConeMarchPass {
-    march: March,
-    images: TracedImages,
-}
-
-/// Through which kind of images.
-enum March {
-    Mip(GraphicsPipeline<ConeMarchMip<'static>>),
-    Volume(GraphicsPipeline<ConeMarchVolume<'static>>),
+/// Pipeline and images of one size, by the kind of images that it goes through.
+pub enum ConeMarchPass {
+    /// Through mip chains.
+    Mip(TracedPass<ConeMarchMip<'static>>),
+    /// Through volumes.
+    Volume(TracedPass<ConeMarchVolume<'static>>),
 }
 
 impl ConeMarchPass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool) -> Result<Self> {
-        let formats = TracedImages::formats(hits);
-        let march = match filter {
-            PosterFilter::Mip => {
-                March::Mip(GraphicsPipeline::fullscreen_with(gpu, formats, &ConeMarchMipConstants { hits })?)
-            }
+        Ok(match filter {
+            PosterFilter::Mip => Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits }, hits)?),
             PosterFilter::Volume => {
-                March::Volume(GraphicsPipeline::fullscreen_with(gpu, formats, &ConeMarchVolumeConstants { hits })?)
+                Self::Volume(TracedPass::new(gpu, extent, &ConeMarchVolumeConstants { hits }, hits)?)
             }
-        };
-        Ok(Self { march, images: TracedImages::new(gpu, extent, hits)? })
+        })
     }
 
     /// Pass "cone march".
@@ -41,45 +34,36 @@ impl ConeMarchPass {
         gbuffer: &GBuffer,
         filtered: FilteredGBuffer,
         camera: &Camera,
-        parameters: &PosterBlock,
+        poster: &PosterBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        let camera = &camera_block(camera, self.images.extent());
+        let camera = &camera_block(camera, gbuffer.depth.extent());
         let normal_buffer = Sampled::nearest(gbuffer.normal.all());
         let material_buffer = Sampled::nearest(gbuffer.material.all());
         let filtered_depth = Sampled::trilinear(filtered.depth.all());
         let filtered_normal = Sampled::trilinear(filtered.normal.all());
         let filtered_color = Sampled::trilinear(filtered.color.all());
-        let (name, targets, poster) = ("cone march", self.images.targets(), parameters);
-        match &self.march {
-            March::Mip(pipeline) => frame.fullscreen(
-                name,
-                pipeline,
-                targets,
-                &ConeMarchMip {
-                    camera,
-                    normal_buffer,
-                    material_buffer,
-                    filtered_depth,
-                    filtered_normal,
-                    filtered_color,
-                    poster,
-                },
-            )?,
-            March::Volume(pipeline) => frame.fullscreen(
-                name,
-                pipeline,
-                targets,
-                &ConeMarchVolume {
-                    camera,
-                    normal_buffer,
-                    material_buffer,
-                    filtered_depth,
-                    filtered_normal,
-                    filtered_color,
-                    poster,
-                },
-            )?,
+        // Two types with the same fields, as they are two programs.
+        macro_rules! march {
+            ($pass:expr, $program:ident) => {{
+                $pass.draw(
+                    frame,
+                    "cone march",
+                    &$program {
+                        camera,
+                        normal_buffer,
+                        material_buffer,
+                        filtered_depth,
+                        filtered_normal,
+                        filtered_color,
+                        poster,
+                    },
+                )?;
+                Ok($pass.traced())
+            }};
         }
-        Ok(self.images.traced())
+        match self {
+            Self::Mip(pass) => march!(pass, ConeMarchMip),
+            Self::Volume(pass) => march!(pass, ConeMarchVolume),
+        }
     }
 }

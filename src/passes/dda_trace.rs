@@ -1,27 +1,22 @@
 //! The march over pixels of McGuire and Mara 2014 for every ray, and a mirror lookup where it ends.
 
-use super::{GBuffer, Hits, Reflection, TracedImages, camera_block};
+use super::traced::TracedPass;
+use super::{GBuffer, Hits, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::programs::{Dda, DdaConstants};
 use crate::gpu::shader::DdaBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled};
 use crate::scene::Camera;
 
 /// Pipeline and images of one size.
-pub struct DdaTracePass {
-    pipeline: GraphicsPipeline<Dda<'static>>,
-    images: TracedImages,
-}
+pub struct DdaTracePass(TracedPass<Dda<'static>>);
 
 impl DdaTracePass {
     /// With samples that are shifted from pixel to pixel (`jitter`), with a search for each hit within its step
     /// (`refine`), with an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], jitter: bool, refine: bool, hits: bool) -> Result<Self> {
         let constants = DdaConstants { jitter, refine, hits };
-        Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
-            images: TracedImages::new(gpu, extent, hits)?,
-        })
+        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 
     /// Pass "ray march".
@@ -41,7 +36,7 @@ impl DdaTracePass {
             color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
             dda: parameters,
         };
-        frame.fullscreen("ray march", &self.pipeline, self.images.targets(), &program)?;
-        Ok(self.images.traced())
+        self.0.draw(frame, "ray march", &program)?;
+        Ok(self.0.traced())
     }
 }

@@ -8,8 +8,9 @@ use crate::gpu::shader::HiZBlock;
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use ash::vk;
 
-/// The minimum alone, and with the maximum in g.
+/// The minimum alone.
 const MINIMUM: vk::Format = vk::Format::R32_SFLOAT;
+/// The minimum, and in g the maximum.
 const BOTH: vk::Format = vk::Format::R32G32_SFLOAT;
 
 /// Pipelines and the chain of one size.

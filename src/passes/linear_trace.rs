@@ -1,10 +1,11 @@
 //! The linear marches of thesis §4.2.2 for every ray, and a mirror lookup where they end.
 
-use super::{GBuffer, HiZ, Hits, Reflection, TracedImages};
+use super::traced::TracedPass;
+use super::{GBuffer, HiZ, Hits, Reflection};
 use crate::error::Result;
 use crate::gpu::programs::{Linear, LinearConstants};
 use crate::gpu::shader::ThesisBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled};
 use crate::parameter::choices;
 
 choices! {
@@ -18,19 +19,13 @@ choices! {
 }
 
 /// Pipeline and images of one size.
-pub struct LinearTracePass {
-    pipeline: GraphicsPipeline<Linear<'static>>,
-    images: TracedImages,
-}
+pub struct LinearTracePass(TracedPass<Linear<'static>>);
 
 impl LinearTracePass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: LinearMarch, hits: bool) -> Result<Self> {
         let constants = LinearConstants { fixed: march == LinearMarch::Fixed, hits };
-        Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
-            images: TracedImages::new(gpu, extent, hits)?,
-        })
+        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 
     /// Pass "ray trace".
@@ -41,18 +36,14 @@ impl LinearTracePass {
         depth: HiZ,
         parameters: &ThesisBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
-        frame.fullscreen(
-            "ray trace",
-            &self.pipeline,
-            self.images.targets(),
-            &Linear {
-                thesis: parameters,
-                hiZBuffer: Sampled::trilinear(depth.0.level(0)),
-                normalBuffer: Sampled::nearest(gbuffer.normal.all()),
-                materialBuffer: Sampled::nearest(gbuffer.material.all()),
-                colorBuffer: Sampled::trilinear(gbuffer.color.level(0)),
-            },
-        )?;
-        Ok(self.images.traced())
+        let program = Linear {
+            thesis: parameters,
+            hiZBuffer: Sampled::trilinear(depth.0.level(0)),
+            normalBuffer: Sampled::nearest(gbuffer.normal.all()),
+            materialBuffer: Sampled::nearest(gbuffer.material.all()),
+            colorBuffer: Sampled::trilinear(gbuffer.color.level(0)),
+        };
+        self.0.draw(frame, "ray trace", &program)?;
+        Ok(self.0.traced())
     }
 }

@@ -33,6 +33,7 @@ pub mod sslr_reflection;
 pub mod sslr_trace;
 pub mod thesis_trace;
 pub mod tiles;
+pub mod traced;
 pub mod unified_gloss;
 pub mod unified_trace;
 pub mod visibility;
@@ -229,44 +230,6 @@ pub struct Captures<'a> {
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.
 #[derive(Clone, Copy)]
 pub struct Reflection<'a>(pub &'a Image);
-
-/// The images of a pass that traces and reflects at once: the reflection, and the hits where they are asked
-/// for.
-pub struct TracedImages {
-    reflection: Image,
-    hits: Option<Image>,
-}
-
-impl TracedImages {
-    /// Images of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], with_hits: bool) -> Result<Self> {
-        Ok(Self {
-            reflection: Image::target(gpu, "reflection", LIT_COLOR, extent)?,
-            hits: with_hits.then(|| Image::target(gpu, "hits", HITS, extent)).transpose()?,
-        })
-    }
-
-    /// Formats of the shader's outputs.
-    pub fn formats(with_hits: bool) -> [vk::Format; 2] {
-        [LIT_COLOR, if with_hits { HITS } else { vk::Format::UNDEFINED }]
-    }
-
-    /// Width and height in pixels.
-    pub fn extent(&self) -> [u32; 2] {
-        self.reflection.extent()
-    }
-
-    /// All of it, to be drawn over, in the order of the shader's outputs.
-    pub fn targets(&self) -> [Target<'_>; 2] {
-        let hits = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
-        [Target::overwrite(self.reflection.all()), hits]
-    }
-
-    /// What was drawn.
-    pub fn traced(&self) -> (Reflection<'_>, Option<Hits<'_>>) {
-        (Reflection(&self.reflection), self.hits.as_ref().map(Hits))
-    }
-}
 
 /// Ray trace colour of SSLR and its mask, full chains (thesis §4.3). Level 0 is what the rays found.
 #[derive(Clone, Copy)]

@@ -1,11 +1,12 @@
 //! The screen-space march of `ssr` and `ssr-fast` (Schmidt 2013, section 5.4.1, listings 4 and 5).
 
-use super::{GBuffer, Hits, Reflection, TracedImages, camera_block};
+use super::traced::TracedPass;
+use super::{GBuffer, Hits, Reflection, camera_block};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
 use crate::gpu::programs::{ScreenSpaceReflections, ScreenSpaceReflectionsConstants};
 use crate::gpu::shader::SchmidtBlock;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Sampled};
+use crate::gpu::{Frame, Gpu, Sampled};
 use crate::scene::Camera;
 
 /// Which march.
@@ -18,19 +19,13 @@ pub enum SchmidtMarch {
 }
 
 /// Pipeline and images of one size.
-pub struct SchmidtTracePass {
-    pipeline: GraphicsPipeline<ScreenSpaceReflections<'static>>,
-    images: TracedImages,
-}
+pub struct SchmidtTracePass(TracedPass<ScreenSpaceReflections<'static>>);
 
 impl SchmidtTracePass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool) -> Result<Self> {
         let constants = ScreenSpaceReflectionsConstants { optimized: march == SchmidtMarch::Optimized, hits };
-        Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen_with(gpu, TracedImages::formats(hits), &constants)?,
-            images: TracedImages::new(gpu, extent, hits)?,
-        })
+        Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 
     /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur.
@@ -51,7 +46,7 @@ impl SchmidtTracePass {
             DiffuseTex: Sampled::trilinear(diffuse),
             schmidt: parameters,
         };
-        frame.fullscreen("ray march", &self.pipeline, self.images.targets(), &program)?;
-        Ok(self.images.traced())
+        self.0.draw(frame, "ray march", &program)?;
+        Ok(self.0.traced())
     }
 }

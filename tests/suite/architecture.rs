@@ -58,8 +58,8 @@ const MOST_DEPENDENCIES: usize = 10;
 /// What it never depends on: command lines, plots, windows.
 const NOT_EMBEDDED: &[&str] = &["ash-window", "clap", "egui", "plotters", "ssct-lab", "winit"];
 
-/// Modules of `passes` that are no pass: what several of them read.
-const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles"];
+/// Modules of `passes` that are no pass: what several of them read, or are made of.
+const SHARED_BY_PASSES: &[&str] = &["lost", "scene_data", "tiles", "traced"];
 
 /// Words that only these files may contain, and do.
 const ONLY_IN: &[(&str, &[&str])] = &[

@@ -205,6 +205,24 @@ fn a_cuboid_fills_its_share_of_the_lobe() {
     holds(shape, [(0.02, 0.05, 0.3), (0.1, 0.05, 0.2), (0.3, 0.06, 0.25), (0.8, 0.04, 0.1)]);
 }
 
+/// A tube that crosses the plane of a ray behind it, where the angles along it go round.
+#[test]
+fn a_tube_behind_the_viewer_is_not_seen() {
+    let (a, b, radius) = (Vec3::new(-3.0, 1.0, -10.0), Vec3::new(3.0, 1.0, -10.0), 0.5);
+    let gpu = gpu();
+    for shape in [AreaShape::Capsule { a, b, radius }, AreaShape::Cylinder { a, b, radius }] {
+        let scene = lit_by(shape);
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        let camera = camera(Vec3::new(0.0, 1.5, 0.0), Vec3::new(0.0, 0.6, 4.0), EXTENT);
+        let materials = scene.materials.iter().map(|m| Material { roughness: 0.3, ..m.clone() }).collect();
+        let method = find("area-light").unwrap();
+        let shot = Shot::new(&mut stage, method, &Setup::new(EXTENT), Wants::REFLECTION, camera, materials).unwrap();
+        let reflection = render(&mut stage, &shot, false).unwrap().reflection;
+        let brightest = reflection.values.iter().copied().fold(0.0, f32::max);
+        assert!(brightest < 1e-3, "{shape:?}: {brightest}");
+    }
+}
+
 #[test]
 fn a_light_half_below_the_horizon_gives_what_is_above_it() {
     // Beyond the floor's end, half of it beneath the floor's plane.

@@ -3,6 +3,7 @@
 
 mod beyond;
 mod dda;
+mod figures;
 mod headline;
 mod records;
 mod thesis;

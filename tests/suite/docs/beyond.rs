@@ -1,13 +1,11 @@
 //! Tables and numbers of captures and of what is behind a method, against the world.
 
-use super::records::{
-    ROUGHNESS, csv, greatest, json, least, median, median_and_greatest, number, percent, ratio, table, text,
+use super::figures::{
+    ROUGHNESS, Result, csv, greatest, json, least, median, median_and_greatest, number, percent, ratio, table, text,
 };
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-type Result<T> = std::result::Result<T, String>;
 
 /// The scenes that captures are measured on, each with its aim: the world RMSE of `unified` with four captures over
 /// that of `ssct`, for mirrors and in the median of its views.
@@ -103,7 +101,7 @@ pub fn times_beyond(folders: &[PathBuf]) -> Result<String> {
     table(&["scene", "ϱ 0", "0.05", "0.1", "0.3", "0.6"], rows)
 }
 
-/// The same for all views of all scenes.
+/// The error of `unified` with captures over that of another method, for all views of all scenes.
 fn captured_over_in_all(folders: &[PathBuf], other: (&str, &str), roughness: &str) -> Result<Vec<f64>> {
     let of = |(scene, _): &(&str, f64)| captured_over(&of_scene(folders, scene)?, other, roughness, "rmse");
     Ok(BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())

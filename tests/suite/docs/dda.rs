@@ -1,10 +1,8 @@
 //! The tables of how `dda` was tuned, and of where it stands beside other methods.
 
-use super::records::{json, mean, median, percent, ratio, table};
+use super::figures::{self, Result, json, mean, median, percent, ratio, table};
 use serde_json::Value;
 use std::path::Path;
-
-type Result<T> = std::result::Result<T, String>;
 
 /// The scenes that it was tuned on; each has a folder of the defaults beside other methods, and one for each stride.
 const SCENES: [&str; 3] = ["rooms", "museum", "street"];
@@ -85,16 +83,13 @@ pub fn beside(folder: &Path) -> Result<String> {
     let runs = runs.into_iter().collect::<Result<Vec<_>>>()?;
     let mut rows = Vec::new();
     for method in ["dda", "ssct", "linear", "unified"] {
-        let of = |run: &'_ Vec<Value>, method: &str| -> Vec<Value> {
-            run.iter().filter(|r| r["method"] == method).cloned().collect()
-        };
         let over = runs.iter().map(|run| {
-            let ms = |method| median(&figures(&of(run, method).iter().collect::<Vec<_>>(), "world", "time_ms"));
+            let ms = |method| median(&figures::figures(run, method, "world", "0", "time_ms"));
             Ok(ms(method)? / ms("ssct")?)
         });
         let time = mean(&over.collect::<Result<Vec<_>>>()?)?;
-        let all: Vec<_> = runs.iter().flat_map(|run| of(run, method)).collect();
-        rows.push([vec![format!("`{method}`"), ratio(time)], errors(&all.iter().collect::<Vec<_>>())?].concat());
+        let all: Vec<_> = runs.iter().flatten().filter(|r| r["method"] == method).collect();
+        rows.push([vec![format!("`{method}`"), ratio(time)], errors(&all)?].concat());
     }
     table(&[["method", "time over `ssct`"].as_slice(), &ERRORS].concat(), rows)
 }

@@ -1,7 +1,8 @@
 //! The plot beside the README's table: time and error of `unified` and `hzct` over those of `ssct`, a dot for each view
 //! and roughness. Drawn by hand, as it has two axes and dots alone.
 
-use super::records::{ROUGHNESS, bars_errors, bars_times};
+use super::figures::ROUGHNESS;
+use super::records::{bars_errors, bars_times};
 use std::fmt::Write;
 use std::path::Path;
 

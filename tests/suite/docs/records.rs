@@ -1,18 +1,13 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
+use super::figures::{
+    ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
+    median_and_range, number, percent, ratio, shortest, table,
+};
 use super::{beyond, dda, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
-
-type Result<T> = std::result::Result<T, String>;
-
-/// A row of a CSV file or an object of a JSON file, by field.
-type Row = BTreeMap<String, String>;
-
-/// Roughness values of the studies, as their CSV files write them.
-pub const ROUGHNESS: [&str; 5] = ["0.0", "0.05", "0.1", "0.3", "0.6"];
 
 /// The answer to a query about some folders: a table in Markdown, which has several lines, or a number.
 pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
@@ -42,9 +37,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["by-roughness"] => by_roughness(first)?,
         ["hits"] => hits(first)?,
         ["better-than", method] => better_than(first, method)?,
-        ["table-5.8"] => table_5_8(first)?,
-        ["sslr"] => sslr(first)?,
-        ["table-5.8-range"] => table_5_8_range(first)?,
+        ["table-5.8"] => thesis::table_5_8(first)?,
+        ["sslr"] => thesis::sslr(first)?,
+        ["table-5.8-range"] => thesis::table_5_8_range(first)?,
         ["wrong-rays"] => wrong_rays(folders)?,
         ["why-wrong", scene, view, size] => why_wrong(first, scene, view, size)?,
         ["need"] => need(first)?,
@@ -60,100 +55,6 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         _ => return Err(format!("nothing is called {query:?}")),
     };
     Ok(text)
-}
-
-/// Rows of a CSV file; lines that begin with # are comments.
-pub(super) fn csv(folder: &Path, file: &str) -> Result<Vec<Row>> {
-    let path = folder.join(file);
-    let at = |e: csv::Error| format!("{}: {e}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).map_err(at)?;
-    let head = reader.headers().map_err(at)?.clone();
-    let row =
-        |record: csv::StringRecord| head.iter().map(str::to_owned).zip(record.iter().map(str::to_owned)).collect();
-    reader.records().map(|r| r.map(row).map_err(at)).collect()
-}
-
-pub(super) fn json(folder: &Path, file: &str) -> Result<Vec<Value>> {
-    let path = folder.join(file);
-    let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-    serde_json::from_str(&text).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-pub(super) fn text(folder: &Path, file: &str) -> Result<String> {
-    let path = folder.join(file);
-    fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
-}
-
-pub(super) fn number(row: &Row, field: &str) -> Result<f64> {
-    let value = row.get(field).ok_or_else(|| format!("no field {field}"))?;
-    value.parse().map_err(|_| format!("{field} is {value:?}, not a number"))
-}
-
-/// A Markdown table.
-pub(super) fn table(head: &[&str], rows: Vec<Vec<String>>) -> Result<String> {
-    if rows.is_empty() {
-        return Err("the table would be empty".to_owned());
-    }
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let head: Vec<String> = head.iter().map(|h| (*h).to_owned()).collect();
-    let rule = format!("|{}\n", "---|".repeat(head.len()));
-    Ok(line(&head) + &rule + &rows.iter().map(|r| line(r)).collect::<String>())
-}
-
-/// Median; of an even number, the mean of the middle two.
-pub fn median(values: &[f64]) -> Result<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    match sorted.len() {
-        0 => Err("nothing to take the median of".to_owned()),
-        n => Ok((sorted[(n - 1) / 2] + sorted[n / 2]) / 2.0),
-    }
-}
-
-pub(super) fn mean(values: &[f64]) -> Result<f64> {
-    if values.is_empty() {
-        Err("nothing to take the mean of".to_owned())
-    } else {
-        Ok(values.iter().sum::<f64>() / values.len() as f64)
-    }
-}
-
-pub(super) fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-pub(super) fn greatest(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
-}
-
-/// Two decimals, or three for what is small.
-pub(super) fn ratio(value: f64) -> String {
-    if value < 0.02 { format!("{value:.3}") } else { format!("{value:.2}") }
-}
-
-/// Median and, in brackets, the greatest.
-pub(super) fn median_and_greatest(values: &[f64]) -> Result<String> {
-    Ok(format!("{} ({})", ratio(median(values)?), ratio(greatest(values))))
-}
-
-/// Median and, in brackets, the least and the greatest.
-fn median_and_range(values: &[f64]) -> Result<String> {
-    Ok(format!("{:.2} ({:.2} to {:.2})", median(values)?, least(values), greatest(values)))
-}
-
-pub(super) fn percent(share: f64, decimals: usize) -> String {
-    format!("{:.decimals$} %", 100.0 * share)
-}
-
-/// Digits in groups of three.
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let parts = digits.as_bytes().rchunks(3).rev().map(|part| String::from_utf8_lossy(part).into_owned());
-    parts.collect::<Vec<_>>().join(",")
-}
-
-fn shortest(roughness: &str) -> String {
-    roughness.trim_end_matches(".0").to_owned()
 }
 
 /// A view at a roughness, of the records of `scripts/bars.sh`.
@@ -309,14 +210,6 @@ fn plain_errors(folder: &Path) -> Result<Vec<Value>> {
     Ok(all.into_iter().filter(is_plain).collect())
 }
 
-fn figures(records: &[Value], method: &str, against: &str, roughness: &str, field: &str) -> Vec<f64> {
-    let wanted: f64 = roughness.parse().unwrap_or(f64::NAN);
-    let of = records.iter().filter(|r| r["method"] == method && r["against"] == against);
-    of.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6))
-        .filter_map(|r| r[field].as_f64())
-        .collect()
-}
-
 /// Median RMSE, or a dash where there is none.
 fn rmse(records: &[Value], method: &str, against: &str, roughness: &str, decimals: usize) -> String {
     let values = figures(records, method, against, roughness, "rmse");
@@ -435,51 +328,6 @@ fn better_than(folder: &Path, method: &str) -> Result<String> {
         beaten += u32::from(others.into_iter().any(|(t, e)| t < ms && e < rmse));
     }
     if cells == 0 { Err(format!("no {method}")) } else { Ok(format!("{beaten} of {cells}")) }
-}
-
-/// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other.
-fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
-    let text = text(folder, "time.txt")?;
-    let mut rows = Vec::new();
-    for line in text.lines() {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [width, "x", height, rest @ ..] = &words[..] else { continue };
-        if rest.len() != 11 {
-            return Err(format!("a row of {} columns in {}/time.txt", rest.len(), folder.display()));
-        }
-        rows.push([format!("{width}×{height}")].into_iter().chain(rest.iter().map(|w| (*w).to_owned())).collect());
-    }
-    Ok(rows)
-}
-
-fn table_5_8(folder: &Path) -> Result<String> {
-    let columns = [0, 1, 2, 3, 4, 5, 8, 9];
-    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
-    let head = [
-        "size",
-        "ϱ",
-        "SSCT, thesis, ms",
-        "SSCT, here, ms",
-        "HZCT, thesis, ms",
-        "HZCT, here, ms",
-        "HZCT/SSCT, thesis",
-        "HZCT/SSCT, here",
-    ];
-    table(&head, rows)
-}
-
-fn sslr(folder: &Path) -> Result<String> {
-    let columns = [0, 1, 6, 7, 10, 11];
-    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
-    table(&["size", "ϱ", "SSLR, thesis, ms", "SSLR, here, ms", "SSLR/SSCT, thesis", "SSLR/SSCT, here"], rows)
-}
-
-/// Least and greatest HZCT/SSCT that was measured.
-fn table_5_8_range(folder: &Path) -> Result<String> {
-    let ratios =
-        rows_5_8(folder)?.iter().map(|r| r[9].parse::<f64>().map_err(|e| e.to_string())).collect::<Result<Vec<_>>>()?;
-    median(&ratios)?;
-    Ok(format!("{:.2} to {:.2}", least(&ratios), greatest(&ratios)))
 }
 
 /// The mirror rays that `unified` shows wrongly over those that `ssct` does, median and greatest over the views that

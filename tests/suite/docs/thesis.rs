@@ -1,28 +1,55 @@
-//! Tables of what the numbers and formulas of the thesis cost, which its errata point to.
+//! Tables of the thesis: its table 5.8 beside what was measured, and what its numbers and formulas cost, to which its
+//! errata point.
 
-use super::records::{json, mean, median, percent, ratio, table};
+use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio, table, text};
 use serde_json::Value;
 use std::path::Path;
 
-type Result<T> = std::result::Result<T, String>;
-
-/// A figure of a method against a reference, of every view at a roughness; of the RMSE, the variance of the reference is
-/// taken off.
-fn values(records: &[Value], method: &str, against: &str, roughness: f64, field: &str) -> Result<Vec<f64>> {
-    let is_wanted = |r: &&Value| {
-        r["method"] == method
-            && r["against"] == against
-            && r["roughness"].as_f64().is_some_and(|r| (r - roughness).abs() < 1e-6)
-    };
-    let value = |r: &Value| {
-        let noise = if field == "rmse" { r["standard_error"].as_f64().unwrap_or(0.0) } else { 0.0 };
-        r[field].as_f64().map(|v| (v * v - noise * noise).max(0.0).sqrt())
-    };
-    let all: Vec<f64> = records.iter().filter(is_wanted).filter_map(value).collect();
-    if all.is_empty() {
-        return Err(format!("no {field} of {method} against {against} at roughness {roughness}"));
+/// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other.
+fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
+    let text = text(folder, "time.txt")?;
+    let mut rows = Vec::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let [width, "x", height, rest @ ..] = &words[..] else { continue };
+        if rest.len() != 11 {
+            return Err(format!("a row of {} columns in {}/time.txt", rest.len(), folder.display()));
+        }
+        rows.push([format!("{width}×{height}")].into_iter().chain(rest.iter().map(|w| (*w).to_owned())).collect());
     }
-    Ok(all)
+    Ok(rows)
+}
+
+/// HZCT beside SSCT, in print and here.
+pub fn table_5_8(folder: &Path) -> Result<String> {
+    let columns = [0, 1, 2, 3, 4, 5, 8, 9];
+    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
+    let head = [
+        "size",
+        "ϱ",
+        "SSCT, thesis, ms",
+        "SSCT, here, ms",
+        "HZCT, thesis, ms",
+        "HZCT, here, ms",
+        "HZCT/SSCT, thesis",
+        "HZCT/SSCT, here",
+    ];
+    table(&head, rows)
+}
+
+/// SSLR beside SSCT, in print and here.
+pub fn sslr(folder: &Path) -> Result<String> {
+    let columns = [0, 1, 6, 7, 10, 11];
+    let rows = rows_5_8(folder)?.into_iter().map(|r| columns.map(|c| r[c].clone()).to_vec()).collect();
+    table(&["size", "ϱ", "SSLR, thesis, ms", "SSLR, here, ms", "SSLR/SSCT, thesis", "SSLR/SSCT, here"], rows)
+}
+
+/// Least and greatest HZCT/SSCT that was measured.
+pub fn table_5_8_range(folder: &Path) -> Result<String> {
+    let ratios =
+        rows_5_8(folder)?.iter().map(|r| r[9].parse::<f64>().map_err(|e| e.to_string())).collect::<Result<Vec<_>>>()?;
+    median(&ratios)?;
+    Ok(format!("{:.2} to {:.2}", least(&ratios), greatest(&ratios)))
 }
 
 /// What the binary search of the second listing finds with the printed numbers, and with the author's: mirrors.
@@ -37,26 +64,26 @@ pub fn search(folder: &Path) -> Result<String> {
     for method in ["ssct", "linear"] {
         for (run, name) in runs {
             let records = json(&folder.join(run), "error.json")?;
-            let of = |against: &str, field: &str| values(&records, method, against, 0.0, field);
+            let of = |against: &str, field: &str| figures(&records, method, against, "0", field);
             let mut row = vec![format!("`{method}`"), name.to_owned()];
             for field in ["hit_agreement", "false", "missed", "displaced"] {
-                row.push(percent(mean(&of("oracle", field)?)?, 1));
+                row.push(percent(mean(&of("oracle", field))?, 1));
             }
-            row.push(format!("{:.3}", median(&of("screen", "rmse")?)?));
+            row.push(format!("{:.3}", median(&of("screen", "rmse"))?));
             rows.push(row);
         }
     }
     table(&["method", "search", "right", "false", "missed", "displaced", "RMSE"], rows)
 }
 
-/// The two readings of Eq. 4.5: error and time of the interpolated exponent over those of the project's lobe.
+/// The two readings of Eq. 4.5: the errors of both, and the time of the interpolated exponent over that of the lobe.
 pub fn cone_angle(folder: &Path) -> Result<String> {
     let [lobe, interpolated] = ["lobe", "interpolated"].map(|run| json(&folder.join(run), "error.json"));
     let (lobe, interpolated) = (lobe?, interpolated?);
     let mut rows = Vec::new();
     for method in ["ssct", "hzct"] {
-        for roughness in [0.1, 0.3, 0.6] {
-            let of = |records: &[Value], field: &str| median(&values(records, method, "screen", roughness, field)?);
+        for roughness in ["0.1", "0.3", "0.6"] {
+            let of = |records: &[Value], field: &str| median(&figures(records, method, "screen", roughness, field));
             let time = of(&interpolated, "time_ms")? / of(&lobe, "time_ms")?;
             let errors = [of(&lobe, "rmse")?, of(&interpolated, "rmse")?].map(|v| format!("{v:.4}"));
             let [lobe, interpolated] = errors;
@@ -66,7 +93,7 @@ pub fn cone_angle(folder: &Path) -> Result<String> {
     table(&["method", "ϱ", "RMSE, lobe", "RMSE, interpolated", "time, interpolated over lobe"], rows)
 }
 
-/// What passes cost that another renderer would not need: the time of the effect, without them, and their share.
+/// What passes cost that another renderer would not need: the time of the effect with them and without.
 pub fn unneeded(folder: &Path) -> Result<String> {
     let total = |r: &Value| r["total"]["median_ms"].as_f64().ok_or("a record has no total");
     let passes = |r: &Value, wanted: &str| -> f64 {
