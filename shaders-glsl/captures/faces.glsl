@@ -79,7 +79,8 @@ Followed FollowFace(vec3 q, vec3 direction, inout bool exhausted, inout float be
     if (!(depth < 1.0))
         return Followed(FOLLOW_LOST, q);
     ivec2 ahead = Ahead(ray);
-    Walk walk = Walk(pixel, 0, 0.0, depth, 0);
+    // Most rays come to a face in free space.
+    Walk walk = Walk(pixel, min(FACE_LEVEL, unified.top_level), 0.0, depth, 0);
     bool passes = false;
     int how = FOLLOW_ON;
     float s = ray.end;

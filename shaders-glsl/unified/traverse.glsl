@@ -129,11 +129,11 @@ struct Hit {
     float s;         // of the hit, or of where a miss ends
 };
 
-// Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also once for each pixel that
-// is passed, which comes before a step forward.
+// Forward: a pixel each at least, over both axes. Down: no more often than up; in a face also from the level at which it
+// begins, and once for each pixel that is passed, which comes before a step forward.
 int MaxSteps() {
 #ifdef FACES
-    return 3 * (unified.size.x + unified.size.y);
+    return 3 * (unified.size.x + unified.size.y) + FACE_LEVEL;
 #else
     return 2 * (unified.size.x + unified.size.y);
 #endif

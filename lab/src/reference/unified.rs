@@ -281,7 +281,7 @@ impl<'a> Traversal<'a> {
 
     /// `MaxSteps` of a face, whose walk goes on from pixels that it passes.
     pub fn max_face_steps(&self) -> i32 {
-        3 * (self.parameters.size.x + self.parameters.size.y)
+        3 * (self.parameters.size.x + self.parameters.size.y) + constants::FACE_LEVEL
     }
 
     /// `Traverse`.

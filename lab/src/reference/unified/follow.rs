@@ -228,7 +228,8 @@ impl<'a> CubeWalk<'a> {
             return (How::Lost, q, Vec3::ZERO);
         }
         let ahead = ray.ahead();
-        let mut walk = Walk { pixel, level: 0, entry: 0.0, entry_depth: depth, steps: 0 };
+        let level = constants::FACE_LEVEL.min(image.parameters.top_level);
+        let mut walk = Walk { pixel, level, entry: 0.0, entry_depth: depth, steps: 0 };
         let mut passes = false;
         answer.faces += 1;
         let met = loop {
