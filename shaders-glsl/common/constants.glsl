@@ -45,6 +45,7 @@ const int CAPTURE_SLOTS = 8;      // The most captures that a frame takes.
 const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray that captures let into the sky is put.
 const float GETS_ON = 1e-4;       // A ray that a capture loses has got on in it if it went farther than this, in metres.
 const int FACE_LEVEL = 4;         // Level of the cell that a walk over a face looks at first, if the pyramid has it.
+const float GOLDEN_ANGLE = 2.399963229728653; // 2 pi (1 - 1 / golden ratio): a turn that spreads any number of points.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
 
 // How another renderer stores normals (`passes::import`).

@@ -6,7 +6,7 @@
 // lobe are dealt out to the pixels, a ray each, always the same. A pixel then gathers its neighbours'
 // rays as samples of its own lobe. Rays of wide lobes weigh lobe(from here to the hit) / density(that
 // was sampled there), a ratio estimator (Stachowiak 2015; Heitz et al. 2018); for narrow lobes it is
-// enough how alike the two lobes are. There is nothing random, and nothing of earlier frames.
+// enough how alike the two lobes are. There is nothing random, and nothing of earlier frames unless a history is kept (`--history on`).
 //
 // The gathered neighbourhood of every pixel holds each direction once: a square of 3 x 3 pixels, or of 5 x 5 cells
 // (LatticePoint). So no pixel lacks a part of the lobe, and there are no blocks that could be seen.
@@ -14,48 +14,14 @@
 #ifndef UNIFIED_GLOSS_GLSL
 #define UNIFIED_GLOSS_GLSL
 
+#include "common/lobe.glsl"
+#include "common/sequence.glsl"
 #include "unified/parameters.glsl"
 #ifdef NARROW
 #include "common/octahedral.glsl"
 #else
 #include "unified/pyramid.glsl"
 #endif
-
-#define LOG2_E 1.442695
-
-// alpha + 1 of docs/definitions.md, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
-// which does not cancel; roughness is at most 1, where it is good to 1e-4.
-float LobePower(float roughness) {
-    float h = 0.25 * roughness * roughness;
-    return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
-}
-
-// ln cos of an angle, of 1 - cos.
-float LogCos(float x) {
-    return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
-}
-
-// A direction around the unit vector `axis`, by the inverse of the lobe's distribution (Eq. 4.5 with
-// arccos): cos^(alpha + 1) = 1 - u.x. `log_rest` is ln(1 - u.x), `turn` the cosine and sine of 2 pi u.y.
-vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
-    float x = 2.0 * log_rest / power;
-    // sin^2 = -expm1(x), by its series: x is near 0.
-    float sin_theta = sqrt(max(-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0))), 0.0));
-    float cos_theta = sqrt(max(1.0 - sin_theta * sin_theta, 0.0));
-    // A frame without a division by zero (Duff et al. 2017).
-    float s = axis.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + axis.z);
-    float b = axis.x * axis.y * a;
-    vec3 tangent = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
-    vec3 bitangent = vec3(b, s + axis.y * axis.y * a, -axis.y);
-    return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
-}
-
-// The unit direction into which a normal of any length turns the one in which a point is seen.
-vec3 MirrorDirection(vec3 point, vec3 normal) {
-    vec3 seen = point * inversesqrt(dot(point, point));
-    return seen - (2.0 * dot(seen, normal) / dot(normal, normal)) * normal;
-}
 
 struct Lobe {
     vec3 normal;
@@ -75,12 +41,6 @@ struct Seen {
     vec4 color;     // of the hit, and its fade in a; a miss is 0
 };
 
-// The logarithm to base 2 of the density (alpha + 1) cos^alpha, without the 2 pi that all have, plus the bias,
-// of a direction with a cos^(alpha + 1) whose logarithm is given.
-float LogDensity(float power, float log_rest) {
-    return LOG_DENSITY_BIAS + log2(power) + (power - 1.0) / power * log_rest;
-}
-
 // The level of the colour's chain for a ray of a density (LogDensity) that stands for a share of the lobe. Its
 // footprint is that as a solid angle, share 2 pi / density, taken for a cone of angle theta, pi theta^2; its
 // diameter at the hit in pixels is the level's texel.
@@ -98,11 +58,12 @@ float Overlap(vec3 chord, float power) {
 }
 
 // The point of the pattern that is a pixel's or a cell's: of side x side points, dealt out so that each square of that
-// side holds all; point i of the rank-1 lattice with the generator (1, g), at a place in its stratum.
+// side holds all; point i of the rank-1 lattice with the generator (1, g), at a place in its stratum. With each frame of a
+// history the points are dealt out otherwise, and stand at another place.
 vec2 LatticePoint(ivec2 at, int side, int g, vec2 place) {
     int n = side * side;
-    int i = (at.x + side * at.y) % n;
-    return (vec2(i, (i * g) % n) + place) / float(n);
+    int i = (at.x + side * at.y + unified.turn % n) % n;
+    return (vec2(i, (i * g) % n) + fract(place + SequencePoint(unified.turn))) / float(n);
 }
 
 #ifdef NARROW

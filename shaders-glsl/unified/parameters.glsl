@@ -6,8 +6,12 @@
 #include "common/constants.glsl"
 #include "common/sound.glsl"
 
+#ifndef UNIFIED_BINDING
+#define UNIFIED_BINDING 0
+#endif
+
 // Filled in by src/methods/unified.rs.
-layout(std140, binding = 0) uniform UnifiedBlock {
+layout(std140, binding = UNIFIED_BINDING) uniform UnifiedBlock {
     vec2 view_to_clip;   // M_00 and M_11 of the projection
     vec2 pixel_to_clip;  // 1 / width and 1 / height: see traverse.glsl
     vec2 pixel_to_view;  // the same, divided by view_to_clip
@@ -20,6 +24,7 @@ layout(std140, binding = 0) uniform UnifiedBlock {
     int fade;            // 0: no fade at all
     vec2 shift;          // how far the image is shifted against the axis of the view, in half pixels: x to the right, y up
     int sky;             // 1: what shows the environment shows it along the ray, and `environment` holds it
+    int turn;            // frames of a history before this one; 0 without one
 } unified;
 
 bool Reflects(vec2 material) {

@@ -166,6 +166,12 @@ impl Reflections {
         self.setup.extent
     }
 
+    /// Forgets the frames that the parameter `history` averages, so that the next one stands alone: after a cut, and after
+    /// a command buffer that was thrown away.
+    pub fn restart_history(&self) {
+        self.effect.restart_history();
+    }
+
     /// Records a frame's reflections into a command buffer: no submission, no waiting, and, once all frames under way have
     /// been recorded once, no allocation on the device.
     ///

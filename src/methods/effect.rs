@@ -1,12 +1,14 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
 use super::capture::{CaptureImages, Renewal, captured_of};
+use super::setup::HistoryUse;
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::Captures;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
+use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
@@ -28,6 +30,7 @@ pub struct Effect {
     method: Box<dyn Method>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
+    history: Option<HistoryPass>,
     /// None where no image with the reflection in it is wanted.
     composite: Option<CompositePass>,
     captures: Option<Captured>,
@@ -171,7 +174,8 @@ impl Effect {
             };
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
-        let composite = wants.composite && fallback.is_none() && divisor == 1;
+        let history = effect.history == HistoryUse::On && info.is_screen_space();
+        let composite = wants.composite && fallback.is_none() && divisor == 1 && !history;
         let mut scaled = None;
         let mut inner = Making {
             setup: setup.clone(),
@@ -190,6 +194,9 @@ impl Effect {
             method: (info.create)(&gpu, &inner)?,
             scaled,
             fallback: fallback.transpose()?,
+            history: history
+                .then(|| HistoryPass::new(&gpu, extent, effect.history_frames, effect.history_deviations))
+                .transpose()?,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
             prepared: Prepared::default(),
@@ -210,6 +217,16 @@ impl Effect {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// How many frames of a camera at rest an image of it takes: one, but with a history.
+    pub fn frames_at_rest(&self) -> u32 {
+        self.history.as_ref().map_or(1, HistoryPass::averaged)
+    }
+
+    /// Forgets the frames that the history averages: the next one is the first.
+    pub fn restart_history(&self) {
+        self.history.iter().for_each(HistoryPass::restart);
     }
 
     /// What was made for the scene before the first frame.
@@ -258,7 +275,8 @@ impl Effect {
             renewal.record(frame, &input.scene()?, images)?;
         }
         let captures = images.map(CaptureImages::captures).or(input.captures);
-        let input = &Input { captures, ..*input };
+        let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
+        let input = &Input { captures, frame: frames, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
@@ -276,6 +294,12 @@ impl Effect {
                 traced.composite = None;
             }
             traced.intermediates.extend(behind.intermediates);
+        }
+        if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
+            // The distances of smaller pixels are of another grid.
+            let distance = traced.distance.filter(|_| self.scaled.is_none());
+            let averaged = history.record(frame, &input.gbuffer, input.camera, reflection, distance)?;
+            traced = Traced { reflection: Some(averaged), composite: None, ..traced };
         }
         let composite = match (traced.composite, traced.reflection, &self.composite) {
             (Some(made), ..) => made,

@@ -19,6 +19,7 @@ pub mod ssct;
 pub mod sslr;
 pub mod ssr;
 pub mod ssr_fast;
+pub mod stochastic;
 pub mod thesis;
 pub mod unified;
 
@@ -46,12 +47,14 @@ pub struct Input<'a, 's> {
     pub captures: Option<Captures<'a>>,
     /// The reflection that stands in front of what the method makes, for one that is a fallback.
     pub in_front: Option<Reflection<'a>>,
+    /// How many frames came before this one since the history began; 0 without a history, so that frames are equal.
+    pub frame: u32,
 }
 
 impl<'a, 's> Input<'a, 's> {
     /// A G-buffer without its scene.
     pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
-        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None }
+        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None, frame: 0 }
     }
 
     /// The scene, for a method that can't do without.
@@ -92,6 +95,9 @@ pub struct Traced<'a> {
     pub composite: Option<&'a Image>,
     /// Where each ray ended.
     pub hits: Option<Hits<'a>>,
+    /// How far away what is reflected is from each pixel's point, in units of [`unit`](crate::passes::lost::unit), if the
+    /// method knows it; 0 for nothing.
+    pub distance: Option<&'a Image>,
     /// What else there is to see.
     pub intermediates: Vec<Intermediate<'a>>,
 }
@@ -99,12 +105,12 @@ pub struct Traced<'a> {
 impl<'a> Traced<'a> {
     /// A reflection without intermediates.
     pub fn new(reflection: Reflection<'a>) -> Self {
-        Self { reflection: Some(reflection), composite: None, hits: None, intermediates: Vec::new() }
+        Self { reflection: Some(reflection), composite: None, hits: None, distance: None, intermediates: Vec::new() }
     }
 
     /// No reflection: the image is the lit colour.
     pub fn nothing(gbuffer: &GBuffer<'a>) -> Self {
-        Self { reflection: None, composite: Some(gbuffer.color), hits: None, intermediates: Vec::new() }
+        Self { reflection: None, composite: Some(gbuffer.color), hits: None, distance: None, intermediates: Vec::new() }
     }
 }
 
@@ -259,6 +265,7 @@ pub const METHODS: &[MethodInfo] = &[
     ssr::INFO,
     ssr_fast::INFO,
     dda::INFO,
+    stochastic::INFO,
     pccm::INFO,
     billboard::INFO,
     planar::INFO,

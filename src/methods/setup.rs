@@ -21,6 +21,16 @@ choices! {
 }
 
 choices! {
+    /// Whether reflections are averaged over frames.
+    pub enum HistoryUse {
+        /// Each frame by itself.
+        Off = "off",
+        /// With those before it.
+        On = "on",
+    }
+}
+
+choices! {
     /// How many captures of the scene `unified` follows rays in that the screen loses.
     pub enum CaptureCount {
         /// None: the screen is all there is.
@@ -102,6 +112,15 @@ parameters! {
             Parameter::new(1.0).one_of(&[1.0, 0.5, 0.25]).sweep(Preset::Published, &[0.5]).source("Hermanns 2015, §4.4"),
         /// What is seen behind a screen-space method where its reflection fades out.
         fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
+        /// Reflections are averaged over frames: those of earlier frames are found again where they were seen then, as far
+        /// as they are not hidden, and kept within what the pixels around show now. An image at rest is shown after
+        /// `history_frames` frames.
+        history: HistoryUse = Parameter::new(HistoryUse::Off).source("Hermanns 2015, §4.2.11; Salvi 2016"),
+        /// Frames that the history averages at most.
+        history_frames: u32 = Parameter::new(16).within(1, 256).unit("frames").source("tuned (docs/findings.md)"),
+        /// How far from the mean of what the pixels around show the history may lie.
+        history_deviations: f32 =
+            Parameter::new(1.0).between(0.0, 100.0).unit("standard deviations").source("Salvi 2016"),
         /// What unified hits, and the oracle that methods are held against: 1, any block that a ray meets; 2, only
         /// those that it can have come to from in front.
         oracle: OracleVersion = Parameter::new(OracleVersion::V1)

@@ -53,7 +53,7 @@
 //! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
 //! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
-//! is no randomness and no history. Over a fallback ([`Fallback`]) the share of the rays that miss is not
+//! is no randomness. Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
@@ -197,6 +197,7 @@ impl Method for UnifiedMethod {
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
         let followed = self.follow.as_ref().zip(input.captures);
+        parameters.turn = input.frame as i32;
         parameters.sky = i32::from(self.sky && input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
         let beyond = self.lost.beyond(frame, &block, input.sky)?;
@@ -244,7 +245,7 @@ impl Method for UnifiedMethod {
         }
 
         let reflection = canvas.reflection.map(Reflection);
-        Ok(Traced { reflection, composite: canvas.composite, hits, intermediates: Vec::new() })
+        Ok(Traced { reflection, composite: canvas.composite, hits, distance: None, intermediates: Vec::new() })
     }
 }
 

@@ -6,6 +6,7 @@ mod dda;
 mod figures;
 mod headline;
 mod records;
+mod stochastic;
 mod thesis;
 mod world;
 

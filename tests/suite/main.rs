@@ -44,6 +44,7 @@ mod resolution;
 mod same;
 mod scene_loading;
 mod schmidt;
+mod stochastic;
 mod stress;
 mod unified;
 mod validation;

@@ -197,7 +197,7 @@ pub fn measure(
     for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
         go_on()?;
         let color = {
-            let (_, _, output) = stage.output(timed)?;
+            let (_, _, output) = stage.output_at_rest(timed)?;
             let made = output.traced.reflection.is_some();
             made.then(|| gbuffer::reflection(&mut stage.context, &output)).transpose()?
         };
@@ -205,7 +205,7 @@ pub fn measure(
             Some(pixels) => colors(&pixels),
             None => {
                 let seen = shot(stage, &variant.setup, Wants::REFLECTION, variant.method)?;
-                let (_, _, output) = stage.output(&seen)?;
+                let (_, _, output) = stage.output_at_rest(&seen)?;
                 colors(&gbuffer::reflection(&mut stage.context, &output)?)
             }
         };

@@ -114,15 +114,27 @@ pub fn reflect(
         None if data.surface.contains(&Surface::Sky) => Some(scene_data::environment(&mut context)?),
         sky => sky,
     };
-    let mut frame = context.begin(Mode::Plain)?;
-    frame.begin_effect();
     let input = Input { sky: sky.as_ref(), ..Input::of_screen(images.gbuffer(), &data.camera) };
-    let output = effect.record(&mut frame, &input)?;
-    frame.finish()?;
+    let output = at_rest(&mut context, &effect, &input)?;
     Ok(Reflected {
         composite: context.read(output.composite.level(0))?,
         reflection: reflection(&mut context, &output)?,
     })
+}
+
+/// What an effect makes of a G-buffer at rest: with a history, after as many frames as this averages, from the first on.
+pub fn at_rest<'a>(context: &mut FrameContext, effect: &'a Effect, input: &Input<'a, '_>) -> Result<Output<'a>> {
+    effect.restart_history();
+    for _ in 1..effect.frames_at_rest() {
+        let mut frame = context.begin(Mode::Plain)?;
+        effect.record(&mut frame, input)?;
+        frame.finish()?;
+    }
+    let mut frame = context.begin(Mode::Plain)?;
+    frame.begin_effect();
+    let output = effect.record(&mut frame, input)?;
+    frame.finish()?;
+    Ok(output)
 }
 
 /// The reflection colour and fade that a method made; zeros if nothing reflects.

@@ -44,7 +44,7 @@ pub fn inside<'s>(shot: &'s Shot, output: &Output<'s>) -> Vec<Intermediate<'s>> 
 /// Renders a shot and reads it back. With `dump`, intermediates too, among them the hits if the shot was made with
 /// them.
 pub fn render(stage: &mut Stage, shot: &Shot, dump: bool) -> Result<RenderedImage> {
-    let (report, drawn, output) = stage.output(shot)?;
+    let (report, drawn, output) = stage.output_at_rest(shot)?;
     let composite = stage.context.read(output.composite.level(0))?;
     let reflection = gbuffer::reflection(&mut stage.context, &output)?;
     let mut intermediates = None;

@@ -100,6 +100,22 @@ impl Stage {
         Ok((frame.finish()?, drawn, output))
     }
 
+    /// The same for an image of a camera at rest: with a history, the last of as many frames as this averages, from the
+    /// first on.
+    pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
+        self.settle(shot)?;
+        self.output(shot)
+    }
+
+    /// Begins the history of a shot, and runs all frames that an image at rest takes but the last.
+    pub fn settle(&mut self, shot: &Shot) -> Result<()> {
+        shot.effect.restart_history();
+        for _ in 1..shot.effect.frames_at_rest() {
+            self.run(shot, Mode::Plain)?;
+        }
+        Ok(())
+    }
+
     /// Runs the method of a shot alone, on the G-buffer that another shot of its scene and size drew last.
     pub fn output_on<'s>(
         &mut self,
@@ -163,6 +179,11 @@ impl Shot {
         self.materials = materials;
         let Stage { context, data } = stage;
         self.effect.prepare(context, &SceneInput { data, materials: &self.materials })
+    }
+
+    /// How many frames of a camera at rest an image of it takes: one, but with a history.
+    pub fn frames_at_rest(&self) -> u32 {
+        self.effect.frames_at_rest()
     }
 
     /// Faces of the captures that the method looks into; 0 without captures.

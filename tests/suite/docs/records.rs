@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beyond, dda, thesis};
+use super::{beyond, dda, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -45,6 +45,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["need"] => need(first)?,
         ["dda-tuning"] => dda::tuning(first)?,
         ["dda-beside"] => dda::beside(first)?,
+        ["stochastic-tuning"] => stochastic::tuning(first)?,
+        ["stochastic-history"] => stochastic::history(first)?,
+        ["stochastic-history-tuning"] => stochastic::history_tuning(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
         ["stress-cases"] => stress_cases(first)?,

@@ -84,6 +84,8 @@ pub struct Pictures {
     with_hits: Option<(Side, Shot)>,
     /// The frame that the pictures are of, if nothing made them stale.
     rendered: Option<FrameRequest>,
+    /// Frames that an image at rest still takes.
+    settling: u32,
     /// The last frame that was rendered at all.
     last: Option<FrameRequest>,
     materials: Vec<Material>,
@@ -100,6 +102,7 @@ impl Pictures {
             shown: [None, None],
             with_hits: None,
             rendered: None,
+            settling: 0,
             last: None,
             materials: Vec::new(),
             own_captures: scene.captures.clone(),
@@ -107,9 +110,9 @@ impl Pictures {
         })
     }
 
-    /// Whether a request differs from the one rendered last.
+    /// Whether a request differs from the one rendered last, or a history has not come to rest on it.
     pub fn is_other(&self, wanted: &FrameRequest) -> bool {
-        self.rendered.as_ref() != Some(wanted)
+        self.settling > 0 || self.rendered.as_ref() != Some(wanted)
     }
 
     /// Forces the next frame to be rendered, even if nothing changed.
@@ -187,6 +190,9 @@ impl Pictures {
             self.with_hits = None;
             self.materials.clone_from(&wanted.materials);
         }
+        let frames = |shown: &ShownMethod| shown.shot.frames_at_rest() - 1;
+        let all = self.shown.iter().flatten().map(frames).max().unwrap_or_default();
+        self.settling = if self.last.as_ref() == Some(wanted) { self.settling.saturating_sub(1) } else { all };
         self.rendered = Some(wanted.clone());
         self.last = Some(wanted.clone());
         Ok(())

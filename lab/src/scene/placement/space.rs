@@ -5,6 +5,7 @@
 //! finds a way, which it does not into a void between two walls.
 
 use super::sees;
+use crate::math::constants;
 use crate::math::random::Stream;
 use crate::scene::bvh::WorldRay;
 use crate::scene::{Light, Scene, Surface, Triangles};
@@ -213,10 +214,8 @@ fn surroundings(triangles: &Triangles, scene: &Scene, eye: DVec3) -> Surrounding
 
 /// Direction `index` of [`DIRECTIONS`] that fill the sphere evenly, on a Fibonacci spiral.
 fn sphere(index: usize) -> DVec3 {
-    /// π (3 − √5), in radians.
-    const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
     let y = 1.0 - (2.0 * index as f64 + 1.0) / DIRECTIONS as f64;
-    let (sine, cosine) = (GOLDEN_ANGLE * index as f64).sin_cos();
+    let (sine, cosine) = (constants::GOLDEN_ANGLE * index as f64).sin_cos();
     let across = (1.0 - y * y).sqrt();
     DVec3::new(across * cosine, y, across * sine)
 }

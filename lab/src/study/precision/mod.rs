@@ -6,15 +6,14 @@ mod storage;
 
 pub use storage::{ColorFormat, DepthFormat, NormalFormat, Storage};
 
-use super::gbuffer::{hit_positions, reflection};
+use super::gbuffer::{at_rest, hit_positions, reflection};
 use super::journal::{digest, scene_digest};
 use super::record::{Head, Of};
 use super::stage::Globals;
 use crate::error::Result;
-use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
-use crate::methods::{Effect, Input, MethodInfo, Setup, Wants, unified};
+use crate::methods::{Effect, Input, MethodInfo, Setup, Wants};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
@@ -218,16 +217,13 @@ pub fn measure(spec: &PrecisionSpec) -> Result<Vec<PrecisionRecord>> {
                 Some(&hits),
             ));
         }
-        // `unified` loads normals as 16-bit floats, and nothing else: of normals in 32-bit floats it sees those.
+        // The exact walk loads normals as 16-bit floats, and nothing else: of normals in 32-bit floats it sees those.
         let [wide, own] = [true, false].map(|normals| GBufferImages::upload_wide(&mut context, &stored, normals));
         let (wide, own) = (wide?, own?);
         for (method, effect) in &effects {
-            let images = if method.name == unified::INFO.name { &own } else { &wide };
-            let mut frame = context.begin(Mode::Plain)?;
-            frame.begin_effect();
+            let images = if method.follows_oracle { &own } else { &wide };
             let input = Input { sky: Some(&sky), ..Input::of_screen(images.gbuffer(), &stored.camera) };
-            let output = effect.record(&mut frame, &input)?;
-            frame.finish()?;
+            let output = at_rest(&mut context, effect, &input)?;
             let color: Vec<_> = reflection(&mut context, &output)?.texels().map(|t| [t[0], t[1], t[2]]).collect();
             let hits = output.traced.hits.map(|h| context.read(h.0.all())).transpose()?;
             let hits = hits.map(|image| hit_positions(&image));

@@ -131,6 +131,16 @@ impl SceneLineup {
         gbuffer::read(&mut self.stage.context, shot).map(Some)
     }
 
+    /// Shows every method a camera at rest, before one that moves: those with a history begin it, and see as many frames
+    /// as it averages.
+    pub(super) fn settle(&mut self, camera: Camera) -> Result<()> {
+        for (_, shot) in &mut self.shots {
+            shot.camera = camera;
+            self.stage.settle(shot)?;
+        }
+        Ok(())
+    }
+
     /// What each method makes of what was drawn last.
     pub(super) fn made(&mut self) -> Result<Vec<Made>> {
         self.each(Mode::Timed, Made::read)

@@ -148,6 +148,9 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     let methods: Vec<_> = lineup.methods().collect();
     let mut screens: Vec<GBufferData> = Vec::new();
     let mut images: Vec<Vec<Vec<Vec3>>> = vec![Vec::new(); methods.len()];
+    if let Some(first) = cameras.first() {
+        lineup.settle(*first)?;
+    }
     for camera in cameras {
         screens.extend(lineup.draw(camera)?);
         for (made, pixels) in images.iter_mut().zip(lineup.reflections()?) {

@@ -45,6 +45,11 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("dda-refine", "off"),
         ("dda-steps", "2"),
         ("dda-distance", "0.5"),
+        ("stochastic-rays", "4"),
+        ("stochastic-gathered", "1"),
+        ("stochastic-radius", "9"),
+        ("stochastic-part", "0.5"),
+        ("stochastic-walk", "thesis"),
         ("pixel-step", "7"),
         ("distance-blur", "on"),
         ("chain-filter", "gaussian"),
@@ -71,6 +76,9 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("capture-side", "128"),
         ("captures-per-frame", "1"),
         ("definitions", "1"),
+        ("history", "on"),
+        ("history-frames", "3"),
+        ("history-deviations", "0.1"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
@@ -100,13 +108,20 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
             if info.name == "billboard" || ["definitions", "hi-z-maximum"].contains(&option.0) {
                 continue;
             }
+            // At rest, frames differ where they are drawn by chance.
+            if ["history-frames", "history-deviations"].contains(&option.0) && info.name != "stochastic" {
+                continue;
+            }
             // Where distances are blurred, the chain is made.
-            let (blurred, captured) = (("distance-blur", "on"), ("captures", "1"));
+            let (blurred, captured, history) = (("distance-blur", "on"), ("captures", "1"), ("history", "on"));
             let (with, without) = match (info.name, option.0) {
                 ("ssr-fast", "chain-filter") => (vec![blurred, option], frame(&mut bench, info, &[blurred])),
                 (_, "cone-alpha-min" | "cone-alpha-max") => {
                     let interpolated = ("cone-angle", "interpolated");
                     (vec![interpolated, option], frame(&mut bench, info, &[interpolated]))
+                }
+                (_, "history-frames" | "history-deviations") => {
+                    (vec![history, option], frame(&mut bench, info, &[history]))
                 }
                 // Where there are captures, they have a side, and passes that renew them.
                 ("unified", "capture-side" | "captures-per-frame") => {

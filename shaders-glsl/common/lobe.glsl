@@ -1,0 +1,50 @@
+// The glossy lobe of docs/definitions.md, "Surfaces": cos^alpha around the mirror direction.
+
+#ifndef COMMON_LOBE_GLSL
+#define COMMON_LOBE_GLSL
+
+#include "common/constants.glsl"
+
+#define LOG2_E 1.442695
+
+// alpha + 1 of docs/definitions.md, "Surfaces". The logarithm of the cosine of h = roughness / 2 by its series,
+// which does not cancel; roughness is at most 1, where it is good to 1e-4.
+float LobePower(float roughness) {
+    float h = 0.25 * roughness * roughness;
+    return -log(XI) / max(h * (0.5 + h * (1.0 / 12.0 + h / 45.0)), 1e-12);
+}
+
+// ln cos of an angle, of 1 - cos.
+float LogCos(float x) {
+    return -x * (1.0 + x * (0.5 + x * (1.0 / 3.0 + x * 0.25)));
+}
+
+// A direction around the unit vector `axis`, by the inverse of the lobe's distribution (Eq. 4.5 with
+// arccos): cos^(alpha + 1) = 1 - u.x. `log_rest` is ln(1 - u.x), `turn` the cosine and sine of 2 pi u.y.
+vec3 LobeDirection(vec3 axis, float power, float log_rest, vec2 turn) {
+    float x = 2.0 * log_rest / power;
+    // sin^2 = -expm1(x), by its series: x is near 0.
+    float sin_theta = sqrt(max(-x * (1.0 + x * (0.5 + x * (1.0 / 6.0 + x / 24.0))), 0.0));
+    float cos_theta = sqrt(max(1.0 - sin_theta * sin_theta, 0.0));
+    // A frame without a division by zero (Duff et al. 2017).
+    float s = axis.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + axis.z);
+    float b = axis.x * axis.y * a;
+    vec3 tangent = vec3(1.0 + s * axis.x * axis.x * a, s * b, -s * axis.x);
+    vec3 bitangent = vec3(b, s + axis.y * axis.y * a, -axis.y);
+    return axis * cos_theta + sin_theta * (tangent * turn.x + bitangent * turn.y);
+}
+
+// The unit direction into which a normal of any length turns the one in which a point is seen.
+vec3 MirrorDirection(vec3 point, vec3 normal) {
+    vec3 seen = point * inversesqrt(dot(point, point));
+    return seen - (2.0 * dot(seen, normal) / dot(normal, normal)) * normal;
+}
+
+// The logarithm to base 2 of the density (alpha + 1) cos^alpha, without the 2 pi that all have, plus the bias,
+// of a direction with a cos^(alpha + 1) whose logarithm is given.
+float LogDensity(float power, float log_rest) {
+    return LOG_DENSITY_BIAS + log2(power) + (power - 1.0) / power * log_rest;
+}
+
+#endif

@@ -1,0 +1,101 @@
+#version 460
+#pragma program(StochasticExact, EXACT)
+#pragma program(StochasticThesis)
+// One ray for each pixel that reflects, in a direction drawn from its lobe (Stachowiak 2015), and what it saw. It is
+// walked over the pyramid of `unified`, or as `ssct` walks: over the Hi-Z buffer, by a march towards the camera.
+
+#ifdef EXACT
+layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+#else
+#define UNIFIED_BINDING 5
+#include "thesis/parameters.glsl"
+#include "thesis/ray_trace.glsl"
+#endif
+
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+
+layout(constant_id = 10) const bool HITS = false; // out_hit is wanted
+
+#include "stochastic/stochastic.glsl"
+#include "captures/color_seen.glsl"
+#ifdef EXACT
+#include "unified/traverse.glsl"
+#endif
+
+layout(location = 0) out vec4 out_place; // the hit (ViewPoint's scale), or the direction of a miss; in w the logarithm
+                                         // of the density, negative for a miss; 0 for no ray
+layout(location = 1) out vec4 out_color; // lit colour there, and fade in a; a miss is 0
+layout(location = 2) out vec4 out_hit;   // of a mirror: texture coordinates, standard depth, PATH_*
+
+// Where a ray ended.
+struct End {
+    int code;      // PATH_*
+    bool hits;
+    vec2 position; // continuous pixel coordinates
+    float depth;   // reversed
+};
+
+// From a pixel along a direction in view space, of unit length. `normal` is that of a mirror, else 0.
+End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal) {
+#ifdef EXACT
+    bool faces = true;
+    Ray ray = RayAlong(pixel, depth, direction);
+    if (normal != vec3(0.0))
+        ray = MirrorRay(pixel, depth, normal, faces);
+    Hit hit = Traverse(ray);
+    bool hits = hit.code == PATH_HI_Z && faces;
+    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hit.position, hit.depth);
+#else
+    vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
+    vec3 V_ss = Project(Unproject(P_ss) + direction * thesis.reflection_offset) - P_ss;
+    float path;
+    vec3 hit = RayTrace(P_ss, V_ss, path);
+    return End(int(path), hit != INVALID_RAY, hit.xy * thesis.resolution, 1.0 - hit.z);
+#endif
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    out_place = vec4(0.0);
+    out_color = vec4(0.0);
+    if (HITS)
+        out_hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
+#ifdef EXACT
+    vec2 material = imageLoad(material_buffer, pixel).xy;
+    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+#else
+    vec2 material = texelFetch(materialBuffer, pixel, 0).xy;
+    vec3 normal = texelFetch(normalBuffer, pixel, 0).xyz;
+    float depth = 1.0 - texelFetch(hiZBuffer, pixel, 0).r;
+#endif
+    bool is_mirror = material.y <= 0.0;
+    if (!Reflects(material) || !(depth > 0.0) || !(dot(normal, normal) > NO_NORMAL))
+        return;
+    vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
+    vec3 mirror = MirrorDirection(point, normal);
+    // A mirror has one direction.
+    vec2 u = is_mirror ? vec2(0.0) : Draw(pixel, stochastic.turn);
+    float power = LobePower(material.y);
+    float log_rest = log2(1.0 - u.x * stochastic.part);
+    float density = is_mirror ? LOG_DENSITY_BIAS : LogDensity(power, log_rest);
+    float angle = TAU * u.y;
+    vec3 direction = is_mirror ? mirror : LobeDirection(mirror, power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
+    out_place = vec4(direction, -density);
+    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
+    if (!(dot(direction, normal) > 0.0))
+        return;
+    End end = WalkAlong(pixel, depth, direction, is_mirror ? normal : vec3(0.0));
+    if (end.hits) {
+        vec2 uv = end.position * unified.pixel_to_clip;
+        out_place = vec4(ViewPoint(end.position, end.depth), density);
+        out_color = vec4(ColorMirrored(end.position, SkyAlong(direction)), Fade(uv));
+    }
+    if (HITS && is_mirror) {
+        precise vec2 uv = end.position * unified.pixel_to_clip;
+        precise float hit_depth = 1.0 - end.depth;
+        out_hit = vec4(end.hits ? vec3(uv, hit_depth) : vec3(-1.0), float(end.code));
+    }
+}

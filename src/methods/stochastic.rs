@@ -1,0 +1,160 @@
+//! `stochastic`: rays drawn from each pixel's lobe, resolved over the pixels around it by ratios, and, with `--history
+//! on`, averaged over frames: what engines ship as stochastic screen-space reflections (Stachowiak, "Stochastic
+//! Screen-Space Reflections", SIGGRAPH 2015 course Advances in Real-Time Rendering; Heitz, Hill and McGuire 2018 for the
+//! ratio estimator). With many rays and without neighbours it is the average of several rays of thesis §3.1.5.
+
+use super::ssct::SsctParams;
+use super::{Fallback, Input, Intermediate, Making, Method, MethodInfo, Traced, thesis, unified};
+use crate::error::Result;
+use crate::gpu::shader::StochasticBlock;
+use crate::gpu::{Frame, Gpu};
+use crate::math::DefinitionsVersion;
+use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
+use crate::passes::Content;
+use crate::passes::hi_z::HiZPass;
+use crate::passes::lost::{LostRays, capture_block};
+use crate::passes::pyramid::{self, PyramidPass};
+use crate::passes::stochastic::{StochasticPass, StochasticShown, WalkKind, WalkedOver};
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    follows_oracle: true,
+    parameters: StochasticParams::table,
+    // Rays without neighbours, as many as the filter would gather.
+    combinations: |base| {
+        let alone = |rays| base.with(|p: &mut StochasticParams| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
+        vec![alone(4), alone(16)]
+    },
+    ..MethodInfo::screen(
+        "stochastic",
+        "rays drawn from the lobe, resolved over neighbours by ratios; with a history over frames",
+        "Stachowiak 2015; Heitz et al. 2018",
+        |gpu, making| Ok(Box::new(StochasticMethod::new(gpu, making)?)),
+    )
+};
+
+choices! {
+    /// How `stochastic` walks its rays.
+    pub enum StochasticWalk {
+        /// Over the pyramid of `unified`: exact.
+        Exact = "exact",
+        /// As `ssct` does: over the Hi-Z buffer, and by a march towards the camera.
+        Thesis = "thesis",
+    }
+}
+
+/// The source of what is tuned.
+const TUNED: &str = "tuned (docs/findings.md)";
+
+parameters! {
+    /// Parameters of `stochastic`.
+    pub struct StochasticParams {
+        /// Rays that each pixel traces in a frame.
+        stochastic_rays: u32 = Parameter::new(1)
+            .within(1, 64)
+            .unit("rays")
+            .sweep(Preset::Published, &[2, 4])
+            .source("Stachowiak 2015: one; thesis §3.1.5: several"),
+        /// Rays that a pixel gathers of those around it, its own among them; with 1 there is no spatial filter.
+        stochastic_gathered: u32 = Parameter::new(9)
+            .within(1, 32)
+            .unit("rays")
+            .sweep(Preset::Published, &[1, 4, 16])
+            .source(TUNED),
+        /// Distance within which they are gathered.
+        stochastic_radius: f32 = Parameter::new(2.0)
+            .between(0.0, 64.0)
+            .unit("pixels")
+            .sweep(Preset::Published, &[1.5, 3.0])
+            .source(TUNED),
+        /// Part of the lobe's distribution that rays are drawn from: below 1 the rare wide ones are left out.
+        stochastic_part: f32 = Parameter::new(0.7)
+            .above(0.0, 1.0)
+            .sweep(Preset::Published, &[0.5, 1.0])
+            .source("Stachowiak 2015: 0.7 and the like; tuned (docs/findings.md)"),
+        /// How rays are walked, so that traversal and denoising can be told apart.
+        stochastic_walk: StochasticWalk = Parameter::new(StochasticWalk::Exact)
+            .sweep(Preset::Published, &[StochasticWalk::Thesis])
+            .source("this project"),
+    }
+}
+
+struct StochasticMethod {
+    walked: Walked,
+    pass: StochasticPass,
+    /// It loses none, and has the sky.
+    lost: LostRays,
+    parameters: StochasticParams,
+    fade: bool,
+    /// What shows the environment shows it along the ray (docs/definitions.md, version 2).
+    sky: bool,
+}
+
+enum Walked {
+    Exact(PyramidPass),
+    Thesis(HiZPass, SsctParams),
+}
+
+impl StochasticMethod {
+    fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let (setup, extent) = (&making.setup, making.setup.extent);
+        let parameters: StochasticParams = setup.of();
+        let effect = setup.effect();
+        let (oracle, over) = (effect.oracle, effect.fallback != Fallback::None);
+        let sky = effect.definitions == DefinitionsVersion::V2;
+        let (walked, walk) = match parameters.stochastic_walk {
+            StochasticWalk::Exact => {
+                (Walked::Exact(PyramidPass::new(gpu, extent)?), WalkKind::Exact(pyramid::strip(extent), oracle))
+            }
+            StochasticWalk::Thesis => (Walked::Thesis(HiZPass::new(gpu, extent, false)?, setup.of()), WalkKind::Thesis),
+        };
+        let pass = StochasticPass::new(gpu, extent, walk, StochasticShown { over, sky, hits: making.hits })?;
+        let lost = LostRays::new(gpu, extent, false)?;
+        Ok(Self { walked, pass, lost, parameters, fade: effect.fade, sky })
+    }
+}
+
+impl Method for StochasticMethod {
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let gbuffer = &input.gbuffer;
+        if !gbuffer.reflectors.any() {
+            for pass in ["pyramid", "trace", "resolve", "composite"] {
+                frame.skip(pass, "no material that is drawn reflects");
+            }
+            return Ok(Traced::nothing(gbuffer));
+        }
+        let extent = gbuffer.depth.extent();
+        let mut unified = unified::parameters(input.camera, extent, self.fade);
+        unified.sky = i32::from(self.sky && input.sky.is_some());
+        let camera = capture_block(input.camera, None);
+        let beyond = self.lost.beyond(frame, &camera, input.sky)?;
+        let mut intermediates = Vec::new();
+        let block;
+        let over = match &self.walked {
+            Walked::Exact(pyramid) => WalkedOver::Pyramid(pyramid.record(frame, gbuffer, &unified)?),
+            Walked::Thesis(pass, of) => {
+                let hi_z = pass.record(frame, gbuffer)?;
+                let (name, content) = ("hi-z", Content::StandardDepth);
+                intermediates.push(Intermediate { name, content, image: hi_z.0 });
+                let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
+                block = of.march.fill(of.hi_z.fill(published));
+                WalkedOver::HiZ(hi_z, &block)
+            }
+        };
+        let StochasticParams { stochastic_rays: rays, stochastic_part, stochastic_radius, stochastic_gathered, .. } =
+            self.parameters;
+        for ray in 0..rays {
+            let stochastic = StochasticBlock {
+                turn: input.frame.wrapping_mul(rays).wrapping_add(ray) as i32,
+                part: stochastic_part,
+                radius: stochastic_radius,
+                gathered: stochastic_gathered as i32,
+                first: i32::from(ray == 0),
+                last: i32::from(ray + 1 == rays),
+            };
+            self.pass.record(frame, gbuffer, over, beyond, (&unified, &stochastic))?;
+        }
+        let (reflection, distance, hits) = self.pass.made();
+        Ok(Traced { hits, intermediates, distance: Some(distance), ..Traced::new(reflection) })
+    }
+}

@@ -1,0 +1,246 @@
+//! `stochastic`: what its rays come to, what its two walks hit, and what the history of any method does and costs.
+
+use crate::common::{clutter, clutter_camera, gpu, unfaded};
+use glam::Vec3;
+use ssct::gpu::Pixels;
+use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::methods::setup::HistoryUse;
+use ssct::methods::stochastic::{StochasticParams, StochasticWalk};
+use ssct::methods::{EffectParams, Fallback, Setup, Wants, find};
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::reference::screen::{Sampling, ScreenReference};
+use ssct_lab::scene::{Camera, GBufferData, Scene, View, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [161, 91];
+
+/// A setup without fade, of rays from all of the lobe, by version 1 of the definitions: what is seen of the sky is the screen's.
+fn setup(change: impl FnOnce(&mut StochasticParams)) -> Setup {
+    unfaded(EXTENT)
+        .with(|p: &mut EffectParams| p.definitions = DefinitionsVersion::V1)
+        .with(|p: &mut StochasticParams| p.stochastic_part = 1.0)
+        .with(change)
+}
+
+fn with_history(setup: &Setup, frames: u32) -> Setup {
+    setup.with(|p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, frames))
+}
+
+/// The G-buffer of a view of the rooms, every surface of one roughness.
+fn rooms(view: &str, roughness: f32) -> GBufferData {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view(view).unwrap();
+    let globals = Globals { roughness: Some(roughness), normal_deviation: Some(0.0), ..Globals::default() };
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let (materials, camera) = (globals.materials(&scene, view), view.camera(&scene, EXTENT));
+    let shot = Shot::new(&mut stage, find("hzct").unwrap(), &Setup::new(EXTENT), Wants::IMAGE, camera, materials);
+    let shot = shot.unwrap();
+    stage.output(&shot).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+/// What a method makes of a G-buffer at rest.
+fn made(data: &GBufferData, method: &str, setup: &Setup) -> Pixels {
+    let gpu = gpu();
+    let made = gbuffer::reflect(&gpu, data, None, find(method).unwrap(), setup).unwrap().reflection;
+    gpu.check_validation().unwrap();
+    made
+}
+
+fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
+    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
+}
+
+fn mask(data: &GBufferData) -> Vec<bool> {
+    (0..data.depth.len()).map(|i| data.reflects(i)).collect()
+}
+
+fn truth(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
+    let sampling = Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 };
+    let image = ScreenReference::render(data, &mask(data), sampling, &|| ());
+    image.color.iter().map(Vec3::to_array).collect()
+}
+
+fn mean(color: &[[f32; 3]]) -> f64 {
+    color.iter().flatten().map(|v| f64::from(*v)).sum::<f64>() / color.len() as f64
+}
+
+#[test]
+fn many_rays_by_themselves_come_to_the_screen_reference() {
+    for (view, roughness) in [("corridor", 0.1), ("window", 0.4)] {
+        let data = rooms(view, roughness);
+        let (truth, mask) = (truth(&data, 256), mask(&data));
+        let alone = |rays| setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1));
+        let [one, many] = [1, 64].map(|rays| colors(&made(&data, "stochastic", &alone(rays))));
+        let [error_of_one, error_of_many] = [&one, &many].map(|image| masked_rmse(&truth, image, &mask));
+        println!("{view}, {roughness}: 1 ray {error_of_one:.4}, 64 rays {error_of_many:.4}");
+        // Of independent rays an eighth would be left; these are spread better, but the reference has noise, too.
+        assert!(error_of_many < 0.16 * error_of_one, "{view}: {error_of_many} against {error_of_one}");
+        let bias = mean(&many) / mean(&truth) - 1.0;
+        assert!(bias.abs() < 0.005, "{view}: {bias}");
+    }
+}
+
+#[test]
+fn what_pixels_gather_keeps_the_mean_and_lowers_the_error() {
+    for (view, roughness) in [("corridor", 0.1), ("window", 0.4)] {
+        let data = rooms(view, roughness);
+        let (truth, mask) = (truth(&data, 256), mask(&data));
+        let gathered = |n| colors(&made(&data, "stochastic", &setup(|p| p.stochastic_gathered = n)));
+        let [alone, nine] = [1, 9].map(gathered);
+        let [of_alone, of_nine] = [&alone, &nine].map(|image| masked_rmse(&truth, image, &mask));
+        println!("{view}: alone {of_alone:.4}, of nine {of_nine:.4}");
+        assert!(of_nine < 0.75 * of_alone, "{view}: {of_nine} against {of_alone}");
+        let bias = mean(&nine) / mean(&truth) - 1.0;
+        // A ratio of sums is biased where the rays around a pixel see other things than its own.
+        assert!(bias.abs() < 0.05, "{view}: {bias}");
+    }
+}
+
+#[test]
+fn mirrors_are_those_of_the_walk_that_is_chosen() {
+    let gpu = gpu();
+    let scene = clutter();
+    let camera = clutter_camera(EXTENT);
+    let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, &View::default());
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let mut hits = |method: &str, setup: &Setup| {
+        let method = find(method).unwrap();
+        let shot = Shot::new(&mut stage, method, setup, Wants::HITS, camera, materials.clone()).unwrap();
+        let (_, _, output) = stage.output(&shot).unwrap();
+        let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
+        (hits, gbuffer::reflection(&mut stage.context, &output).unwrap())
+    };
+    let exact = setup(|p| p.stochastic_rays = 3);
+    let ((own, color), (unified, same)) = (hits("stochastic", &exact), hits("unified", &exact));
+    assert_eq!(own.values, unified.values);
+    // Each is the hit's colour between four texels.
+    let far = color.values.iter().zip(&same.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(far < 2e-3, "{far}");
+
+    let thesis = setup(|p| p.stochastic_walk = StochasticWalk::Thesis);
+    let ((own, _), (ssct, _)) = (hits("stochastic", &thesis), hits("ssct", &thesis));
+    let all: Vec<_> = own.texels().zip(ssct.texels()).filter(|(_, s)| s[3] > 0.0).collect();
+    let near = |a: &[f32], b: &[f32]| a[3] == b[3] && (0..2).all(|i| (a[i] - b[i]).abs() < 1e-3);
+    let same = all.iter().filter(|(a, b)| near(a, b)).count();
+    // The mirror direction is rounded otherwise, which now and then sends a ray another way.
+    assert!(all.len() > 1000 && same as f64 > 0.98 * all.len() as f64, "{same} of {}", all.len());
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn frames_without_a_history_are_equal() {
+    let data = rooms("corridor", 0.3);
+    let [first, second] = [(), ()].map(|()| made(&data, "stochastic", &setup(|_| {})));
+    assert_eq!(first.values, second.values);
+}
+
+#[test]
+fn at_rest_a_history_lowers_the_error_of_rays_and_leaves_what_does_not_change() {
+    let data = rooms("corridor", 0.3);
+    let (truth, mask) = (truth(&data, 256), mask(&data));
+    let plain = setup(|p| p.stochastic_gathered = 1);
+    let error = |setup: &Setup| masked_rmse(&truth, &colors(&made(&data, "stochastic", setup)), &mask);
+    let [alone, averaged] = [error(&plain), error(&with_history(&plain, 16))];
+    println!("one frame {alone:.4}, sixteen {averaged:.4}");
+    assert!(averaged < 0.45 * alone, "{averaged} against {alone}");
+
+    let plain = setup(|_| {});
+    let [without, with] = [&plain, &with_history(&plain, 4)].map(|setup| colors(&made(&data, "ssct", setup)));
+    let far = masked_rmse(&without, &with, &mask);
+    // It is the same image each time, rounded to 16 bits once more.
+    assert!(far < 1e-3, "{far}");
+}
+
+/// Frames of a method on a scene seen by one camera after the other; the last one's reflection, and the passes that it
+/// recorded.
+fn frames(scene: &Scene, method: &str, setup: &Setup, cameras: &[Camera]) -> (Pixels, Vec<String>) {
+    let gpu = gpu();
+    let mut stage = Stage::new(&gpu, scene).unwrap();
+    let materials = Globals { roughness: Some(0.2), ..Globals::default() }.materials(scene, &View::default());
+    let method = find(method).unwrap();
+    let mut shot = Shot::new(&mut stage, method, setup, Wants::REFLECTION, cameras[0], materials).unwrap();
+    let mut last = None;
+    for camera in cameras {
+        shot.camera = *camera;
+        let (report, _, output) = stage.output(&shot).unwrap();
+        last = Some((gbuffer::reflection(&mut stage.context, &output).unwrap(), report.recorded));
+    }
+    gpu.check_validation().unwrap();
+    last.unwrap()
+}
+
+#[test]
+fn after_a_cut_nothing_of_the_earlier_frames_is_left() {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    // What the one sees lies behind the other.
+    let back = View { look_at: 2.0 * view.eye - view.look_at, ..view.clone() };
+    let plain = setup(|_| {});
+    let history = with_history(&plain, 16);
+    let [ahead, back] = [view, &back].map(|view| view.camera(&scene, EXTENT));
+    let (alone, _) = frames(&scene, "ssct", &plain, &[back]);
+    let (cut, _) = frames(&scene, "ssct", &history, &[ahead, ahead, ahead, back]);
+    let (kept, _) = frames(&scene, "ssct", &history, &[back, back, back, back]);
+    let all = vec![true; alone.texels().count()];
+    let [after_cut, at_rest] = [&cut, &kept].map(|image| masked_rmse(&colors(&alone), &colors(image), &all));
+    println!("after a cut {after_cut:.5}, at rest {at_rest:.5}");
+    assert!(after_cut < 1e-3 && at_rest < 1e-3, "{after_cut}, {at_rest}");
+}
+
+#[test]
+fn a_history_follows_what_a_moving_camera_sees() {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let right = Vec3::Y.cross(view.look_at - view.eye).normalize();
+    let aside = |m: f32| View { eye: view.eye + right * m, look_at: view.look_at + right * m, ..view.clone() };
+    let cameras: Vec<_> = (0..12).map(|n| aside(0.01 * n as f32).camera(&scene, EXTENT)).collect();
+    let plain = setup(|p| p.stochastic_gathered = 1);
+    let error = |setup: &Setup, reference: &[[f32; 3]]| {
+        let (image, _) = frames(&scene, "stochastic", setup, &cameras);
+        masked_rmse(reference, &colors(&image), &vec![true; reference.len()])
+    };
+    // The same camera, with so many rays that there is nothing to average.
+    let many = setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (64, 1));
+    let (reference, _) = frames(&scene, "stochastic", &many, &cameras[11..]);
+    let reference = colors(&reference);
+    let [alone, averaged] = [error(&plain, &reference), error(&with_history(&plain, 16), &reference)];
+    println!("moving: each frame alone {alone:.4}, with a history {averaged:.4}");
+    assert!(averaged < 0.6 * alone, "{averaged} against {alone}");
+}
+
+#[test]
+fn a_history_is_a_pass_and_its_absence_is_none() {
+    let scene = clutter();
+    let cameras = [clutter_camera(EXTENT); 2];
+    for method in ["ssct", "unified", "dda", "stochastic"] {
+        let plain = setup(|_| {});
+        let (_, without) = frames(&scene, method, &plain, &cameras);
+        let (_, with) = frames(&scene, method, &with_history(&plain, 2), &cameras);
+        let count = |passes: &[String]| passes.iter().filter(|name| name.contains("history")).count();
+        assert_eq!((count(&without), count(&with)), (0, 1), "{method}: {without:?}, {with:?}");
+    }
+}
+
+#[test]
+fn over_a_fallback_a_history_averages_what_is_there() {
+    let scene = library::scene("rooms").unwrap();
+    let camera = scene.view("corridor").unwrap().camera(&scene, EXTENT);
+    let over = |rays| {
+        setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (rays, 1))
+            .with(|p: &mut EffectParams| p.fallback = Fallback::Environment)
+    };
+    let image = |setup: &Setup, count| colors(&frames(&scene, "stochastic", setup, &vec![camera; count]).0);
+    let (many, one, averaged) = (image(&over(64), 1), image(&over(1), 1), image(&with_history(&over(1), 16), 16));
+    let all = vec![true; many.len()];
+    let [alone, averaged_error] = [&one, &averaged].map(|image| masked_rmse(&many, image, &all));
+    println!("over the environment: one frame {alone:.4}, sixteen {averaged_error:.4}");
+    assert!(averaged_error < 0.45 * alone, "{averaged_error} against {alone}");
+    // With the usual bounds the rare rays that find the bright sky are cut off; with wide ones the mean is kept.
+    let gathered = over(1).with(|p: &mut StochasticParams| p.stochastic_gathered = 9);
+    let wide = with_history(&gathered, 16).with(|p: &mut EffectParams| p.history_deviations = 100.0);
+    let bias = mean(&image(&wide, 16)) / mean(&image(&gathered, 1)) - 1.0;
+    println!("bias {bias:.4}");
+    assert!(bias.abs() < 0.02, "{bias}");
+}
