@@ -2,6 +2,8 @@
 //! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
 
 mod beyond;
+mod captions;
+mod coverage;
 mod dda;
 mod figures;
 mod headline;
