@@ -11,6 +11,7 @@ pub mod effect;
 pub mod environment;
 pub mod hzct;
 pub mod linear;
+pub mod local_map;
 pub mod pccm;
 pub mod planar;
 pub mod poster;
@@ -259,6 +260,7 @@ pub const METHODS: &[MethodInfo] = &[
     ssr::INFO,
     ssr_fast::INFO,
     dda::INFO,
+    local_map::INFO,
     pccm::INFO,
     billboard::INFO,
     planar::INFO,

@@ -1,6 +1,7 @@
 //! The pages that people read: their links lead somewhere, their citations name sections that exist, and what they quote
 //! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
 
+mod beside;
 mod beyond;
 mod captions;
 mod coverage;
