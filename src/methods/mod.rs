@@ -10,6 +10,7 @@ pub mod dda;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
+pub mod ibr;
 pub mod linear;
 pub mod local_map;
 pub mod pccm;
@@ -263,6 +264,7 @@ pub const METHODS: &[MethodInfo] = &[
     local_map::INFO,
     pccm::INFO,
     billboard::INFO,
+    ibr::INFO,
     planar::INFO,
     area_light::INFO,
     environment::INFO,

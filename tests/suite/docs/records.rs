@@ -38,6 +38,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["hits"] => hits(first)?,
         ["better-than", method] => better_than(first, method)?,
         ["beside", methods, scenes, roughness] => beside::beside(first, methods, scenes, roughness)?,
+        ["poster-filters"] => beside::poster_filters(first)?,
+        ["billboard-blurs"] => beside::billboard_blurs(first)?,
         ["captions"] => captions::captions(first)?,
         ["schmidt-scenes"] => captions::scenes()?,
         ["frame-rates"] => captions::frame_rates(first)?,
