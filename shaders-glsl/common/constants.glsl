@@ -91,7 +91,7 @@ const float GAUSSIAN_3 = 0.002;   // Three taps away.
 
 const int MAX_LIGHTS = 16;        // The most lights that a scene can have.
 const int MAX_AREA_LIGHTS = 16;   // The most area lights that `area-light` takes.
-const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` takes.
+const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ibr` take.
 
 const uint NORMAL_MAP = 1u;       // The bit of a material with a normal map.
 const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.
@@ -105,6 +105,10 @@ const int SHAPE_CYLINDER = 4;     // An area light that is a cylinder.
 const int ORDER_PRINTED = 0;      // Billboards as listing 2 has it.
 const int ORDER_UNBROKEN = 1;     // The last billboard of the list that lies ahead.
 const int ORDER_NEAREST = 2;      // The nearest billboard.
+
+const int BLUR_NONE = 0;          // Billboards are mirrored, as listing 2 has it,
+const int BLUR_ROUGHNESS = 1;     // blurred by the cone that the ray becomes on its way from the surface,
+const int BLUR_DISTANCE = 2;      // or by one as wide as if it had begun at the viewer.
 
 const int COMPARE_ONE = 0;        // The window shows one picture,
 const int COMPARE_SPLIT = 1;      // the first left of a line and the second right of it,

@@ -1,9 +1,11 @@
 #version 460
 #pragma program(Billboard)
 // `billboard`: impostor quads traced per pixel from the G-buffer, "in the G-buffer stage" (Schmidt 2013,
-// section 5.3). Mirrors only: the listings know no roughness.
+// section 5.3). Mirrors, unless `blur` asks for more: the listings know no roughness. `ibr` draws its planes by the same
+// program, with images captured from the scene (thesis 3.1.4).
 
 #include "common/camera.glsl"
+#include "thesis/cone_angle.glsl"
 #include "schmidt/billboard_reflections.glsl"
 
 layout(binding = 3) uniform sampler2D depth_buffer;    // reversed
@@ -91,11 +93,17 @@ bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     return false;
 }
 
-// Of a pixel's width seen along the whole path, as a mirror shows it.
+// Of the pixel that is drawn.
+float roughness = 0.0;
+
+// Of a pixel's width seen along the whole path, as a mirror shows it. With a blur, the width of the cone there is added.
 float BillboardLod(int i, vec3 wsPosition, float t) {
     vec3 eye = camera.view_to_world[3].xyz;
     float pixel = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);
-    float width = (distance(wsPosition, eye) + t) * pixel;
+    float path = distance(wsPosition, eye) + t;
+    float width = path * pixel;
+    if (blur != BLUR_NONE)
+        width += 2.0 * tan(ConeAngle(roughness)) * (blur == BLUR_DISTANCE ? path : t);
     mat4 m = Impostor[i].ModelMatrix;
     vec2 texels = TexelCount(i) / vec2(length(m[0].xyz), length(m[2].xyz));
     return log2(max(width * max(texels.x, texels.y), 1.0));
@@ -105,8 +113,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     out_reflection = vec4(0.0);
     float depth = texelFetch(depth_buffer, pixel, 0).r;
-    if (depth <= 0.0 || texelFetch(material_buffer, pixel, 0).r <= REFLECTS_ABOVE)
+    vec2 material = texelFetch(material_buffer, pixel, 0).rg;
+    if (depth <= 0.0 || material.r <= REFLECTS_ABOVE)
         return;
+    roughness = material.g;
     vec3 position = ViewPosition(gl_FragCoord.xy, depth);
     vec3 normal = texelFetch(normal_buffer, pixel, 0).xyz;
     vec3 reflected = reflect(normalize(position), normal);

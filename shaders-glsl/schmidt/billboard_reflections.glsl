@@ -14,6 +14,8 @@ layout(std140, binding = 1) uniform BillboardBlock {
     int billboardCount;
     int order;      // ORDER_…
     int occlusion;  // 1: Occlusion::Depth
+    int blur;       // BLUR_…
+    int premultiplied; // 1: the images' colours are multiplied by their alpha already
 };
 
 layout(binding = 2) uniform sampler2D ImpostorTex[MAX_IMPOSTORS];
@@ -154,7 +156,8 @@ vec4 NearestBillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
             break;
         float lod = BillboardLod(which, wsPosition, found.z);
         vec4 texel = Texel(which, found.xy, lod);
-        reflectedColor += (1.0 - reflectedColor.a) * vec4(texel.rgb * texel.a, texel.a);
+        vec3 color = premultiplied == 1 ? texel.rgb : texel.rgb * texel.a;
+        reflectedColor += (1.0 - reflectedColor.a) * vec4(color, texel.a);
         passed = found.z;
     }
 

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Pccm)
 // `pccm`: parallax-corrected cube mapping (Schmidt 2013, section 5.2, listing 1), and between two maps
-// the blending that its section 6 suggests.
+// the blending that its section 6 suggests. `local-map` is the same without the correction (thesis 3.1.3).
 
 #include "common/camera.glsl"
 #include "common/reflecting_pixel.glsl"
@@ -19,6 +19,8 @@ layout(std140, binding = 4) uniform PccmBlock {
 
 layout(binding = 5) uniform samplerCube first_map;
 layout(binding = 6) uniform samplerCube second_map;
+
+layout(constant_id = 0) const bool CORRECTED = true; // else the map is looked up by the direction alone
 
 layout(location = 0) out vec4 out_reflection; // colour, and 1 in a: nothing fades
 
@@ -59,13 +61,15 @@ void main() {
     if (!pixel.reflects) {
         return;
     }
-    vec3 corrected[2];
+    vec3 looked_up[2];
     vec2 distances;
     bvec2 inside;
     for (int k = 0; k < 2; ++k) {
         LocalCubeMap map = pccm.maps[k];
         Box box = Box(map.box_min.xyz, map.box_max.xyz);
-        corrected[k] = ParallaxCorrecteCubeMapping(pixel.position, pixel.reflection, box, map.position.xyz);
+        looked_up[k] = CORRECTED
+            ? ParallaxCorrecteCubeMapping(pixel.position, pixel.reflection, box, map.position.xyz)
+            : pixel.reflection;
         distances[k] = distance(pixel.position, map.position.xyz);
         inside[k] = IsInside(pixel.position, box);
     }
@@ -77,10 +81,10 @@ void main() {
     }
     vec3 color = vec3(0.0);
     if (second < 1.0) {
-        color += (1.0 - second) * SampleCube(first_map, corrected[0], pixel.roughness).rgb;
+        color += (1.0 - second) * SampleCube(first_map, looked_up[0], pixel.roughness).rgb;
     }
     if (second > 0.0) {
-        color += second * SampleCube(second_map, corrected[1], pixel.roughness).rgb;
+        color += second * SampleCube(second_map, looked_up[1], pixel.roughness).rgb;
     }
     out_reflection = vec4(color, 1.0);
 }

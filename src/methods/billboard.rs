@@ -1,12 +1,12 @@
 //! `billboard`: impostor quads that stand for what is bright or relevant, traced per pixel (Schmidt 2013,
 //! section 5.3). It reflects the impostors of a scene and nothing else, as mirrors do: the listings know
-//! no roughness. An impostor is not lit and moves with nothing.
+//! no roughness, which `--billboard-blur` adds. An impostor is not lit and moves with nothing.
 
 use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::billboard::{BillboardPass, Occlusion, Order};
+use crate::passes::billboard::{BillboardPass, Blur, Look, Occlusion, Order};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -41,6 +41,11 @@ parameters! {
         billboard_occlusion: Occlusion = Parameter::new(Occlusion::None)
             .sweep(Preset::Published, &[Occlusion::Depth])
             .source("Schmidt 2013, figure 41"),
+        /// How wide a ray is at a billboard: as a mirror's, as published, or as the cone of the roughness, from the
+        /// surface or from the viewer on.
+        billboard_blur: Blur = Parameter::new(Blur::None)
+            .sweep(Preset::Published, &[Blur::Roughness, Blur::Distance])
+            .source("Schmidt 2013, §6"),
     }
 }
 
@@ -52,12 +57,14 @@ struct BillboardMethod {
 
 impl Method for BillboardMethod {
     fn prepare(&mut self, _context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
-        BillboardPass::check(scene.data)
+        BillboardPass::check(scene.data, INFO.name)
     }
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let data = input.scene()?.data;
-        let BillboardParams { billboard_order: order, billboard_occlusion: occlusion } = self.parameters;
-        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, order, occlusion)?))
+        let BillboardParams { billboard_order: order, billboard_occlusion: occlusion, billboard_blur: blur } =
+            self.parameters;
+        let look = Look { order, occlusion, blur, premultiplied: false };
+        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, look)?))
     }
 }

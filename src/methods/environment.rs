@@ -3,8 +3,8 @@
 //!
 //! The map holds the environment of docs/definitions.md, "Surfaces": the sky, as it is seen where nothing stands. That
 //! is the one content for which a lookup by direction is right everywhere: by §3.1.3 a map captured among
-//! things is right from one point only, except for light from infinitely far. `pccm` is the method
-//! with captured maps. Level by level the map is blurred by the lobe of a roughness.
+//! things is right from one point only, except for light from infinitely far. `local-map` looks
+//! captured maps up so, and `pccm` corrects them. Level by level the map is blurred by the lobe of a roughness.
 
 use super::capture::filtered_sky;
 use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};

@@ -10,7 +10,9 @@ pub mod dda;
 pub mod effect;
 pub mod environment;
 pub mod hzct;
+pub mod ibr;
 pub mod linear;
+pub mod local_map;
 pub mod pccm;
 pub mod planar;
 pub mod poster;
@@ -266,8 +268,10 @@ pub const METHODS: &[MethodInfo] = &[
     ssr_fast::INFO,
     dda::INFO,
     stochastic::INFO,
+    local_map::INFO,
     pccm::INFO,
     billboard::INFO,
+    ibr::INFO,
     planar::INFO,
     area_light::INFO,
     environment::INFO,

@@ -15,7 +15,7 @@ pub const INFO: MethodInfo = MethodInfo::scene(
     "pccm",
     "cube maps captured in the scene, corrected for parallax by proxy boxes",
     "Schmidt 2013, §5.2, listing 1",
-    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent)?)),
+    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent, true)?)),
 );
 
 /// The lookup, and the maps once they are captured.
@@ -27,9 +27,9 @@ pub struct PccmMethod {
 }
 
 impl PccmMethod {
-    /// Without maps; preparing captures them.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Ok(Self { pass: PccmPass::new(gpu, extent)?, maps: Vec::new(), captured: Vec::new() })
+    /// Without maps; preparing captures them. Whether they are corrected for parallax tells `pccm` from `local-map`.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], corrected: bool) -> Result<Self> {
+        Ok(Self { pass: PccmPass::new(gpu, extent, corrected)?, maps: Vec::new(), captured: Vec::new() })
     }
 }
 
@@ -47,7 +47,7 @@ impl Method for PccmMethod {
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let Some(nearest) = two_nearest(&self.maps, |(probe, _)| probe, input.camera.eye()) else {
-            return Err(Error::Usage("pccm was not given the scene".into()));
+            return Err(Error::Usage("the cube maps were not captured: the scene was not given".into()));
         };
         let maps = nearest.map(|(probe, map)| (probe, CubeMap(map)));
         let reflection = self.pass.record(frame, &input.gbuffer, input.camera, maps)?;

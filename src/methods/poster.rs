@@ -27,8 +27,10 @@ parameters! {
     pub struct PosterParams {
         /// How the poster's G-buffer is pre-filtered.
         poster_filter: PosterFilter = Parameter::new(PosterFilter::Mip)
-            .sweep(Preset::Published, &[PosterFilter::Volume])
-            .source("Hermanns and Franke 2014, figure 2"),
+            .sweep(Preset::Published, &[PosterFilter::Volume, PosterFilter::EdgeAware])
+            .source("Hermanns and Franke 2014, figure 2; edge-aware: its conclusion"),
+        /// Of the edge-aware filter: how far depths of one surface differ from texel to texel, as a part of the depth.
+        edge_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("not in Hermanns and Franke 2014"),
         /// First step of the march.
         march_stride: f32 =
             Parameter::new(0.001).above(0.0, 1.0).unit("screen sides").source("not printed; the author's program"),
@@ -59,7 +61,7 @@ impl PosterMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
         Ok(Self {
-            filter: FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter)?,
+            filter: FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter, p.edge_tolerance)?,
             march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, making.hits)?,
             parameters: PosterBlock {
                 step_increase: p.march_increase,

@@ -1,5 +1,6 @@
 //! Billboard reflections: impostor quads that each pixel's mirror ray is traced against (Schmidt 2013,
-//! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack.
+//! section 5.3, listings 2 and 3), with a test of the depth buffer as the occlusion that they lack and a blur. The method
+//! `ibr` draws its planes by it, too.
 
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
@@ -7,7 +8,9 @@ use crate::error::Result;
 use crate::gpu::programs::Billboard;
 use crate::gpu::shader::{BillboardBlock, ImpostorData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
-use crate::math::constants::{self, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN};
+use crate::math::constants::{
+    self, BLUR_DISTANCE, BLUR_NONE, BLUR_ROUGHNESS, ORDER_NEAREST, ORDER_PRINTED, ORDER_UNBROKEN,
+};
 use crate::parameter::choices;
 use crate::scene::{Camera, Impostor};
 use glam::Mat4;
@@ -37,10 +40,36 @@ choices! {
     }
 }
 
+choices! {
+    /// How wide a reflected ray is where it meets a billboard.
+    pub enum Blur {
+        /// As a mirror's, whatever the roughness, as published.
+        None(BLUR_NONE) = "none",
+        /// As the cone of the surface's roughness is, from the surface on.
+        Roughness(BLUR_ROUGHNESS) = "roughness",
+        /// As the same cone would be if it began at the viewer, so that what is farther away is blurred more.
+        Distance(BLUR_DISTANCE) = "distance",
+    }
+}
+
+/// How billboards are drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct Look {
+    /// Which of several on a ray shows.
+    pub order: Order,
+    /// What hides one.
+    pub occlusion: Occlusion,
+    /// How wide the ray is there.
+    pub blur: Blur,
+    /// Whether the images' colours are multiplied by their alpha already; only [`Order::Nearest`] asks.
+    pub premultiplied: bool,
+}
+
 /// Pipeline and image of one size.
 pub struct BillboardPass {
     pipeline: GraphicsPipeline<Billboard<'static>>,
     reflection: Image,
+    label: &'static str,
 }
 
 impl BillboardPass {
@@ -49,42 +78,53 @@ impl BillboardPass {
         Ok(Self {
             pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
             reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
+            label: "billboards",
         })
+    }
+
+    /// Under another name.
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// Whether a scene has no more impostors than the pass can take.
     ///
     /// # Errors
     /// [`Usage`](crate::error::Error::Usage) if it has more than [`MAX_IMPOSTORS`].
-    pub fn check(scene: &SceneData) -> Result<()> {
-        at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, "billboard")
+    pub fn check(scene: &SceneData, method: &str) -> Result<()> {
+        at_most("impostors", scene.impostors.len(), MAX_IMPOSTORS, method)
     }
 
-    /// Pass "billboards".
+    /// Pass "billboards", or by its label, of a scene's impostors, of which at most [`MAX_IMPOSTORS`] are drawn, with
+    /// their own images or with others in the same order.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         scene: &SceneData,
         camera: &Camera,
-        order: Order,
-        occlusion: Occlusion,
+        images: Option<&[Image]>,
+        look: Look,
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
+        let image = |n: usize, of: &Impostor| images.map_or(&scene.textures[of.texture], |images| &images[n]);
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
-            order: order as i32,
-            occlusion: i32::from(occlusion == Occlusion::Depth),
+            order: look.order as i32,
+            occlusion: i32::from(look.occlusion == Occlusion::Depth),
+            blur: look.blur as i32,
+            premultiplied: i32::from(look.premultiplied),
             ..BillboardBlock::default()
         };
         let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];
-        for ((data, texture), impostor) in block.Impostor.iter_mut().zip(&mut textures).zip(impostors) {
+        let slots = block.Impostor.iter_mut().zip(&mut textures);
+        for (n, ((data, texture), impostor)) in slots.zip(impostors).enumerate() {
             *data = ImpostorData { ModelMatrix: model_matrix(impostor).to_cols_array_2d() };
-            *texture = Sampled::trilinear(scene.textures[impostor.texture].all());
+            *texture = Sampled::trilinear(image(n, impostor).all());
         }
         frame.fullscreen(
-            "billboards",
+            self.label,
             &self.pipeline,
             [Target::overwrite(self.reflection.all())],
             &Billboard {

@@ -20,7 +20,9 @@ impl ConeMarchPass {
     /// With an image of the hits, or without.
     pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool) -> Result<Self> {
         Ok(match filter {
-            PosterFilter::Mip => Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits }, hits)?),
+            PosterFilter::Mip | PosterFilter::EdgeAware => {
+                Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits }, hits)?)
+            }
             PosterFilter::Volume => {
                 Self::Volume(TracedPass::new(gpu, extent, &ConeMarchVolumeConstants { hits }, hits)?)
             }

@@ -1,10 +1,11 @@
 //! The poster's pre-filtered G-buffer: linear depth, normal and colour, as mip chains by the hardware's
-//! filter, or as volumes whose slices are ever wider Gaussians of the original at its full size.
+//! filter or by one that keeps to one surface, or as volumes whose slices are ever wider Gaussians of the original at its
+//! full size.
 
 use super::{FilteredGBuffer, GBuffer, PosterFilter, camera_block};
 use crate::error::Result;
-use crate::gpu::programs::{LinearDepth, PosterBlurAcross, PosterBlurDown};
-use crate::gpu::shader::PosterBlurBlock;
+use crate::gpu::programs::{EdgeAware, LinearDepth, PosterBlurAcross, PosterBlurDown};
+use crate::gpu::shader::{EdgeAwareBlock, PosterBlurBlock};
 use crate::gpu::{Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
 use crate::math::constants::{GAUSSIAN_1, GAUSSIAN_2, GAUSSIAN_3};
 use crate::scene::Camera;
@@ -29,6 +30,14 @@ enum Images {
     /// Depth and normal; the colour's chain is the G-buffer's own.
     Mip(Box<[Image; 2]>),
     Volume(Box<Volumes>),
+    EdgeAware(Box<EdgeAwareChains>),
+}
+
+struct EdgeAwareChains {
+    pipeline: GraphicsPipeline<EdgeAware<'static>>,
+    /// How far depths of one surface differ, as a part of the lesser one.
+    tolerance: f32,
+    chains: [Image; 3],
 }
 
 struct Volumes {
@@ -40,11 +49,11 @@ struct Volumes {
 }
 
 impl FilteredGBufferPass {
-    /// For a size in pixels.
+    /// For a size in pixels; the tolerance is that of the edge-aware filter, as a part of the depth.
     ///
     /// # Errors
     /// [`crate::error::Error::Usage`] on a device that can't filter 32-bit depth.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, tolerance: f32) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         gpu.require_linear_filter(FORMATS[0])?;
         let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -54,6 +63,12 @@ impl FilteredGBufferPass {
             PosterFilter::Mip => {
                 let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
                 Images::Mip(Box::new([chain(0)?, chain(1)?]))
+            }
+            PosterFilter::EdgeAware => {
+                let chain = |n| Image::new(gpu, &ImageDesc { levels, ..desc(n) });
+                let pipeline = GraphicsPipeline::fullscreen(gpu, FORMATS)?;
+                let chains = [chain(0)?, chain(1)?, chain(2)?];
+                Images::EdgeAware(Box::new(EdgeAwareChains { pipeline, tolerance, chains }))
             }
             PosterFilter::Volume => {
                 let volume = |n| Image::volume(gpu, &desc(n), levels.min(MAX_SLICES));
@@ -93,6 +108,16 @@ impl FilteredGBufferPass {
                 }
                 Ok(FilteredGBuffer { depth, normal, color: gbuffer.color })
             }
+            Images::EdgeAware(chains) => {
+                let [depth, normal, color] = &chains.chains;
+                self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
+                frame.copy("filter/0 normal", gbuffer.normal.all(), normal.level(0))?;
+                frame.copy("filter/0 color", gbuffer.color.level(0), color.level(0))?;
+                for level in 1..depth.levels() {
+                    chains.reduce(frame, level)?;
+                }
+                Ok(FilteredGBuffer { depth, normal, color })
+            }
             Images::Volume(v) => {
                 let [depth, normal, color] = &v.volumes;
                 self.linear_depth(frame, gbuffer, camera, depth.slice(0))?;
@@ -110,6 +135,18 @@ impl FilteredGBufferPass {
         let block = camera_block(camera, to.extent());
         let program = LinearDepth { camera: &block, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
         frame.fullscreen("linear depth", &self.linear_depth, [Target::overwrite(to)], &program)
+    }
+}
+
+impl EdgeAwareChains {
+    /// A level from the one below it.
+    fn reduce(&self, frame: &mut Frame, level: u32) -> Result<()> {
+        let [depth_source, normal_source, color_source] =
+            self.chains.each_ref().map(|chain| Sampled::nearest(chain.level(level - 1)));
+        let edge = &EdgeAwareBlock { tolerance: self.tolerance };
+        let targets = self.chains.each_ref().map(|chain| Target::overwrite(chain.level(level)));
+        let program = EdgeAware { depth_source, normal_source, color_source, edge };
+        frame.fullscreen(&format!("filter/{level}"), &self.pipeline, targets, &program)
     }
 }
 

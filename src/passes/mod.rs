@@ -261,6 +261,8 @@ choices! {
         Mip = "mip",
         /// A 3D texture whose slices are Gaussian-blurred (figure 2b).
         Volume = "volume",
+        /// A mip chain whose texels are means of one surface each: of those below, what lies on others is left out.
+        EdgeAware = "edge-aware",
     }
 }
 

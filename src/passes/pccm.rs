@@ -1,5 +1,5 @@
 //! The lookup of `pccm`: two cube maps, each corrected for parallax by its proxy box, blended (Schmidt
-//! 2013, section 5.2, listing 1, and section 6).
+//! 2013, section 5.2, listing 1, and section 6); and that of `local-map`, which leaves the correction out.
 
 use super::{CubeMap, GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
@@ -11,18 +11,21 @@ use crate::scene::{Camera, Probe};
 pub struct PccmPass {
     pipeline: GraphicsPipeline<programs::Pccm<'static>>,
     reflection: Image,
+    label: &'static str,
 }
 
 impl PccmPass {
-    /// For a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    /// For a size in pixels, with the correction or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], corrected: bool) -> Result<Self> {
+        let label = if corrected { "pccm" } else { "local map" };
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
-            reflection: Image::target(gpu, "pccm", LIT_COLOR, extent)?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &programs::PccmConstants { corrected })?,
+            reflection: Image::target(gpu, label, LIT_COLOR, extent)?,
+            label,
         })
     }
 
-    /// Pass "pccm" with two maps, or twice the same. Nothing fades.
+    /// Pass "pccm" or "local map" with two maps, or twice the same. Nothing fades.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -41,7 +44,7 @@ impl PccmPass {
             first_map: Sampled::trilinear(maps[0].1.0.all()),
             second_map: Sampled::trilinear(maps[1].1.0.all()),
         };
-        frame.fullscreen("pccm", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        frame.fullscreen(self.label, &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
         Ok(Reflection(&self.reflection))
     }
 }

@@ -182,6 +182,11 @@ impl SceneData {
         self.placed.get_mut().clear();
     }
 
+    /// The rectangles that stand for things in reflections.
+    pub fn impostors(&self) -> &[Impostor] {
+        &self.impostors
+    }
+
     /// Where cube maps are captured; never empty.
     pub fn probes(&self) -> &[Probe] {
         &self.probes

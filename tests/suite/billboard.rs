@@ -1,18 +1,18 @@
 //! `billboard` against the triangles: an impostor that stands exactly where a picture hangs must be seen
 //! where the picture's reflection is, and what hides the picture hides it once occlusion is on.
 
-use crate::common::{Builder, camera, gpu};
+use crate::common::{Builder, camera, gpu, show};
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::billboard::BillboardParams;
 use ssct::methods::{Setup, Wants, find};
-use ssct::passes::billboard::{Occlusion, Order};
+use ssct::passes::billboard::{Blur, Occlusion, Order};
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
 use ssct_lab::study::image::render;
-use ssct_lab::study::{Shot, Stage, gbuffer};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
@@ -153,4 +153,33 @@ fn the_printed_order_is_that_of_the_list() {
     let left = count(&before, Order::Printed);
     assert!(left < whole / 2, "{left} of {whole}");
     assert_eq!(count(&before, Order::Nearest), whole);
+}
+
+#[test]
+fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
+    let gpu = gpu();
+    let scene = scene(false);
+    let view = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
+    let image = |blur, roughness| {
+        let setup = Setup::new(EXTENT).with(|p: &mut BillboardParams| {
+            (p.billboard_order, p.billboard_blur) = (Order::Nearest, blur);
+        });
+        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+        show(&gpu, &scene, view, "billboard", &setup, &globals).get("reflection").clone()
+    };
+    // Mean difference of pixels beside each other: less where the picture is blurred.
+    let contrast = |pixels: &Pixels| {
+        let texels: Vec<_> = pixels.texels().collect();
+        let pairs = texels.windows(2).filter(|p| p[0][3] > 0.0 && p[1][3] > 0.0);
+        let all: Vec<f32> = pairs.map(|p| (0..3).map(|c| (p[0][c] - p[1][c]).abs()).sum()).collect();
+        all.iter().sum::<f32>() / all.len() as f32
+    };
+    let sharp = image(Blur::None, 0.3);
+    assert_eq!(sharp, image(Blur::None, 0.0), "as published, roughness has no say");
+    for blur in [Blur::Roughness, Blur::Distance] {
+        assert_eq!(sharp, image(blur, 0.0), "{blur:?}: a mirror is a mirror");
+    }
+    let [none, roughness, distance] = [Blur::None, Blur::Roughness, Blur::Distance].map(|b| contrast(&image(b, 0.3)));
+    println!("contrast {none}, by roughness {roughness}, by distance {distance}");
+    assert!(roughness < 0.8 * none && distance < 0.9 * roughness, "{none}, {roughness}, {distance}");
 }

@@ -142,6 +142,30 @@ fn in_its_own_box_a_corrected_map_is_exact() {
 }
 
 #[test]
+fn a_local_map_shows_what_is_seen_from_where_it_was_captured() {
+    let gpu = gpu();
+    let extent = [321, 239];
+    let place = Vec3::new(1.0, 0.3, -0.5);
+    let probe = Probe { name: "probe".into(), position: place, bounds: Aabb { min: MIN, max: MAX } };
+    let scene = Scene { probes: vec![probe], ..room(true) };
+    let view = camera(Vec3::new(-1.0, 1.2, -2.4), Vec3::new(1.6, -0.6, 1.0), extent);
+    let shown = show(&gpu, &scene, view, "local-map", &Setup::new(extent), &Globals::default());
+    let reflection = shown.get("reflection");
+    let (mut clear, mut wrong) = (0, 0);
+    for (x, y, from, direction) in floor_rays(shown.get("material"), &view, f64::from(MIN.y)) {
+        // By direction alone: as a ray from the map's own place sees the room, wherever the pixel is.
+        let Some(right) = seen(place.as_dvec3(), direction, 0.25) else { continue };
+        assert!(is_color(reflection.at(x, y), right), "({x}, {y}): {:?}, not {right}", reflection.at(x, y));
+        clear += 1;
+        // Which is not what the pixel sees.
+        let truth = seen(from, direction, 0.25);
+        wrong += usize::from(truth.is_some_and(|truth| !is_color(reflection.at(x, y), truth)));
+    }
+    println!("{clear} pixels compared, {wrong} show what is not there");
+    assert!(clear > 5000 && wrong * 5 > clear, "{wrong} of {clear}");
+}
+
+#[test]
 fn the_environment_is_the_sky_in_the_mirror_direction() {
     let gpu = gpu();
     let mut b = Builder::new("lake");

@@ -1,7 +1,10 @@
 //! The pages that people read: their links lead somewhere, their citations name sections that exist, and what they quote
 //! of measurements is what the records under `benches/runs/` say. `make docs` writes the latter anew.
 
+mod beside;
 mod beyond;
+mod captions;
+mod coverage;
 mod dda;
 mod figures;
 mod headline;

@@ -151,3 +151,43 @@ fn slices_of_the_volumes_are_gaussians_of_each_other() {
         }
     }
 }
+
+/// A level of the edge-aware chain from the one below it: depth alone.
+fn edge_aware(below: &Pixels, tolerance: f32) -> Vec<f32> {
+    let half = |n: u32| (n / 2).max(1);
+    let (w, h) = (half(below.width), half(below.height));
+    let range = |at: u32, small: u32, large: u32| 2 * at..=if at + 1 == small { large - 1 } else { 2 * at + 1 };
+    let same = |a: f32, b: f32| (a - b).abs() <= tolerance * a.min(b);
+    let texel = |(x, y): (u32, u32)| {
+        let places = range(y, h, below.height).flat_map(|j| range(x, w, below.width).map(move |i| (i, j)));
+        let depths: Vec<f32> = places.map(|(i, j)| below.at(i, j)[0]).collect();
+        let agree = |d: f32| depths.iter().filter(|other| same(d, **other)).count();
+        let mut sorted = depths.clone();
+        sorted.sort_by(|a, b| agree(*b).cmp(&agree(*a)).then(a.total_cmp(b)));
+        let members: Vec<f32> = depths.iter().copied().filter(|d| same(*d, sorted[0])).collect();
+        members.iter().sum::<f32>() / members.len() as f32
+    };
+    (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(texel).collect()
+}
+
+#[test]
+fn the_edge_aware_chain_keeps_to_one_surface() {
+    let gpu = gpu();
+    for extent in [[1, 1], [127, 61], [160, 90]] {
+        let chain = |filter| {
+            let setup = Setup::new(extent).with(|p: &mut PosterParams| p.poster_filter = filter);
+            show(&gpu, &clutter(), clutter_camera(extent), "poster", &setup, &Globals::default())
+        };
+        let (aware, plain) = (chain(PosterFilter::EdgeAware), chain(PosterFilter::Mip));
+        let (levels, mip) = (aware.levels("filtered-depth"), plain.levels("filtered-depth"));
+        assert_eq!(levels[0], mip[0], "level 0 is the depth of the frame");
+        let mut differ = 0;
+        for n in 1..levels.len() {
+            for (i, (found, right)) in levels[n].texels().zip(edge_aware(levels[n - 1], 0.1)).enumerate() {
+                assert!((found[0] - right).abs() <= 1e-5 * right, "{extent:?}, level {n}, {i}: {found:?}, not {right}");
+            }
+            differ += levels[n].texels().zip(mip[n].texels()).filter(|(a, b)| (a[0] - b[0]).abs() > 0.1 * b[0]).count();
+        }
+        assert!(extent[0] == 1 || differ > 20, "{extent:?}: only {differ} texels differ from plain means");
+    }
+}

@@ -30,6 +30,7 @@ mod gloss;
 mod gloss_twin;
 mod golden;
 mod hi_z_ray_trace;
+mod ibr;
 mod impostors;
 #[cfg(unix)]
 mod interrupted;

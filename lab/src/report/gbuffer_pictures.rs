@@ -28,13 +28,18 @@ pub fn rows(all: &Intermediates, camera: &Camera) -> Result<Vec<Vec<Rgb>>> {
     let world: Vec<Option<Vec3>> = view.iter().map(|p| p.map(|p| to_world.transform_point3(p))).collect();
     let turned = Mat3::from_mat4(to_world);
     let size = [depth.width, depth.height];
-    let reflectivity = Rgb::from_pixels(find("material", Content::Material)?, |c| [unit(c[0]); 3]);
+    let reflectivity = reflectivity(find("material", Content::Material)?);
     Ok(vec![
         vec![ranged(size, &world), normals(normal, turned)],
         vec![ranged(size, &view), normals(normal, Mat3::IDENTITY)],
         vec![display(find("albedo", Content::Color)?), reflectivity],
         vec![display(lit)],
     ])
+}
+
+/// How much each pixel of a G-buffer's material reflects: black nothing, white all.
+pub fn reflectivity(material: &Pixels) -> Rgb {
+    Rgb::from_pixels(material, |c| [unit(c[0]); 3])
 }
 
 fn unit(v: f32) -> u8 {

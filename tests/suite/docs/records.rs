@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beyond, dda, stochastic, thesis};
+use super::{beside, beyond, captions, dda, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -37,6 +37,13 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["by-roughness"] => by_roughness(first)?,
         ["hits"] => hits(first)?,
         ["better-than", method] => better_than(first, method)?,
+        ["beside", methods, scenes, roughness] => beside::beside(first, methods, scenes, roughness)?,
+        ["poster-filters"] => beside::poster_filters(first)?,
+        ["billboard-blurs"] => beside::billboard_blurs(first)?,
+        ["captions"] => captions::captions(first)?,
+        ["schmidt-scenes"] => captions::scenes()?,
+        ["frame-rates"] => captions::frame_rates(first)?,
+        ["fps", method, size] => captions::fps(first, method, size)?,
         ["table-5.8"] => thesis::table_5_8(first)?,
         ["sslr"] => thesis::sslr(first)?,
         ["table-5.8-range"] => thesis::table_5_8_range(first)?,

@@ -159,7 +159,7 @@ fn binary_searches_end_within_epsilon_of_the_wall() {
 fn cones_of_no_width_meet_the_wall_where_they_should() {
     let gpu = gpu();
     let extent = [321, 239];
-    for poster_filter in [PosterFilter::Mip, PosterFilter::Volume] {
+    for poster_filter in [PosterFilter::Mip, PosterFilter::Volume, PosterFilter::EdgeAware] {
         for (preset, least) in [(Preset::Published, 0.97), (Preset::Author, 0.99)] {
             let case = Case { roll: 0.3 };
             let setup = unfaded(extent).of_preset(preset).with(|p: &mut PosterParams| p.poster_filter = poster_filter);

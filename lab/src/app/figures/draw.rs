@@ -179,3 +179,13 @@ pub fn gbuffer(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<
     let (_, all, camera) = inside(workshop, arguments)?;
     Ok(FinishedFigure::Picture(sheet(&gbuffer_pictures::rows(&all, &camera)?)))
 }
+
+/// Schmidt's figure 51: the reflectivity of each render's frame.
+pub fn reflectivity(workshop: &mut Workshop, arguments: &[String]) -> anyhow::Result<FinishedFigure> {
+    let one = |a: &String| -> anyhow::Result<Rgb> {
+        let (mut rendered, _) = workshop.inside(a)?;
+        let all = rendered.intermediates.take().unwrap_or_default();
+        Ok(gbuffer_pictures::reflectivity(find(&all, "material")?))
+    };
+    Ok(FinishedFigure::Picture(sheet(&rows(arguments.iter().map(one).collect::<anyhow::Result<_>>()?))))
+}

@@ -17,6 +17,37 @@ pub const PLATES: &[Plate] = &[
     },
     Plate {
         source: Document::Schmidt,
+        number: "28",
+        title: "the scenes",
+        print: "(a) The simple test scene, (b) the museum, (c) the cathedral.",
+        differs: "The generated scenes, lit, without reflections; the street stands for the first.",
+        size: QHD,
+        panels: &[
+            ("(a) the street", "--scene street --view street --reflectivity 0"),
+            ("(b) the museum", "--scene museum --view museum --reflectivity 0"),
+            ("(c) the cathedral", "--scene cathedral --view nave --reflectivity 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Schmidt,
+        number: "29",
+        title: "a cube map as it is, and corrected for parallax",
+        print: "Left: a common cube map, whose reflections do not meet the things that they show. Right: corrected for parallax. \
+                The pictures are of others.",
+        differs: "The generated corridor as a mirror without normal mapping, with the same captured maps on both sides.",
+        size: QHD,
+        panels: &[
+            (
+                "left: local-map",
+                "--scene corridor --view corridor --method local-map --roughness 0 --normal-deviation 0",
+            ),
+            ("right: pccm", "--scene corridor --view corridor --method pccm --roughness 0 --normal-deviation 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Schmidt,
         number: "32",
         title: "parallax-corrected cube maps in the street",
         print: "Left: without normal mapping; things inside the scene, such as the car, are not reflected. Right: close-up \
@@ -151,5 +182,19 @@ pub const PLATES: &[Plate] = &[
             ("right: without", "--scene cathedral --view nave --method ssr-fast --roughness 0 --normal-deviation 0"),
         ],
         make: draw::beside,
+    },
+    Plate {
+        source: Document::Schmidt,
+        number: "51",
+        title: "what reflects in the scenes",
+        print: "(a) The street, (b) the museum, (c) the cathedral: how much of each scene reflects, on which the time depends.",
+        differs: "The generated scenes; a pixel is as bright as it reflects.",
+        size: QHD,
+        panels: &[
+            ("(a) the street", "--scene street --view street --dump inside"),
+            ("(b) the museum", "--scene museum --view museum --dump inside"),
+            ("(c) the cathedral", "--scene cathedral --view nave --dump inside"),
+        ],
+        make: draw::reflectivity,
     },
 ];

@@ -11,6 +11,76 @@ const COMPARISON: &str = "The generated stand-in of the scene. The thesis gives 
 pub const PLATES: &[Plate] = &[
     Plate {
         source: Document::Thesis,
+        number: "2.3",
+        title: "specular and glossy reflections",
+        print: "A corridor in a shiny environment with perfect specular reflections, and with glossy ones; the microfacets are \
+                drawn beside them.",
+        differs: "The rooms' corridor, by the world reference with 16 rays a pixel, roughness 0 and 0.3; no microfacets.",
+        size: QHD,
+        panels: &[
+            (
+                "left: specular",
+                "--scene rooms --view corridor --method reference --max-rays 16 --roughness 0 --normal-deviation 0",
+            ),
+            (
+                "right: glossy",
+                "--scene rooms --view corridor --method reference --max-rays 16 --roughness 0.3 --normal-deviation 0",
+            ),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Thesis,
+        number: "2.4",
+        title: "direct light, and direct and indirect light",
+        print: "The Cornell box, path traced: (a) direct light, (b) direct and indirect light.",
+        differs: "The generated museum; of indirect light the first bounce of reflections alone, which is what the thesis is \
+                  about, by the world reference with 16 rays a pixel.",
+        size: QHD,
+        panels: &[
+            ("(a) direct light, left", "--scene museum --view museum --reflectivity 0"),
+            ("(b) with reflections, right", "--scene museum --view museum --method reference --max-rays 16"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Thesis,
+        number: "3.1",
+        title: "reflections of area lights",
+        print: "Two analytic area lights above a floor that reflects them; of others.",
+        differs: "The lamps of the generated corridor, whose highlights alone are drawn.",
+        size: QHD,
+        panels: &[(
+            "the floor",
+            "--scene corridor --view corridor --method area-light --roughness 0.1 --normal-deviation 0",
+        )],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Thesis,
+        number: "3.2",
+        title: "a planar mirror",
+        print: "A mirror in Quake III Arena that shows the player and the game's logo.",
+        differs: "The floor of the generated museum.",
+        size: QHD,
+        panels: &[("the floor", "--scene museum --view museum --method planar --roughness 0 --normal-deviation 0")],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Thesis,
+        number: "3.7",
+        title: "the poster's method in the Sponza atrium",
+        print: "(a) Specular reflections without roughness, (b) glossy ones of high roughness.",
+        differs: "The generated atrium; roughness 0 and 0.3, as none is printed.",
+        size: QHD,
+        panels: &[
+            ("(a) specular, left", "--scene atrium --view atrium --method poster --roughness 0 --normal-deviation 0"),
+            ("(b) glossy, right", "--scene atrium --view atrium --method poster --roughness 0.3 --normal-deviation 0"),
+        ],
+        make: draw::beside,
+    },
+    Plate {
+        source: Document::Thesis,
         number: "4.1",
         title: "how a Hi-Z buffer is made of minima",
         print: "A depth buffer of numbers; four texels at a time become one with the least of them.",

@@ -1,0 +1,65 @@
+#version 460
+#pragma program(EdgeAware)
+// A level of the poster's G-buffer from the level below it, edge-aware as its conclusion asks for: of the texels below,
+// those count that lie on the surface that most of them lie on, so that no depth is a mean of two surfaces.
+
+layout(push_constant) uniform EdgeAwareBlock {
+    float tolerance; // texels lie on one surface if their depths differ by no more than this part of the lesser one
+} edge;
+
+// The level below, as views of one level.
+layout(binding = 0) uniform sampler2D depth_source; // view-space z, metres
+layout(binding = 1) uniform sampler2D normal_source;
+layout(binding = 2) uniform sampler2D color_source;
+
+layout(location = 0) out float out_depth;
+layout(location = 1) out vec4 out_normal;
+layout(location = 2) out vec4 out_color;
+
+bool SameSurface(float a, float b) {
+    return abs(a - b) <= edge.tolerance * min(a, b);
+}
+
+void main() {
+    ivec2 size = textureSize(depth_source, 0);
+    ivec2 here = ivec2(gl_FragCoord.xy);
+    ivec2 first = 2 * here;
+    // Of an odd size the last texel takes the row or column that is left over.
+    ivec2 last = mix(first + 1, size - 1, greaterThanEqual(here + 1, max(size / 2, ivec2(1))));
+
+    float depths[9];
+    int count = 0;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x)
+            depths[count++] = texelFetch(depth_source, ivec2(x, y), 0).r;
+
+    // The depth that most of the others agree with; of equals the nearest.
+    float surface = depths[0];
+    int most = 0;
+    for (int i = 0; i < count; ++i) {
+        int agree = 0;
+        for (int j = 0; j < count; ++j)
+            agree += int(SameSurface(depths[i], depths[j]));
+        if (agree > most || (agree == most && depths[i] < surface)) {
+            most = agree;
+            surface = depths[i];
+        }
+    }
+
+    out_depth = 0.0;
+    out_normal = out_color = vec4(0.0);
+    int n = 0;
+    for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
+            float depth = depths[n++];
+            if (!SameSurface(depth, surface))
+                continue;
+            out_depth += depth;
+            out_normal += texelFetch(normal_source, ivec2(x, y), 0);
+            out_color += texelFetch(color_source, ivec2(x, y), 0);
+        }
+    float weight = 1.0 / float(most);
+    out_depth *= weight;
+    out_normal *= weight;
+    out_color *= weight;
+}

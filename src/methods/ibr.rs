@@ -1,0 +1,162 @@
+//! `ibr`: image-based reflections (thesis §3.1.4). A proxy is a box in the scene: what stands in it is drawn, lit, into an
+//! image on the box's middle plane, and each pixel's mirror ray is tested against these planes. The image is read in the
+//! level of the cone that the ray has become, so that gloss costs nothing.
+//!
+//! The boxes are the scene's impostors (`[[impostor]]`) with a depth. What tells the method from `billboard` is that no
+//! artist paints an image: a box shows what is in it, as the scene passes light it, from its front alone.
+
+use super::capture::captured_of;
+use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
+use crate::error::Result;
+use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
+use crate::parameter::{Parameter, Parameters, Preset, parameters};
+use crate::passes::billboard::{BillboardPass, Blur, Look, Occlusion, Order};
+use crate::passes::gbuffer::GBufferPass;
+use crate::passes::lighting::LightingPass;
+use crate::passes::{Content, LIT_COLOR};
+use crate::scene::{Camera, Impostor, Lens, Material};
+use ash::vk;
+use glam::camera::lh::view::look_to_mat4;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo {
+    parameters: IbrParams::table,
+    ..MethodInfo::scene(
+        "ibr",
+        "boxes of the scene rendered into images on planes, which rays are tested against",
+        "Hermanns 2015, §3.1.4",
+        |gpu, making| {
+            Ok(Box::new(IbrMethod {
+                pass: BillboardPass::new(gpu, making.setup.extent)?.labelled("planes"),
+                parameters: making.setup.of(),
+                images: Vec::new(),
+                captured: Vec::new(),
+            }))
+        },
+    )
+};
+
+parameters! {
+    /// Parameters of `ibr`. The thesis gives no numbers.
+    pub struct IbrParams {
+        /// How far a box reaches before its plane, and behind it.
+        ibr_depth: f32 = Parameter::new(0.5)
+            .above(0.0, 1000.0)
+            .unit("m")
+            .sweep(Preset::Published, &[0.1, 2.0])
+            .source("Hermanns 2015, §3.1.4 leaves it to an artist"),
+        /// Texels along the longer side of an image.
+        ibr_side: u32 = Parameter::new(256)
+            .within(1, 4096)
+            .unit("texels")
+            .sweep(Preset::Published, &[64])
+            .source("not in Hermanns 2015"),
+    }
+}
+
+/// The pass, and an image for each box once they are drawn.
+struct IbrMethod {
+    pass: BillboardPass,
+    parameters: IbrParams,
+    images: Vec<Image>,
+    /// Of what the images were drawn.
+    captured: Vec<Material>,
+}
+
+/// The camera stands so many times as far away as a box is large, so that its rays are nearly parallel, as if they were
+/// projected onto the plane.
+const FAR_AWAY: f32 = 200.0;
+
+/// A camera that sees a box and nothing else, from its front.
+fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
+    let (u, v) = (proxy.half_u.length(), proxy.half_v.length());
+    let away = FAR_AWAY * u.max(v).max(depth);
+    let eye = proxy.centre + away * proxy.normal();
+    let fov_y_radians = 2.0 * (v / away).atan();
+    Camera {
+        world_to_view: look_to_mat4(eye, -proxy.normal(), -proxy.half_v / v),
+        lens: Lens { fov_y_radians, near_m: away - depth, far_m: away + depth },
+        aspect: u / v,
+        near_plane: None,
+        projection: None,
+    }
+}
+
+/// Width and height of a box's image.
+fn size(proxy: &Impostor, side: u32) -> [u32; 2] {
+    let (u, v) = (proxy.half_u.length(), proxy.half_v.length());
+    [u, v].map(|s| ((s / u.max(v) * side as f32).round() as u32).clamp(1, side))
+}
+
+impl IbrMethod {
+    /// Draws what stands in a box. Colours are multiplied by alpha, which is 0 where nothing stands and where the sky
+    /// shows.
+    fn draw(&self, context: &mut FrameContext, scene: &SceneInput, proxy: &Impostor) -> Result<Image> {
+        let gpu: Gpu = context.gpu().clone();
+        let extent = size(proxy, self.parameters.ibr_side);
+        let camera = box_camera(proxy, self.parameters.ibr_depth);
+        let gbuffer = GBufferPass::new(&gpu, extent)?;
+        let lighting = LightingPass::without_sky(&gpu)?;
+        use vk::ImageUsageFlags as U;
+        let (levels, usage) = (image::full_chain(extent), U::SAMPLED | U::TRANSFER_SRC | U::TRANSFER_DST);
+        let drawn =
+            Image::new(&gpu, &ImageDesc { name: "plane", format: LIT_COLOR, extent, levels, layers: 1, usage })?;
+        context.once(|frame| {
+            gbuffer.record(frame, scene.data, scene.materials, &camera)?;
+            let images = gbuffer.gbuffer();
+            lighting.record(frame, &images, gbuffer.albedo(), scene.data, &camera)?;
+            frame.copy("plane/0", images.color.level(0), drawn.level(0))?;
+            (1..levels).try_for_each(|n| frame.blit(&format!("plane/{n}"), drawn.level(n - 1), drawn.level(n)))
+        })?;
+        Ok(drawn)
+    }
+}
+
+impl Method for IbrMethod {
+    fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
+        BillboardPass::check(scene.data, INFO.name)?;
+        let captured = captured_of(scene.materials);
+        let proxies = scene.data.impostors();
+        if self.images.len() != proxies.len() || self.captured != captured {
+            self.images = proxies.iter().map(|p| self.draw(context, scene, p)).collect::<Result<_>>()?;
+            self.captured = captured;
+        }
+        Ok(())
+    }
+
+    fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
+        let data = input.scene()?.data;
+        let look =
+            Look { order: Order::Nearest, occlusion: Occlusion::None, blur: Blur::Roughness, premultiplied: true };
+        let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), look)?;
+        let shown = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
+        Ok(Traced { intermediates: shown.into_iter().collect(), ..Traced::new(reflection) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn the_camera_of_a_box_sees_the_box() {
+        let (centre, half_u, half_v) = (Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.0, -0.5, 0.0));
+        let proxy = Impostor { name: String::new(), centre, half_u, half_v, texture: 0 };
+        let camera = box_camera(&proxy, 0.25);
+        assert!(camera.is_sound());
+        let to_clip = camera.view_to_clip_reversed() * camera.world_to_view;
+        // The image's edges are those of the rectangle, and depth is 1 before the box, 0 behind it.
+        for (u, v, n, x, y, z) in [
+            (1.0, 0.0, 0.0, 1.0, 0.0, None),
+            (0.0, 1.0, 0.0, 0.0, -1.0, None),
+            (-1.0, -1.0, 0.25, -1.0, 1.0, Some(1.0)),
+            (0.0, 0.0, -0.25, 0.0, 0.0, Some(0.0)),
+        ] {
+            let seen = to_clip.project_point3(centre + u * half_u + v * half_v + n * proxy.normal());
+            assert!((seen.x - x).abs() < 0.01 && (seen.y - y).abs() < 0.01, "{u}, {v}: {seen}");
+            assert!(z.is_none_or(|z: f32| (seen.z - z).abs() < 0.01), "{seen}");
+        }
+        assert_eq!(size(&proxy, 256), [256, 64]);
+    }
+}

@@ -1,0 +1,14 @@
+//! `local-map`: cube maps captured in the scene and looked up by direction alone (thesis §3.1.3; the left of Schmidt
+//! 2013, figure 29). A lookup is right only at the place where its map was captured, and for what is infinitely far
+//! away. Maps and blending are those of `pccm`, so that the two differ by the correction of parallax and nothing else.
+
+use super::MethodInfo;
+use super::pccm::PccmMethod;
+
+/// The table's row.
+pub const INFO: MethodInfo = MethodInfo::scene(
+    "local-map",
+    "cube maps captured in the scene, looked up by direction without correction of parallax",
+    "Hermanns 2015, §3.1.3; Schmidt 2013, §4.2, figure 29",
+    |gpu, making| Ok(Box::new(PccmMethod::new(gpu, making.setup.extent, false)?)),
+);

@@ -1,0 +1,187 @@
+//! The page that says where everything of the three documents is (`docs/coverage.md`): nothing that the documents
+//! number is left out, and every method, option, command, figure and erratum that the page names exists.
+
+use super::root;
+use crate::common::folder::Folder;
+use ssct::methods::{METHODS, parameters};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+/// A row of a document's table.
+struct Row {
+    place: String,
+    here: String,
+    state: String,
+}
+
+/// What the documents number, by kind, first and last. Numbers with a chapter are given one chapter after another.
+type Numbered = &'static [(&'static str, &'static [(&'static str, u32, u32)])];
+
+const THESIS: Numbered = &[
+    ("figure", &[("1.", 1, 1), ("2.", 1, 7), ("3.", 1, 8), ("4.", 1, 10), ("5.", 1, 9)]),
+    ("algorithm", &[("", 1, 6)]),
+    ("equation", &[("2.", 1, 6), ("4.", 1, 8)]),
+    ("table", &[("5.", 8, 8)]),
+    ("section", &[("3.1.", 1, 7), ("4.2.", 1, 11), ("4.3.", 1, 3)]),
+];
+
+const POSTER: Numbered = &[("figure", &[("", 1, 2)])];
+
+const SCHMIDT: Numbered = &[
+    ("figure", &[("", 1, 52)]),
+    ("algorithm", &[("", 1, 4)]),
+    ("equation", &[("", 1, 28)]),
+    ("listing", &[("", 1, 5)]),
+    ("table", &[("", 1, 1)]),
+    ("section", &[("5.2.", 1, 2), ("5.3.", 1, 1), ("5.4.", 1, 2)]),
+];
+
+const STATES: [&str; 5] = ["faithful", "erratum: ", "measured outlook: ", "missing", "background"];
+
+/// The rows of each document, in the page's order.
+fn documents() -> Vec<Vec<Row>> {
+    let page = fs::read_to_string(root().join("docs/coverage.md")).unwrap();
+    let rows = |section: &str| {
+        let lines = section.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| where |"));
+        lines.map(row).collect()
+    };
+    page.split("\n## ").skip(1).map(rows).collect()
+}
+
+fn row(line: &str) -> Row {
+    let cells: Vec<&str> = line.trim_matches('|').split(" | ").map(str::trim).collect();
+    let [place, _, here, state] = cells[..] else { panic!("a row of {} cells: {line}", cells.len()) };
+    Row { place: place.to_owned(), here: here.to_owned(), state: state.to_owned() }
+}
+
+/// The kind and number of everything that a place names: `§4.2.2, Eq. 6 to 14, listing 3`.
+fn named(place: &str) -> BTreeSet<(String, String)> {
+    let (mut kind, mut before, mut names) = ("", None, BTreeSet::new());
+    for word in place.split_whitespace() {
+        let word = word.trim_end_matches(',');
+        kind = match word {
+            "figure" | "figures" => "figure",
+            "algorithm" => "algorithm",
+            "listing" => "listing",
+            "table" => "table",
+            "Eq." | "Ineq." => "equation",
+            _ => kind,
+        };
+        let number = word.strip_prefix('§').unwrap_or(word);
+        if !number.starts_with(|c: char| c.is_ascii_digit()) {
+            continue;
+        }
+        let of = if word.starts_with('§') { "section" } else { kind };
+        let (chapter, last) = number.rfind('.').map_or(("", number), |at| number.split_at(at + 1));
+        let Ok(last) = last.parse::<u32>() else { continue };
+        let is_range = place.contains(&format!(" to {number}"));
+        let first = before.filter(|_| is_range && of != "section").map_or(last, |first| first);
+        names.extend((first..=last).map(|n| (of.to_owned(), format!("{chapter}{n}"))));
+        before = Some(last);
+    }
+    names
+}
+
+#[test]
+fn a_place_is_read_as_it_is_meant() {
+    let all = |place| named(place).into_iter().map(|(k, n)| format!("{k} {n}")).collect::<Vec<_>>().join("; ");
+    assert_eq!(all("§5.3.1, Eq. 6 to 8, listing 3"), "equation 6; equation 7; equation 8; listing 3; section 5.3.1");
+    assert_eq!(all("figures 4.1, 4.2"), "figure 4.1; figure 4.2");
+    assert_eq!(all("figures 5.1 to 5.3"), "figure 5.1; figure 5.2; figure 5.3");
+    assert_eq!(all("§2.4, Ineq. 2.5"), "equation 2.5; section 2.4");
+}
+
+#[test]
+fn nothing_that_the_documents_number_is_left_out() {
+    let documents = documents();
+    assert_eq!(documents.len(), 3, "one section for each document");
+    for (rows, numbered) in documents.iter().zip([THESIS, POSTER, SCHMIDT]) {
+        let there: BTreeSet<_> = rows.iter().flat_map(|r| named(&r.place)).collect();
+        for (kind, ranges) in numbered {
+            for (chapter, first, last) in *ranges {
+                for n in *first..=*last {
+                    let number = format!("{chapter}{n}");
+                    assert!(there.contains(&((*kind).to_owned(), number.clone())), "no row of {kind} {number}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_row_says_where_it_is_and_its_erratum_exists() {
+    let mut errata = 0;
+    for row in documents().into_iter().flatten() {
+        let Row { place, here, state } = row;
+        assert!(STATES.iter().any(|s| state.starts_with(s)), "{place}: {state} is no state");
+        assert_eq!(state.starts_with("missing"), here == "–" && state != "background", "{place}: {here}, {state}");
+        if state.starts_with("erratum: ") || state.starts_with("measured outlook: ") {
+            assert!(state.contains("]("), "{place}: {state} leads nowhere");
+        }
+        for link in state.split('[').skip(1) {
+            let (words, target) = link.split_once("](").unwrap_or_else(|| panic!("{place}: {link}"));
+            let target = target.split(')').next().unwrap();
+            if target.ends_with("ERRATA.md") {
+                let page = fs::read_to_string(root().join("docs").join(target)).unwrap();
+                errata += 1;
+                assert!(page.lines().any(|l| l.starts_with(&format!("| {words} |"))), "{target} has no row {words:?}");
+            }
+        }
+    }
+    assert!(errata > 40, "only {errata} errata");
+}
+
+/// The pieces of code of the page.
+fn code() -> Vec<String> {
+    let page = fs::read_to_string(root().join("docs/coverage.md")).unwrap();
+    page.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn methods_options_and_figures_that_the_page_names_exist() {
+    let folder = Folder::new();
+    let help: BTreeMap<&str, String> =
+        ["render", "time", "error", "figures", "view"].map(|c| (c, folder.succeed(&[c, "--help"]))).into();
+    let refused = folder.run(&["figures", "--only", "none"]);
+    let said = String::from_utf8(refused.stderr).unwrap();
+    let figures: BTreeSet<&str> = said.split_once("available are: ").unwrap().1.trim().split(", ").collect();
+    let rows = parameters();
+    let (mut options, mut drawn) = (0, 0);
+    for code in code() {
+        let words: Vec<&str> = code.split(' ').collect();
+        let command = (words[0] == "ssct").then(|| *words.get(1).unwrap_or(&"")).filter(|w| !w.is_empty());
+        if let Some(command) = command {
+            assert!(help.contains_key(command), "{code}: there is no such command in this test");
+        }
+        for (n, word) in words.iter().enumerate().filter(|(_, w)| w.starts_with("--")) {
+            options += 1;
+            let value = words.get(n + 1).filter(|w| !w.starts_with("--"));
+            // A switch stands there as `--split[=<…>]`.
+            let known = |help: &String| help.split([' ', '\n', ',', '[']).any(|w| w == *word);
+            let there = command.map_or_else(|| help.values().any(known), |c| known(&help[c]));
+            assert!(there, "{code}: there is no option {word}");
+            match (word.trim_start_matches("--"), value) {
+                ("method", Some(names)) => {
+                    for name in names.split(',') {
+                        let is = name == "reference" || METHODS.iter().any(|m| m.name == name);
+                        assert!(is, "{code}: there is no method {name}");
+                    }
+                }
+                ("only", Some(numbers)) => {
+                    for number in numbers.split(',') {
+                        drawn += 1;
+                        let is = |f: &&str| number == *f || number.ends_with(&format!("-{f}"));
+                        assert!(figures.iter().any(is), "{code}: there is no figure {number}");
+                    }
+                }
+                (name, Some(value)) => {
+                    if let Some((row, _)) = rows.iter().find(|(p, _)| p.typed_name() == name) {
+                        row.parse(value).unwrap_or_else(|e| panic!("{code}: {e}"));
+                    }
+                }
+                (_, None) => {}
+            }
+        }
+    }
+    assert!(options > 40 && drawn > 20, "only {options} options and {drawn} figures are named");
+}

@@ -1,0 +1,117 @@
+//! `ibr` against the triangles: a plane shows what stands in its box, lit, where the ray meets it; what stands outside of
+//! the box is not in its image; and a rough surface sees the image blurred.
+
+use crate::common::{Builder, camera, gpu};
+use glam::Vec3;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::ibr::IbrParams;
+use ssct::methods::{Setup, Wants, find};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::scene::{Impostor, Scene};
+use ssct_lab::study::image::render;
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [241, 181];
+const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
+const HALF_U: Vec3 = Vec3::new(1.5, 0.0, 0.0);
+const HALF_V: Vec3 = Vec3::new(0.0, -0.75, 0.0);
+
+/// A mirror floor before a picture in a box: red at its left, green at its right, brighter towards the top. A blue block
+/// stands a metre and a half before it.
+fn scene(with_block: bool) -> Scene {
+    let mut b = Builder::new("facade");
+    let floor = b.mirror();
+    b.quad(floor, Vec3::new(-6.0, 0.0, 0.0), Vec3::X * 12.0, Vec3::Z * 6.0, Vec3::Y);
+    let colour = |x: u32, y: u32| {
+        let bright = 250 - 25 * (y as u8);
+        if x < 4 { [bright, 10, 10] } else { [10, bright, 10] }
+    };
+    let picture = b.picture(8, 8, colour);
+    b.quad(picture, CENTRE - HALF_U + HALF_V, 2.0 * HALF_U, -2.0 * HALF_V, -Vec3::Z);
+    if with_block {
+        let blue = b.matt(Vec3::Z);
+        b.quad(blue, Vec3::new(-0.5, 0.0, 4.5), Vec3::X, Vec3::Y * 1.8, -Vec3::Z);
+    }
+    // Its own image is not asked for.
+    b.0.impostors = vec![Impostor { name: "box".into(), centre: CENTRE, half_u: HALF_U, half_v: HALF_V, texture: 0 }];
+    b.0
+}
+
+fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> (Pixels, Vec<Vec3>) {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let setup = Setup::new(EXTENT).with(|p: &mut IbrParams| p.ibr_depth = depth);
+    let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
+    let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+    let materials = globals.materials(scene, &ssct_lab::scene::View::default());
+    let method = find("ibr").unwrap();
+    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
+    let reflection = render(&mut stage, &shot, false).unwrap().reflection;
+    gpu.check_validation().unwrap();
+    let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
+    let world = World::new(scene, &scene.materials);
+    let reference =
+        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
+    let mut state = reference.start();
+    reference.add(&mut state, 1);
+    (reflection, reference.image(&state).reflection)
+}
+
+/// Red, green, blue or black.
+fn kind(c: Vec3) -> usize {
+    if c.max_element() < 1e-3 { 0 } else { c.max_position() + 1 }
+}
+
+fn kinds(reflection: &Pixels) -> [usize; 4] {
+    let mut all = [0; 4];
+    reflection.texels().for_each(|t| all[kind(Vec3::from_slice(t))] += 1);
+    all
+}
+
+#[test]
+fn a_plane_shows_what_stands_in_its_box_as_it_is_lit() {
+    let gpu = gpu();
+    let (reflection, truth) = see(&gpu, &scene(false), 0.5, 0.0);
+    let (mut shown, mut wrong, mut off) = (0, 0, Vec::new());
+    for (texel, truth) in reflection.texels().zip(&truth) {
+        let texel = Vec3::from_slice(texel);
+        shown += usize::from(kind(*truth) > 0);
+        wrong += usize::from(kind(texel) != kind(*truth));
+        if kind(texel) == kind(*truth) && kind(texel) > 0 {
+            off.push((texel - *truth).abs().max_element() / truth.max_element());
+        }
+    }
+    off.sort_by(f32::total_cmp);
+    let median = off[off.len() / 2];
+    println!("{shown} pixels show the picture, {wrong} differ, median error {median}");
+    assert!(shown > 1000 && wrong * 30 < shown, "{wrong} of {shown}");
+    // Unlike an impostor's image, the box's is lit as the scene is.
+    assert!(median < 0.03, "{median}");
+}
+
+#[test]
+fn a_box_holds_what_stands_in_it_and_nothing_else() {
+    let gpu = gpu();
+    let of = |depth| kinds(&see(&gpu, &scene(true), depth, 0.0).0);
+    let (thin, deep) = (of(0.5), of(2.0));
+    println!("black, red, green, blue: {thin:?} thin, {deep:?} deep");
+    // The block is before the thin box, and flattened onto the plane of the deep one.
+    assert_eq!(thin[3], 0);
+    assert!(deep[3] > 300 && deep[1] + deep[2] < thin[1] + thin[2]);
+}
+
+#[test]
+fn gloss_is_blur() {
+    let gpu = gpu();
+    let scene = scene(false);
+    // Pixels that are clearly red or green; the blur mixes the two, and both with the nothing around.
+    let pure = |roughness| {
+        let (reflection, _) = see(&gpu, &scene, 0.5, roughness);
+        let is_pure = |t: &&[f32]| t[0] > 4.0 * t[1].max(1e-3) || t[1] > 4.0 * t[0].max(1e-3);
+        reflection.texels().filter(is_pure).count()
+    };
+    let (mirror, rough) = (pure(0.0), pure(1.0));
+    println!("{mirror} pure pixels of a mirror, {rough} at roughness 1");
+    assert!(mirror > 1000 && rough * 10 < mirror * 9, "{rough} of {mirror}");
+}
