@@ -6,7 +6,7 @@ use super::{Input, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::billboard::{BillboardPass, Blur, Look, Occlusion, Order};
+use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -64,7 +64,7 @@ impl Method for BillboardMethod {
         let data = input.scene()?.data;
         let BillboardParams { billboard_order: order, billboard_occlusion: occlusion, billboard_blur: blur } =
             self.parameters;
-        let look = Look { order, occlusion, blur, premultiplied: false };
-        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, look)?))
+        let drawing = Drawing { order, occlusion, blur, premultiplied: false };
+        Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, drawing)?))
     }
 }

@@ -10,7 +10,7 @@ use super::{Input, Intermediate, Method, MethodInfo, SceneInput, Traced};
 use crate::error::Result;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::billboard::{BillboardPass, Blur, Look, Occlusion, Order};
+use crate::passes::billboard::{BillboardPass, Blur, Drawing, Occlusion, Order};
 use crate::passes::gbuffer::GBufferPass;
 use crate::passes::lighting::LightingPass;
 use crate::passes::{Content, LIT_COLOR};
@@ -65,12 +65,12 @@ struct IbrMethod {
 
 /// The camera stands so many times as far away as a box is large, so that its rays are nearly parallel, as if they were
 /// projected onto the plane.
-const FAR_AWAY: f32 = 200.0;
+const EYE_DISTANCE: f32 = 200.0;
 
 /// A camera that sees a box and nothing else, from its front.
 fn box_camera(proxy: &Impostor, depth: f32) -> Camera {
     let (u, v) = (proxy.half_u.length(), proxy.half_v.length());
-    let away = FAR_AWAY * u.max(v).max(depth);
+    let away = EYE_DISTANCE * u.max(v).max(depth);
     let eye = proxy.centre + away * proxy.normal();
     let fov_y_radians = 2.0 * (v / away).atan();
     Camera {
@@ -126,9 +126,9 @@ impl Method for IbrMethod {
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let data = input.scene()?.data;
-        let look =
-            Look { order: Order::Nearest, occlusion: Occlusion::None, blur: Blur::Roughness, premultiplied: true };
-        let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), look)?;
+        let drawing =
+            Drawing { order: Order::Nearest, occlusion: Occlusion::None, blur: Blur::Roughness, premultiplied: true };
+        let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), drawing)?;
         let shown = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
         Ok(Traced { intermediates: shown.into_iter().collect(), ..Traced::new(reflection) })
     }

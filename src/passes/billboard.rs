@@ -54,7 +54,7 @@ choices! {
 
 /// How billboards are drawn.
 #[derive(Debug, Clone, Copy)]
-pub struct Look {
+pub struct Drawing {
     /// Which of several on a ray shows.
     pub order: Order,
     /// What hides one.
@@ -104,17 +104,17 @@ impl BillboardPass {
         scene: &SceneData,
         camera: &Camera,
         images: Option<&[Image]>,
-        look: Look,
+        drawing: Drawing,
     ) -> Result<Reflection<'a>> {
         let camera_data = camera_block(camera, self.reflection.extent());
         let impostors = &scene.impostors[..scene.impostors.len().min(MAX_IMPOSTORS)];
         let image = |n: usize, of: &Impostor| images.map_or(&scene.textures[of.texture], |images| &images[n]);
         let mut block = BillboardBlock {
             billboardCount: impostors.len() as i32,
-            order: look.order as i32,
-            occlusion: i32::from(look.occlusion == Occlusion::Depth),
-            blur: look.blur as i32,
-            premultiplied: i32::from(look.premultiplied),
+            order: drawing.order as i32,
+            occlusion: i32::from(drawing.occlusion == Occlusion::Depth),
+            blur: drawing.blur as i32,
+            premultiplied: i32::from(drawing.premultiplied),
             ..BillboardBlock::default()
         };
         let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];
