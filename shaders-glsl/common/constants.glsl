@@ -106,6 +106,10 @@ const int ORDER_PRINTED = 0;      // Billboards as listing 2 has it.
 const int ORDER_UNBROKEN = 1;     // The last billboard of the list that lies ahead.
 const int ORDER_NEAREST = 2;      // The nearest billboard.
 
+const int TRACE_SHADING = 0;      // Rays are reflected at the normals of shading,
+const int TRACE_GEOMETRIC = 1;    // at those of the geometry, from depth,
+const int TRACE_UP = 2;           // or all at the world's up.
+
 const int BLUR_NONE = 0;          // Billboards are mirrored, as listing 2 has it,
 const int BLUR_ROUGHNESS = 1;     // blurred by the cone that the ray becomes on its way from the surface,
 const int BLUR_DISTANCE = 2;      // or by one as wide as if it had begun at the viewer.

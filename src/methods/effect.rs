@@ -6,10 +6,12 @@ use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, 
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::passes::Captures;
+use crate::passes::bump::BumpPass;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
+use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
@@ -28,6 +30,8 @@ pub struct Output<'a> {
 /// A method of one size on one device, with what surrounds it.
 pub struct Effect {
     method: Box<dyn Method>,
+    /// Other normals for the rays; with a bump, reflections are displaced afterwards.
+    trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
@@ -150,6 +154,17 @@ impl Effect {
             let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
         }
+        let other_normals = effect.trace_normals != TraceNormals::Shading;
+        if other_normals && !info.is_screen_space() {
+            let message = format!("other normals for rays are for screen-space methods, and {name} is none");
+            return Err(Error::Usage(message));
+        }
+        let is_bumped = effect.bump_after > 0.0;
+        if is_bumped && !other_normals {
+            let message = "bumps after the tracing need rays that were reflected at normals without them: \
+                           trace-normals geometric or up";
+            return Err(Error::Usage(message.into()));
+        }
         let gpu: Gpu = context.gpu().clone();
         let face = captured.as_ref().map(|c| c.face);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
@@ -175,7 +190,7 @@ impl Effect {
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
-        let composite = wants.composite && fallback.is_none() && divisor == 1 && !history;
+        let composite = wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped;
         let mut scaled = None;
         let mut inner = Making {
             setup: setup.clone(),
@@ -192,6 +207,12 @@ impl Effect {
         }
         let effect = Self {
             method: (info.create)(&gpu, &inner)?,
+            trace_normals: other_normals
+                .then(|| -> Result<_> {
+                    let bump = is_bumped.then(|| BumpPass::new(&gpu, extent, effect.bump_after)).transpose()?;
+                    Ok((TraceNormalsPass::new(&gpu, extent, effect.trace_normals)?, bump))
+                })
+                .transpose()?,
             scaled,
             fallback: fallback.transpose()?,
             history: history
@@ -275,8 +296,13 @@ impl Effect {
             renewal.record(frame, &input.scene()?, images)?;
         }
         let captures = images.map(CaptureImages::captures).or(input.captures);
+        let shading = input.gbuffer;
+        let gbuffer = match &self.trace_normals {
+            None => shading,
+            Some((pass, _)) => pass.record(frame, shading, input.camera)?,
+        };
         let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
-        let input = &Input { captures, frame: frames, ..*input };
+        let input = &Input { captures, gbuffer, frame: frames, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
@@ -287,6 +313,10 @@ impl Effect {
                 Traced { reflection, composite: None, ..small }
             }
         };
+        if let (Some((_, Some(bump))), Some(reflection)) = (&self.trace_normals, traced.reflection) {
+            traced.reflection = Some(bump.record(frame, &shading, &gbuffer, reflection)?);
+            traced.composite = None;
+        }
         if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
             let behind = behind.record(frame, &Input { in_front: Some(reflection), ..*input })?;
             if let Some(far) = behind.reflection {

@@ -29,6 +29,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
+use crate::passes::trace_normals::TraceNormals;
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output, Prepared};
@@ -286,7 +287,8 @@ pub const METHODS: &[MethodInfo] = &[
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
         let effect = setup.effect();
-        let plain = effect.fallback == Fallback::None && effect.divisor() == 1;
+        let plain =
+            effect.fallback == Fallback::None && effect.divisor() == 1 && effect.trace_normals == TraceNormals::Shading;
         return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
     }
     let methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;

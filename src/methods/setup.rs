@@ -3,6 +3,7 @@
 use super::{MethodInfo, captures, environment, pccm};
 use crate::math::{DefinitionsVersion, OracleVersion};
 use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters};
+use crate::passes::trace_normals::TraceNormals;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
 use std::collections::BTreeMap;
 
@@ -110,6 +111,13 @@ parameters! {
         /// Trace at a lower resolution and bring the reflection back to full size: traced pixels a side over pixels.
         resolution_scale: f32 =
             Parameter::new(1.0).one_of(&[1.0, 0.5, 0.25]).sweep(Preset::Published, &[0.5]).source("Hermanns 2015, §4.4"),
+        /// What rays of screen-space methods are reflected at: the normals of shading, those of the geometry, or the
+        /// world's up.
+        trace_normals: TraceNormals = Parameter::new(TraceNormals::Shading).source("Hermanns 2015, §4.4"),
+        /// How far reflections are displaced after the tracing where the normals of shading deviate from those that rays
+        /// were reflected at, for a deviation of 1. With 0 they are not.
+        bump_after: f32 =
+            Parameter::new(0.0).between(0.0, 4.0).unit("screen heights").source("Hermanns 2015, §4.4; no number there"),
         /// What is seen behind a screen-space method where its reflection fades out.
         fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
         /// Reflections are averaged over frames: those of earlier frames are found again where they were seen then, as far

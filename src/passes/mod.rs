@@ -5,6 +5,7 @@
 
 pub mod area_light;
 pub mod billboard;
+pub mod bump;
 pub mod classify;
 pub mod color_chain;
 pub mod composite;
@@ -35,6 +36,7 @@ pub mod sslr_trace;
 pub mod stochastic;
 pub mod thesis_trace;
 pub mod tiles;
+pub mod trace_normals;
 pub mod traced;
 pub mod unified_gloss;
 pub mod unified_trace;

@@ -47,6 +47,7 @@ mod scene_loading;
 mod schmidt;
 mod stochastic;
 mod stress;
+mod trace_normals;
 mod unified;
 mod validation;
 mod window;

@@ -67,3 +67,31 @@ pub fn billboard_blurs(folder: &Path) -> Result<String> {
     }
     table(&["blur", "`street`, ϱ 0.1", "`street`, ϱ 0.3", "`museum`, ϱ 0.1", "`museum`, ϱ 0.3"], rows)
 }
+
+/// Rays reflected at other normals than those of shading, and bumps after the tracing: right hits of mirrors, and errors
+/// against the screen and the world, medians over the views.
+pub fn trace_normals(folder: &Path) -> Result<String> {
+    let variants = [
+        ("shading", "of shading", "–"),
+        ("geometric", "geometric", "–"),
+        ("bump-0.05", "geometric", "0.05"),
+        ("bump-0.2", "geometric", "0.2"),
+        ("up", "up", "–"),
+    ];
+    let mut rows = Vec::new();
+    for (run, normals, bump) in variants {
+        let records = json(&folder.join(run), "error.json")?;
+        for method in ["ssct", "unified"] {
+            let of = |against, roughness, field| median(&figures(&records, method, against, roughness, field));
+            let mut row = vec![normals.to_owned(), bump.to_owned(), format!("`{method}`")];
+            row.push(percent(of("oracle", "0", "hit_agreement")?, 1));
+            for (against, roughness) in [("screen", "0"), ("screen", "0.3"), ("world", "0"), ("world", "0.3")] {
+                row.push(format!("{:.4}", of(against, roughness, "rmse")?));
+            }
+            rows.push(row);
+        }
+    }
+    let head =
+        ["normals", "bump", "method", "right hits", "screen, ϱ 0", "screen, ϱ 0.3", "world, ϱ 0", "world, ϱ 0.3"];
+    table(&head, rows)
+}

@@ -40,6 +40,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["beside", methods, scenes, roughness] => beside::beside(first, methods, scenes, roughness)?,
         ["poster-filters"] => beside::poster_filters(first)?,
         ["billboard-blurs"] => beside::billboard_blurs(first)?,
+        ["trace-normals"] => beside::trace_normals(first)?,
         ["captions"] => captions::captions(first)?,
         ["schmidt-scenes"] => captions::scenes()?,
         ["frame-rates"] => captions::frame_rates(first)?,

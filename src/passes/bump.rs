@@ -1,0 +1,44 @@
+//! Bump mapping after the tracing: reflections displaced by the deviation of the shading normals from those that rays were
+//! reflected at (thesis §4.4, after the game Thief).
+
+use super::{GBuffer, LIT_COLOR, Reflection};
+use crate::error::Result;
+use crate::gpu::shader::BumpBlock;
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+
+/// Pipeline and image of one size.
+pub struct BumpPass {
+    pipeline: GraphicsPipeline<programs::Bump<'static>>,
+    reflection: Image,
+    strength: f32,
+}
+
+impl BumpPass {
+    /// For a size in pixels; the strength is in screen heights for a deviation of 1.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], strength: f32) -> Result<Self> {
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
+            reflection: Image::target(gpu, "bumped reflection", LIT_COLOR, extent)?,
+            strength,
+        })
+    }
+
+    /// Pass "bump", from the G-buffer of shading and the one that was traced.
+    pub fn record<'a>(
+        &'a self,
+        frame: &mut Frame,
+        shading: &GBuffer,
+        traced: &GBuffer,
+        reflection: Reflection,
+    ) -> Result<Reflection<'a>> {
+        let program = programs::Bump {
+            reflection_buffer: Sampled::nearest(reflection.0.all()),
+            normal_buffer: Sampled::nearest(shading.normal.all()),
+            trace_normal_buffer: Sampled::nearest(traced.normal.all()),
+            material_buffer: Sampled::nearest(shading.material.all()),
+            bump: &BumpBlock { strength: self.strength },
+        };
+        frame.fullscreen("bump", &self.pipeline, [Target::overwrite(self.reflection.all())], &program)?;
+        Ok(Reflection(&self.reflection))
+    }
+}

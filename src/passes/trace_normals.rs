@@ -1,0 +1,46 @@
+//! The normals that rays are reflected at, where these are not those of shading (thesis §4.4, after the game Thief).
+
+use super::{GBuffer, NORMAL, camera_block, stored_target};
+use crate::error::Result;
+use crate::gpu::programs::{TraceNormals as Program, TraceNormalsConstants};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
+use crate::math::constants::{TRACE_GEOMETRIC, TRACE_SHADING, TRACE_UP};
+use crate::parameter::choices;
+use crate::scene::Camera;
+
+choices! {
+    /// What rays are reflected at.
+    pub enum TraceNormals {
+        /// The G-buffer's normals, with their bumps.
+        Shading(TRACE_SHADING) = "shading",
+        /// The geometry's, found from depth: (0, 0, 1) in the space of a normal map.
+        Geometric(TRACE_GEOMETRIC) = "geometric",
+        /// The world's up for every pixel, right on floors alone: (0, 0, 1) where z is up.
+        Up(TRACE_UP) = "up",
+    }
+}
+
+/// Pipeline and image of one size.
+pub struct TraceNormalsPass {
+    pipeline: GraphicsPipeline<Program<'static>>,
+    normal: Image,
+}
+
+impl TraceNormalsPass {
+    /// For a size in pixels.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], kind: TraceNormals) -> Result<Self> {
+        let constants = TraceNormalsConstants { kind: kind as i32 };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [NORMAL], &constants)?,
+            normal: stored_target(gpu, "trace normal", NORMAL, extent)?,
+        })
+    }
+
+    /// Pass "trace normals": the G-buffer with other normals.
+    pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: GBuffer<'a>, camera: &Camera) -> Result<GBuffer<'a>> {
+        let camera = camera_block(camera, gbuffer.depth.extent());
+        let program = Program { camera: &camera, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
+        frame.fullscreen("trace normals", &self.pipeline, [Target::overwrite(self.normal.all())], &program)?;
+        Ok(GBuffer { normal: &self.normal, ..gbuffer })
+    }
+}

@@ -1,0 +1,110 @@
+//! Rays reflected at other normals than those of shading, and bumps applied after the tracing (thesis §4.4).
+
+use crate::common::{Shown, clutter, clutter_camera, gpu, show};
+use glam::Vec3;
+use ssct::error::Error;
+use ssct::gpu::Pixels;
+use ssct::methods::{EffectParams, METHODS, Setup, Wants, find};
+use ssct::passes::trace_normals::TraceNormals;
+use ssct_lab::scene::library;
+use ssct_lab::study::{Globals, Shot, Stage};
+
+fn setup(extent: [u32; 2], normals: TraceNormals, bump: f32) -> Setup {
+    Setup::new(extent).with(|p: &mut EffectParams| (p.trace_normals, p.bump_after) = (normals, bump))
+}
+
+/// Share of the reflecting pixels whose colour differs.
+fn differ(a: &Pixels, b: &Pixels, material: &Pixels) -> f64 {
+    let pairs = a.texels().zip(b.texels()).zip(material.texels()).filter(|(_, m)| m[0] > 1e-4);
+    let all: Vec<bool> = pairs.map(|((a, b), _)| (0..3).any(|c| (a[c] - b[c]).abs() > 1.0 / 255.0)).collect();
+    all.iter().filter(|d| **d).count() as f64 / all.len() as f64
+}
+
+#[test]
+fn without_normal_maps_the_geometry_is_what_shades() {
+    let gpu = gpu();
+    let extent = [321, 239];
+    let flat = Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() };
+    let scene = library::scene("corridor").unwrap();
+    let view = scene.views[0].camera(&scene, extent);
+    let image = |normals, bump| show(&gpu, &scene, view, "unified", &setup(extent, normals, bump), &flat);
+    let usual = image(TraceNormals::Shading, 0.0);
+    let of =
+        |normals, bump| differ(usual.get("reflection"), image(normals, bump).get("reflection"), usual.get("material"));
+    let (geometric, bumped, up) =
+        (of(TraceNormals::Geometric, 0.0), of(TraceNormals::Geometric, 0.2), of(TraceNormals::Up, 0.0));
+    println!("differ: geometric {geometric}, with bumps {bumped}, up {up}");
+    // Edges, where a neighbour lies on another surface, and the rounding of normals found from depth.
+    assert!(geometric < 0.2, "{geometric}");
+    // Walls reflect as if they were floors.
+    assert!(up > geometric + 0.2, "{up}");
+    // Where nothing deviates, nothing is displaced.
+    assert!(bumped < geometric + 0.1, "{bumped}");
+}
+
+/// Of the pixels that a bump displaces, the share that shows what the pixel shows to which it is displaced. Along `y`, 1
+/// is down in the image.
+fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
+    let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));
+    let [width, height] = [reflection.width, reflection.height];
+    let normal = |of: &Pixels, x, y| Vec3::from_slice(&of.at(x, y)[..3]);
+    let (mut moved, mut right) = (0, 0);
+    for (x0, y0) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        if material.at(x0, y0)[0] <= 1e-4 {
+            continue;
+        }
+        let traced = normal(geometric, x0, y0);
+        let shift = (normal(shading, x0, y0) - traced) * strength * height as f32;
+        let to = |at: u32, by: f32, end: u32| ((at as f32 + 0.5 + by).floor().clamp(0.0, end as f32 - 1.0)) as u32;
+        let (x, y) = (to(x0, shift.x, width), to(y0, -shift.y * y, height));
+        if (x, y) != (x0, y0) && material.at(x, y)[0] > 1e-4 && normal(geometric, x, y).dot(traced) > 0.9 {
+            moved += 1;
+            right += usize::from(bumped.get("reflection").at(x0, y0) == reflection.at(x, y));
+        }
+    }
+    assert!(moved > 5000, "only {moved} pixels are displaced");
+    f64::from(right as u32) / f64::from(moved)
+}
+
+#[test]
+fn bumps_after_the_tracing_displace_reflections_by_what_normal_maps_bend() {
+    let gpu = gpu();
+    let (extent, strength) = ([320, 180], 0.1);
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap().camera(&scene, extent);
+    let of = |deviation| Globals { roughness: Some(0.0), normal_deviation: Some(deviation), ..Globals::default() };
+    let plain = show(&gpu, &scene, view, "ssct", &Setup::new(extent), &of(0.0));
+    for method in ["ssct", "unified"] {
+        let image = |bump| show(&gpu, &scene, view, method, &setup(extent, TraceNormals::Geometric, bump), &of(1.0));
+        let (flat, bumped) = (image(0.0), image(strength));
+        let of = |y| displaced(&flat, &bumped, plain.get("normal"), strength, y);
+        let (right, upside_down) = (of(1.0), of(-1.0));
+        println!("{method}: {right} of the displaced pixels are right, {upside_down} if up were down");
+        // Normals found from depth are rounded, so that some land a pixel beside.
+        assert!(right > 0.9 && upside_down < right - 0.1, "{method}: {right}, {upside_down}");
+        let share = differ(flat.get("composite"), bumped.get("composite"), flat.get("material"));
+        assert!(share > 0.0, "{method}: the composite does not show the displaced reflection");
+    }
+}
+
+#[test]
+fn what_cannot_have_other_normals_says_so() {
+    let gpu = gpu();
+    let scene = clutter();
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let view = clutter_camera([16, 16]);
+    let mut refuse = |method: &str, setup: &Setup, why: &str| {
+        let made =
+            Shot::new(&mut stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone());
+        let Err(Error::Usage(said)) = made else { panic!("{method} took it") };
+        assert!(said.contains(why), "{said}");
+    };
+    for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
+        refuse(method.name, &setup([16, 16], TraceNormals::Up, 0.0), "are for screen-space methods");
+    }
+    refuse(
+        "ssct",
+        &setup([16, 16], TraceNormals::Shading, 0.5),
+        "need rays that were reflected at normals without them",
+    );
+}
