@@ -77,6 +77,12 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("captures-per-frame", "1"),
         ("definitions", "1"),
         ("history", "on"),
+        ("edge-tolerance", "0.9"),
+        ("billboard-blur", "roughness"),
+        ("ibr-depth", "2"),
+        ("ibr-side", "8"),
+        ("trace-normals", "up"),
+        ("bump-after", "0.5"),
         ("history-frames", "3"),
         ("history-deviations", "0.1"),
     ];
@@ -103,9 +109,9 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         // depend on its neighbours in the list.
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
-            // In this scene, no quad is behind another one or behind anything else.
+            // In this scene, no quad is behind another one or behind anything else, and no ray of a mirror meets one.
             // The version of the definitions is what the references judge by, and nothing reads the maximum of the Hi-Z.
-            if info.name == "billboard" || ["definitions", "hi-z-maximum"].contains(&option.0) {
+            if ["billboard", "ibr"].contains(&info.name) || ["definitions", "hi-z-maximum"].contains(&option.0) {
                 continue;
             }
             // At rest, frames differ where they are drawn by chance.
@@ -119,6 +125,14 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                 (_, "cone-alpha-min" | "cone-alpha-max") => {
                     let interpolated = ("cone-angle", "interpolated");
                     (vec![interpolated, option], frame(&mut bench, info, &[interpolated]))
+                }
+                (_, "edge-tolerance") => {
+                    let edges = ("poster-filter", "edge-aware");
+                    (vec![edges, option], frame(&mut bench, info, &[edges]))
+                }
+                (_, "bump-after") => {
+                    let up = ("trace-normals", "up");
+                    (vec![up, option], frame(&mut bench, info, &[up]))
                 }
                 (_, "history-frames" | "history-deviations") => {
                     (vec![history, option], frame(&mut bench, info, &[history]))
@@ -143,7 +157,9 @@ fn rmse(a: &[u32], b: &[u32]) -> f64 {
 
 /// The options without those that a method rejects.
 fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) -> Vec<(&'static str, &'static str)> {
-    let refused = |flag| !info.is_screen_space() && ["resolution-scale", "fallback"].contains(&flag);
+    let refused = |flag| {
+        !info.is_screen_space() && ["resolution-scale", "fallback", "trace-normals", "bump-after"].contains(&flag)
+    };
     options.into_iter().filter(|(flag, _)| !refused(*flag)).collect()
 }
 
