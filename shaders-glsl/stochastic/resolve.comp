@@ -80,7 +80,12 @@ void main() {
     // A miss is black, and counts; over another reflection it is not there.
     vec4 reflection = vec4(0.0);
     if (weights.y > 0.0)
-        reflection = OVER ? vec4(sum.rgb / weights.y, sum.a / weights.x) : vec4(sum.rgb / weights.x, sum.a / weights.y);
+        reflection = vec4(sum.rgb / weights.x, sum.a / weights.y);
+    if (OVER && weights.y > 0.0) {
+        // Rounded as it is stored, so that colour times fade is what it is without another reflection.
+        float fade = unpackHalf2x16(packHalf2x16(vec2(sum.a / weights.x, 0.0))).x;
+        reflection = fade > 0.0 ? vec4(reflection.rgb * (reflection.a / fade), fade) : vec4(0.0);
+    }
     imageStore(reflection_image, pixel, vec4(Sound(reflection.rgb), min(Sound(reflection.a), 1.0)));
     imageStore(distance_image, pixel, vec4(weights.y > 0.0 ? weights.z / weights.y : 0.0));
 }

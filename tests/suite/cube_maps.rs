@@ -258,7 +258,7 @@ fn a_fallback_shows_where_the_method_fades() {
                 let fade = local[3];
                 let added: [f32; 3] = std::array::from_fn(|c| found[c] - local[c] * fade);
                 let mut through = 1.0 - fade;
-                if method.name == "unified" && fade > 0.0 {
+                if ["unified", "stochastic"].contains(&method.name) && fade > 0.0 {
                     // What rays of a lobe miss is black alone, and lets the fallback through (tests/unified.rs): the
                     // same share of each channel, and no less than where it fades.
                     let c = (0..3).max_by(|a, b| back[*a].total_cmp(&back[*b])).unwrap();
