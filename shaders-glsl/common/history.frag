@@ -1,6 +1,5 @@
 #version 460
-#pragma program(History, DISTANCE)
-#pragma program(HistoryOfSurfaces)
+#pragma program(History)
 // Temporal filtering (thesis 4.2.11): the reflection of earlier frames, taken from where its point was seen then, kept
 // within what the pixels around show now (variance clipping, Salvi 2016), and averaged with that of this frame.
 
@@ -18,6 +17,7 @@ layout(std140, binding = 0) uniform HistoryBlock {
     float frames;             // that are averaged at most
     float deviations;         // standard deviations around the mean within which the history is kept
     int begins;               // 1: there is no frame before
+    int has_distance;         // 1: `distance_buffer` is known
 } history;
 
 layout(binding = 1) uniform sampler2D depth_buffer;      // reversed; 0 is sky
@@ -26,9 +26,7 @@ layout(binding = 3) uniform sampler2D reflection_buffer; // of this frame: colou
 layout(binding = 4) uniform sampler2D material_buffer;   // reflectivity, roughness
 layout(binding = 5) uniform sampler2D color_before;      // out_reflection and out_guide of the frame before
 layout(binding = 6) uniform sampler2D guide_before;
-#ifdef DISTANCE
 layout(binding = 7) uniform sampler2D distance_buffer;   // from each pixel's point to what it reflects; 0 for nothing
-#endif
 
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
 layout(location = 1) out vec4 out_guide;      // reversed depth, frames averaged, normal as an octahedral pair
@@ -44,7 +42,8 @@ float Luminance(vec3 color) {
     return dot(color, vec3(0.2126, 0.7152, 0.0722));
 }
 
-// A reflection as numbers of which means may be taken: a miss is black, and alpha is the fade of what is not.
+// A reflection in a form of which means may be taken: its colour, black for a miss, and in a the luminance that is left
+// of it after its fade.
 vec4 Linear(vec4 reflection) {
     vec3 color = Sound(reflection.rgb);
     return vec4(color, Luminance(color) * reflection.a);
@@ -61,8 +60,8 @@ vec3 Unproject(mat4 clip_to_view, vec2 position, float depth) {
     return h.xyz / h.w;
 }
 
-// What the frame before showed of a surface (a point and its normal there) where a point was seen in it: its
-// Linear, and in `age` how many frames that averages; 0 if it did not show it.
+// What the frame before showed of a surface (a point and its normal there) where a point was seen in it, in the form of
+// Linear(). `age` is the number of frames that this averages; 0 if the frame before did not show the surface.
 vec4 Before(vec3 seen, vec3 surface, vec3 normal, out float age) {
     age = 0.0;
     vec4 clip = history.view_to_clip_before * vec4(seen, 1.0);
@@ -118,12 +117,12 @@ void main() {
         vec3 point = Unproject(history.clip_to_view, vec2(pixel) + 0.5, depth);
         vec3 surface = (history.view_to_view_before * vec4(point, 1.0)).xyz;
         vec3 turned = mat3(history.view_to_view_before) * normal;
-#ifdef DISTANCE
-        // What a plane mirror shows stands behind it, on the line of sight, and stays there while the camera moves.
-        float away = texelFetch(distance_buffer, pixel, 0).r * history.unit;
-        vec3 image = point + normalize(point) * away;
-        before = Before((history.view_to_view_before * vec4(image, 1.0)).xyz, surface, turned, age);
-#endif
+        if (history.has_distance != 0) {
+            // What a plane mirror shows stands behind it, on the line of sight, and stays there while the camera moves.
+            float away = texelFetch(distance_buffer, pixel, 0).r * history.unit;
+            vec3 image = point + normalize(point) * away;
+            before = Before((history.view_to_view_before * vec4(image, 1.0)).xyz, surface, turned, age);
+        }
         // On the surface itself, where nothing is known of what it reflects, or the mirror is too curved for that.
         if (!(age > 0.0))
             before = Before(surface, surface, turned, age);

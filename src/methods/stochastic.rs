@@ -6,7 +6,8 @@
 use super::ssct::SsctParams;
 use super::{Fallback, Input, Intermediate, Making, Method, MethodInfo, Traced, thesis, unified};
 use crate::error::Result;
-use crate::gpu::shader::StochasticBlock;
+use crate::gpu::programs::{StochasticExact, StochasticThesis};
+use crate::gpu::shader::{StochasticBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu};
 use crate::math::DefinitionsVersion;
 use crate::parameter::{Parameter, Parameters, Preset, choices, parameters};
@@ -14,7 +15,7 @@ use crate::passes::Content;
 use crate::passes::hi_z::HiZPass;
 use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
-use crate::passes::stochastic::{StochasticPass, StochasticShown, WalkKind, WalkedOver};
+use crate::passes::stochastic::{Rays, StochasticResolvePass, StochasticTrace};
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
@@ -80,8 +81,8 @@ parameters! {
 }
 
 struct StochasticMethod {
-    walked: Walked,
-    pass: StochasticPass,
+    walk: Walk,
+    resolve: StochasticResolvePass,
     /// It loses none, and has the sky.
     lost: LostRays,
     parameters: StochasticParams,
@@ -90,9 +91,9 @@ struct StochasticMethod {
     sky: bool,
 }
 
-enum Walked {
-    Exact(PyramidPass),
-    Thesis(HiZPass, SsctParams),
+enum Walk {
+    Exact(PyramidPass, StochasticTrace<StochasticExact<'static>>),
+    Thesis(HiZPass, SsctParams, StochasticTrace<StochasticThesis<'static>>),
 }
 
 impl StochasticMethod {
@@ -100,17 +101,46 @@ impl StochasticMethod {
         let (setup, extent) = (&making.setup, making.setup.extent);
         let parameters: StochasticParams = setup.of();
         let effect = setup.effect();
-        let (oracle, over) = (effect.oracle, effect.fallback != Fallback::None);
         let sky = effect.definitions == DefinitionsVersion::V2;
-        let (walked, walk) = match parameters.stochastic_walk {
+        let shown = (sky, making.hits);
+        let walk = match parameters.stochastic_walk {
             StochasticWalk::Exact => {
-                (Walked::Exact(PyramidPass::new(gpu, extent)?), WalkKind::Exact(pyramid::strip(extent), oracle))
+                let strip = pyramid::strip(extent);
+                let trace = StochasticTrace::<StochasticExact>::new(gpu, extent, strip, effect.oracle, shown)?;
+                Walk::Exact(PyramidPass::new(gpu, extent)?, trace)
             }
-            StochasticWalk::Thesis => (Walked::Thesis(HiZPass::new(gpu, extent, false)?, setup.of()), WalkKind::Thesis),
+            StochasticWalk::Thesis => {
+                let trace = StochasticTrace::<StochasticThesis>::new(gpu, extent, shown)?;
+                Walk::Thesis(HiZPass::new(gpu, extent, false)?, setup.of(), trace)
+            }
         };
-        let pass = StochasticPass::new(gpu, extent, walk, StochasticShown { over, sky, hits: making.hits })?;
+        let resolve = StochasticResolvePass::new(gpu, extent, effect.fallback != Fallback::None)?;
         let lost = LostRays::new(gpu, extent, false)?;
-        Ok(Self { walked, pass, lost, parameters, fade: effect.fade, sky })
+        Ok(Self { walk, resolve, lost, parameters, fade: effect.fade, sky })
+    }
+
+    /// Traces and resolves, ray after ray of each pixel.
+    fn turns<'r>(
+        &self,
+        frame: &mut Frame,
+        input: &Input,
+        unified: &UnifiedBlock,
+        trace: impl Fn(&mut Frame, &StochasticBlock) -> Result<Rays<'r>>,
+    ) -> Result<()> {
+        let StochasticParams { stochastic_rays: rays, stochastic_part, stochastic_radius, stochastic_gathered, .. } =
+            self.parameters;
+        (0..rays).try_for_each(|ray| {
+            let stochastic = StochasticBlock {
+                turn: input.frame.wrapping_mul(rays).wrapping_add(ray) as i32,
+                part: stochastic_part,
+                radius: stochastic_radius,
+                gathered: stochastic_gathered as i32,
+                first: i32::from(ray == 0),
+                last: i32::from(ray + 1 == rays),
+            };
+            let traced = trace(frame, &stochastic)?;
+            self.resolve.record(frame, &input.gbuffer, traced, (unified, &stochastic))
+        })
     }
 }
 
@@ -129,32 +159,27 @@ impl Method for StochasticMethod {
         let camera = capture_block(input.camera, None);
         let beyond = self.lost.beyond(frame, &camera, input.sky)?;
         let mut intermediates = Vec::new();
-        let block;
-        let over = match &self.walked {
-            Walked::Exact(pyramid) => WalkedOver::Pyramid(pyramid.record(frame, gbuffer, &unified)?),
-            Walked::Thesis(pass, of) => {
+        let hits = match &self.walk {
+            Walk::Exact(pyramid, trace) => {
+                let pyramid = pyramid.record(frame, gbuffer, &unified)?;
+                self.turns(frame, input, &unified, |frame, stochastic| {
+                    trace.record(frame, gbuffer, pyramid, beyond, (&unified, stochastic))
+                })?;
+                trace.hits()
+            }
+            Walk::Thesis(pass, of, trace) => {
                 let hi_z = pass.record(frame, gbuffer)?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);
-                block = of.march.fill(of.hi_z.fill(published));
-                WalkedOver::HiZ(hi_z, &block)
+                let block = of.march.fill(of.hi_z.fill(published));
+                self.turns(frame, input, &unified, |frame, stochastic| {
+                    trace.record(frame, gbuffer, (hi_z, &block), beyond, (&unified, stochastic))
+                })?;
+                trace.hits()
             }
         };
-        let StochasticParams { stochastic_rays: rays, stochastic_part, stochastic_radius, stochastic_gathered, .. } =
-            self.parameters;
-        for ray in 0..rays {
-            let stochastic = StochasticBlock {
-                turn: input.frame.wrapping_mul(rays).wrapping_add(ray) as i32,
-                part: stochastic_part,
-                radius: stochastic_radius,
-                gathered: stochastic_gathered as i32,
-                first: i32::from(ray == 0),
-                last: i32::from(ray + 1 == rays),
-            };
-            self.pass.record(frame, gbuffer, over, beyond, (&unified, &stochastic))?;
-        }
-        let (reflection, distance, hits) = self.pass.made();
+        let (reflection, distance) = self.resolve.resolved();
         Ok(Traced { hits, intermediates, distance: Some(distance), ..Traced::new(reflection) })
     }
 }

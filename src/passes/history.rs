@@ -12,10 +12,9 @@ use std::cell::Cell;
 /// Reversed depth, the number of frames, and the normal.
 const GUIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
-/// Pipelines, and the images of two frames of one size.
+/// Pipeline, and the images of two frames of one size.
 pub struct HistoryPass {
-    by_distance: GraphicsPipeline<programs::History<'static>>,
-    by_surface: GraphicsPipeline<programs::HistoryOfSurfaces<'static>>,
+    pipeline: GraphicsPipeline<programs::History<'static>>,
     kept: [Kept; 2],
     /// How many frames there were, and what the last one was seen from.
     frames: Cell<u32>,
@@ -41,10 +40,8 @@ impl HistoryPass {
         let kept = || -> Result<Kept> {
             Ok(Kept { reflection: image("history", LIT_COLOR)?, guide: image("history guide", GUIDE)? })
         };
-        let formats = [LIT_COLOR, GUIDE];
         Ok(Self {
-            by_distance: GraphicsPipeline::fullscreen(gpu, formats)?,
-            by_surface: GraphicsPipeline::fullscreen(gpu, formats)?,
+            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR, GUIDE])?,
             kept: [kept()?, kept()?],
             frames: Cell::new(0),
             camera: Cell::new(None),
@@ -91,43 +88,22 @@ impl HistoryPass {
             frame.clear("history/begin", earlier.reflection.all(), [0.0; 4])?;
             frame.clear("history/begin guide", earlier.guide.all(), [0.0; 4])?;
         }
-        let block = self.block(camera, before.as_ref(), gbuffer.depth.extent());
+        let program = programs::History {
+            history: &HistoryBlock {
+                has_distance: i32::from(distance.is_some()),
+                ..self.block(camera, before.as_ref(), gbuffer.depth.extent())
+            },
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+            reflection_buffer: Sampled::nearest(reflection.0.all()),
+            material_buffer: Sampled::nearest(gbuffer.material.all()),
+            color_before: Sampled::nearest(earlier.reflection.all()),
+            guide_before: Sampled::nearest(earlier.guide.all()),
+            // Not read where it is not known.
+            distance_buffer: Sampled::nearest(distance.unwrap_or(gbuffer.depth).all()),
+        };
         let targets = [Target::overwrite(now.reflection.all()), Target::overwrite(now.guide.all())];
-        let depth_buffer = Sampled::nearest(gbuffer.depth.all());
-        let normal_buffer = Sampled::nearest(gbuffer.normal.all());
-        let reflection_buffer = Sampled::nearest(reflection.0.all());
-        let material_buffer = Sampled::nearest(gbuffer.material.all());
-        let color_before = Sampled::nearest(earlier.reflection.all());
-        let guide_before = Sampled::nearest(earlier.guide.all());
-        let history = &block;
-        match distance {
-            Some(distance) => {
-                let distance_buffer = Sampled::nearest(distance.all());
-                let program = programs::History {
-                    history,
-                    depth_buffer,
-                    normal_buffer,
-                    reflection_buffer,
-                    material_buffer,
-                    color_before,
-                    guide_before,
-                    distance_buffer,
-                };
-                frame.fullscreen("history", &self.by_distance, targets, &program)?;
-            }
-            None => {
-                let program = programs::HistoryOfSurfaces {
-                    history,
-                    depth_buffer,
-                    normal_buffer,
-                    reflection_buffer,
-                    material_buffer,
-                    color_before,
-                    guide_before,
-                };
-                frame.fullscreen("history", &self.by_surface, targets, &program)?;
-            }
-        }
+        frame.fullscreen("history", &self.pipeline, targets, &program)?;
         Ok(Reflection(&now.reflection))
     }
 

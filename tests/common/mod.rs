@@ -10,12 +10,15 @@ pub mod html;
 use glam::Vec3;
 use ssct::gpu::{DeviceQuery, Gpu, Pixels};
 use ssct::methods::{self, EffectParams, Setup, Wants};
+use ssct_lab::reference::first_hits::FirstHits;
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::scene::{
     Aabb, AreaLight, AreaShape, Camera, Encoding, Impostor, Lens, Light, Material, Mesh, Scene, Surface, Texture,
     Vertex, View,
 };
 use ssct_lab::study::image::{RenderedImage, render};
-use ssct_lab::study::{Globals, Shot, Stage};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::num::NonZero;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
@@ -286,6 +289,31 @@ pub fn show_with(
     let image = render(&mut stage, &shot, true).unwrap();
     gpu.check_validation().unwrap();
     Shown { image, camera }
+}
+
+/// What a method shows of a scene, and what the traced triangles show of it, one ray for each pixel.
+pub struct Truth {
+    pub reflection: Pixels,
+    pub world: Vec<Vec3>,
+    pub first_hits: FirstHits,
+}
+
+/// Renders a scene, traces it from the same first hits, and fails on any message of the layers.
+pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setup, globals: &Globals) -> Truth {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let materials = globals.materials(scene, &View::default());
+    let method = methods::find(method).unwrap();
+    let shot = Shot::new(&mut stage, method, setup, Wants::REFLECTION, camera, materials).unwrap();
+    let reflection = render(&mut stage, &shot, false).unwrap().reflection;
+    gpu.check_validation().unwrap();
+    let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
+    let world = World::new(scene, &scene.materials);
+    let reference =
+        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
+    let mut state = reference.start();
+    reference.add(&mut state, 1);
+    let world = reference.image(&state).reflection;
+    Truth { reflection, world, first_hits }
 }
 
 /// A setup at a size in which nothing fades.

@@ -1,18 +1,14 @@
 //! `billboard` against the triangles: an impostor that stands exactly where a picture hangs must be seen
 //! where the picture's reflection is, and what hides the picture hides it once occlusion is on.
 
-use crate::common::{Builder, camera, gpu, show};
+use crate::common::{Builder, Truth, beside_truth, camera, gpu, show};
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::Setup;
 use ssct::methods::billboard::BillboardParams;
-use ssct::methods::{Setup, Wants, find};
 use ssct::passes::billboard::{Blur, Occlusion, Order};
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::study::Globals;
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
@@ -46,30 +42,12 @@ fn scene(with_block: bool) -> Scene {
     b.0
 }
 
-struct Seen {
-    reflection: Pixels,
-    truth: Vec<Vec3>,
-    receivers: Vec<bool>,
-}
-
-fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Seen {
-    let mut stage = Stage::new(gpu, scene).unwrap();
+fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Truth {
     let setup = Setup::new(EXTENT).with(|p: &mut BillboardParams| {
         (p.billboard_order, p.billboard_occlusion) = (order, occlusion);
     });
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
-    let method = find("billboard").unwrap();
-    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, scene.materials.clone()).unwrap();
-    let reflection = render(&mut stage, &shot, false).unwrap().reflection;
-    gpu.check_validation().unwrap();
-    let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
-    let world = World::new(scene, &scene.materials);
-    let reference =
-        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
-    let mut state = reference.start();
-    reference.add(&mut state, 1);
-    let receivers = first_hits.receivers.iter().map(Option::is_some).collect();
-    Seen { reflection, truth: reference.image(&state).reflection, receivers }
+    beside_truth(gpu, scene, camera, "billboard", &setup, &Globals::default())
 }
 
 /// Red, green, blue or black.
@@ -87,9 +65,9 @@ fn an_impostor_is_seen_where_the_thing_is() {
         let seen = see(&gpu, &scene(false), order, Occlusion::None);
         let (mut shown, mut wrong) = (0, 0);
         let mut ratios = Vec::new();
-        for ((texel, truth), receives) in seen.reflection.texels().zip(&seen.truth).zip(&seen.receivers) {
+        for ((texel, truth), receiver) in seen.reflection.texels().zip(&seen.world).zip(&seen.first_hits.receivers) {
             let texel = Vec3::from_slice(texel);
-            assert!(*receives || texel == Vec3::ZERO);
+            assert!(receiver.is_some() || texel == Vec3::ZERO);
             shown += u32::from(kind(*truth) > 0);
             wrong += u32::from(kind(texel) != kind(*truth));
             if kind(texel) == kind(*truth) && kind(texel) > 0 {
@@ -111,7 +89,7 @@ fn what_hides_the_thing_hides_its_impostor_with_occlusion() {
     let through = |occlusion| {
         let seen = see(&gpu, &scene(true), Order::Nearest, occlusion);
         let (mut hidden, mut shows, mut open, mut lost) = (0, 0, 0, 0);
-        for (texel, truth) in seen.reflection.texels().zip(&seen.truth) {
+        for (texel, truth) in seen.reflection.texels().zip(&seen.world) {
             let drawn = kind(Vec3::from_slice(texel)) > 0;
             match kind(*truth) {
                 3 => (hidden, shows) = (hidden + 1, shows + u32::from(drawn)),

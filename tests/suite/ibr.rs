@@ -1,17 +1,13 @@
 //! `ibr` against the triangles: a plane shows what stands in its box, lit, where the ray meets it; what stands outside of
 //! the box is not in its image; and a rough surface sees the image blurred.
 
-use crate::common::{Builder, camera, gpu};
+use crate::common::{Builder, Truth, beside_truth, camera, gpu};
 use glam::Vec3;
 use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::Setup;
 use ssct::methods::ibr::IbrParams;
-use ssct::methods::{Setup, Wants, find};
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::scene::{Impostor, Scene};
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::study::Globals;
 
 const EXTENT: [u32; 2] = [241, 181];
 const CENTRE: Vec3 = Vec3::new(0.0, 1.5, 6.0);
@@ -39,23 +35,11 @@ fn scene(with_block: bool) -> Scene {
     b.0
 }
 
-fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> (Pixels, Vec<Vec3>) {
-    let mut stage = Stage::new(gpu, scene).unwrap();
+fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> Truth {
     let setup = Setup::new(EXTENT).with(|p: &mut IbrParams| p.ibr_depth = depth);
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
     let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-    let materials = globals.materials(scene, &ssct_lab::scene::View::default());
-    let method = find("ibr").unwrap();
-    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, camera, materials).unwrap();
-    let reflection = render(&mut stage, &shot, false).unwrap().reflection;
-    gpu.check_validation().unwrap();
-    let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
-    let world = World::new(scene, &scene.materials);
-    let reference =
-        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
-    let mut state = reference.start();
-    reference.add(&mut state, 1);
-    (reflection, reference.image(&state).reflection)
+    beside_truth(gpu, scene, camera, "ibr", &setup, &globals)
 }
 
 /// Red, green, blue or black.
@@ -72,7 +56,7 @@ fn kinds(reflection: &Pixels) -> [usize; 4] {
 #[test]
 fn a_plane_shows_what_stands_in_its_box_as_it_is_lit() {
     let gpu = gpu();
-    let (reflection, truth) = see(&gpu, &scene(false), 0.5, 0.0);
+    let Truth { reflection, world: truth, .. } = see(&gpu, &scene(false), 0.5, 0.0);
     let (mut shown, mut wrong, mut off) = (0, 0, Vec::new());
     for (texel, truth) in reflection.texels().zip(&truth) {
         let texel = Vec3::from_slice(texel);
@@ -93,7 +77,7 @@ fn a_plane_shows_what_stands_in_its_box_as_it_is_lit() {
 #[test]
 fn a_box_holds_what_stands_in_it_and_nothing_else() {
     let gpu = gpu();
-    let of = |depth| kinds(&see(&gpu, &scene(true), depth, 0.0).0);
+    let of = |depth| kinds(&see(&gpu, &scene(true), depth, 0.0).reflection);
     let (thin, deep) = (of(0.5), of(2.0));
     println!("black, red, green, blue: {thin:?} thin, {deep:?} deep");
     // The block is before the thin box, and flattened onto the plane of the deep one.
@@ -107,7 +91,7 @@ fn gloss_is_blur() {
     let scene = scene(false);
     // Pixels that are clearly red or green; the blur mixes the two, and both with the nothing around.
     let pure = |roughness| {
-        let (reflection, _) = see(&gpu, &scene, 0.5, roughness);
+        let Truth { reflection, .. } = see(&gpu, &scene, 0.5, roughness);
         let is_pure = |t: &&[f32]| t[0] > 4.0 * t[1].max(1e-3) || t[1] > 4.0 * t[0].max(1e-3);
         reflection.texels().filter(is_pure).count()
     };

@@ -1,18 +1,13 @@
 //! `planar` against the triangles: on a flat mirror both ask what one ray sees, by a mirrored camera and by
 //! tracing it.
 
-use crate::common::{Builder, camera, gpu, show};
+use crate::common::{Builder, Truth, beside_truth, camera, gpu, show};
 use glam::Vec3;
-use ssct::gpu::Gpu;
+use ssct::methods::Setup;
 use ssct::methods::planar::PlanarParams;
-use ssct::methods::{Setup, Wants, find};
 use ssct::passes::planar::MirrorDrawing;
-use ssct_lab::reference::first_hits::FirstHits;
-use ssct_lab::reference::surface::World;
-use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::scene::{Camera, Scene};
-use ssct_lab::study::image::render;
-use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use ssct_lab::study::Globals;
 
 const EXTENT: [u32; 2] = [321, 239];
 
@@ -47,14 +42,6 @@ fn setup(variant: MirrorDrawing, planes: u32) -> Setup {
     Setup::new(EXTENT).with(|p: &mut PlanarParams| (p.planar_variant, p.planar_planes) = (variant, planes))
 }
 
-fn shot(gpu: &Gpu, scene: &Scene, variant: MirrorDrawing, planes: u32) -> (Stage, Shot) {
-    let mut stage = Stage::new(gpu, scene).unwrap();
-    let setup = setup(variant, planes);
-    let method = find("planar").unwrap();
-    let shot = Shot::new(&mut stage, method, &setup, Wants::REFLECTION, look(EXTENT), scene.materials.clone()).unwrap();
-    (stage, shot)
-}
-
 #[test]
 fn a_mirror_shows_what_its_rays_meet() {
     let gpu = gpu();
@@ -62,22 +49,9 @@ fn a_mirror_shows_what_its_rays_meet() {
     let mut images = Vec::new();
     for variant in [MirrorDrawing::Stencil, MirrorDrawing::Target] {
         for planes in [1, 2] {
-            let (mut stage, shot) = shot(&gpu, &scene, variant, planes);
-            let reflection = render(&mut stage, &shot, false).unwrap().reflection;
-            gpu.check_validation().unwrap();
-            let data = gbuffer::read(&mut stage.context, &shot).unwrap();
-            let first_hits = FirstHits::from_gbuffer(&data);
-            let world = World::new(&scene, &scene.materials);
-            let reference = WorldReference {
-                world: &world,
-                first_hits: &first_hits,
-                escape: Escape::Black,
-                footprint: None,
-                seed: 1,
-            };
-            let mut state = reference.start();
-            reference.add(&mut state, 1);
-            let truth = reference.image(&state).reflection;
+            let setup = setup(variant, planes);
+            let Truth { reflection, world: truth, first_hits } =
+                beside_truth(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
             // Of the first mirror, unless both are mirrored: the second stands to the right of it.
             let (mut of_mirror, mut alike, mut lit) = (0, 0, 0);
             for ((texel, truth), receiver) in reflection.texels().zip(&truth).zip(&first_hits.receivers) {
