@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Fallback)
 // A reflection with another behind it: the fallback is faded in where the local reflection is faded
-// out (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result needs no fade of its own.
+// out (thesis 4.2.11; Schmidt 2013, section 5.4.2). The result fades only where the fallback shows nothing.
 
 layout(binding = 0) uniform sampler2D reflection_buffer; // of the method: rgb, and the fade in a
 layout(binding = 1) uniform sampler2D fallback_buffer;   // of the fallback: rgb, and 1 in a, or 0s
@@ -12,8 +12,10 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
     vec4 behind = texelFetch(fallback_buffer, pixel, 0);
-    // Where nothing reflects, both are 0. A colour that is faded out wholly counts for nothing, not
-    // even if it is no number.
+    // A colour that is faded out wholly counts for nothing, not even if it is no number.
     vec3 local = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
-    out_reflection = vec4(local + behind.rgb * (1.0 - reflection.a), behind.a);
+    float rest = (1.0 - reflection.a) * behind.a;
+    float covered = reflection.a + rest;
+    // Where nothing reflects, both are 0.
+    out_reflection = covered > 0.0 ? vec4((local + behind.rgb * rest) / covered, covered) : vec4(0.0);
 }

@@ -20,7 +20,7 @@ impl FallbackPass {
         })
     }
 
-    /// Pass "fallback". Fade is 1 wherever the fallback has a colour.
+    /// Pass "fallback". Fade is 1 wherever the fallback has a colour, and elsewhere that of the reflection.
     pub fn record(&self, frame: &mut Frame, reflection: Reflection, behind: Reflection) -> Result<Reflection<'_>> {
         let program = programs::Fallback {
             reflection_buffer: Sampled::nearest(reflection.0.all()),

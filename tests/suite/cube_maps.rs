@@ -281,6 +281,43 @@ fn a_fallback_shows_where_the_method_fades() {
     }
 }
 
+/// Whatever the fallback leaves out because the method has it, as captures do: no colour is shown that the finished
+/// image lacks.
+#[test]
+fn the_finished_image_has_what_the_reflection_shows_over_each_fallback() {
+    let gpu = gpu();
+    let extent = [161, 119];
+    let globals = Globals { roughness: Some(0.1), ..Globals::default() };
+    for fallback in [Fallback::Pccm, Fallback::Environment, Fallback::Captures] {
+        for method in METHODS.iter().filter(|m| m.is_screen_space()) {
+            let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+            let shown = show(&gpu, &clutter(), clutter_camera(extent), method.name, &setup, &globals);
+            let of = |name: &str, i: usize| shown.get(name).texels().nth(i).unwrap().to_vec();
+            let (mut reflecting, mut bright) = (0, 0);
+            for (i, material) in shown.get("material").texels().enumerate().filter(|(_, m)| m[0] > 0.0) {
+                let (lit, reflection, image) = (of("color", i), of("reflection", i), of("composite", i));
+                reflecting += 1;
+                bright += usize::from(reflection[3] == 1.0);
+                for c in 0..3 {
+                    let right = lit[c] + material[0] * reflection[3] * reflection[c];
+                    assert!(
+                        (image[c] - right).abs() <= 1e-3 * right.max(1.0),
+                        "{} over {fallback:?}, {i}",
+                        method.name
+                    );
+                }
+            }
+            assert!(reflecting > 1000, "{reflecting}");
+            // Few rays end where neither shows anything.
+            assert!(
+                bright as f64 > 0.97 * reflecting as f64,
+                "{} over {fallback:?}: {bright} of {reflecting}",
+                method.name
+            );
+        }
+    }
+}
+
 #[test]
 fn what_has_no_fallback_says_so() {
     let gpu = gpu();
