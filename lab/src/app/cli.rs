@@ -1,6 +1,6 @@
 //! The flags that several commands share, and those of most commands, each declared once. What they mean together is decided in `resolve`.
 
-use super::parameters::{BesideGBufferOptions, MethodOptions, choice};
+use super::parameters::{BesideGBufferOptions, MethodOptions, TypedVariant, choice, typed_variant};
 use crate::report::figures::Figure;
 use crate::scene::capture::MAX_CAPTURES;
 use clap::{Args, Subcommand, ValueEnum};
@@ -167,6 +167,15 @@ pub struct ErrorOptions {
     /// The methods; without it, all of them.
     #[arg(long, value_delimiter = ',')]
     pub method: Vec<String>,
+    /// A method with flags of its own, which count before those outside, as "stochastic --history on"; give it once for
+    /// each that is compared, instead of --method.
+    #[arg(
+        long,
+        value_name = "METHOD FLAGS",
+        value_parser = typed_variant,
+        conflicts_with_all = ["method", "no_sweep", "captures_sweep", "fallback_sweep", "precision", "age"]
+    )]
+    pub variant: Vec<TypedVariant>,
     /// Widths and heights in pixels; without it, 480x270 (320x180 with --quick).
     #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
@@ -193,16 +202,40 @@ pub struct ErrorOptions {
     #[arg(
         long,
         value_name = "FRAMES",
+        group = "in_time",
         value_parser = clap::value_parser!(u32).range(1..=100_000),
         requires_all = ["moving", "step"],
         conflicts_with_all = ["precision", "no_sweep", "quick", "samples"]
     )]
     pub age: Option<u32>,
-    /// For --age: the meshes that move, by name.
-    #[arg(long, value_name = "MESH", value_delimiter = ',', requires = "age")]
+    /// Films instead of still images: every variant on each frame of a way of the camera, beside what the world shows in
+    /// that frame. WAY is walk (from the view towards what it looks at), turn (at rest, turned quickly, at rest), rest,
+    /// views (through the scene's views), a path of the scene file, or a path file (.toml).
+    #[arg(long, value_name = "WAY", group = "in_time", conflicts_with_all = ["precision", "quick", "samples"])]
+    pub video: Option<PathBuf>,
+    /// For --video: frames.
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 60,
+        requires = "video",
+        value_parser = clap::value_parser!(u32).range(2..=100_000)
+    )]
+    pub frames: u32,
+    /// For --video: frames that are shown in a second.
+    #[arg(long, value_name = "N", default_value_t = 30.0, requires = "video")]
+    pub fps: f32,
+    /// For --age and --video: the meshes that move, by name.
+    #[arg(long, value_name = "MESH", value_delimiter = ',', requires_all = ["in_time", "step"])]
     pub moving: Vec<String>,
-    /// For --age: by how much they move from one frame to the next, in metres along the world's axes.
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "age")]
+    /// For --age and --video: by how much they move from one frame to the next, in metres along the world's axes.
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = point,
+        allow_hyphen_values = true,
+        requires_all = ["in_time", "moving"]
+    )]
     pub step: Option<Vec3>,
     /// For --age: faces of captures that are renewed in each frame.
     #[arg(

@@ -3,10 +3,9 @@
 use super::cli::ErrorOptions;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
-use crate::error::{Error, Result};
+use crate::error::Error;
 use crate::methods;
 use crate::report::{age_report, files};
-use crate::scene::Scene;
 use crate::study::age::{AgeRecord, AgeSpec, measure};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::stress::JUDGED;
@@ -32,7 +31,7 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
         return Err(Error::Usage("--rays must be at least 2".into()).into());
     }
     let step_m = options.step.unwrap_or(Vec3::ZERO);
-    check_moving(&scene, &options.moving)?;
+    resolve::moving(&scene, &options.moving)?;
     let gpu = resolve::gpu(&common.device)?;
     let mut cells = Vec::new();
     for &method in &methods {
@@ -66,21 +65,6 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
-}
-
-/// Refuses names that no mesh has, with those that there are.
-fn check_moving(scene: &Scene, moving: &[String]) -> Result<()> {
-    let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
-    names.sort_unstable();
-    names.dedup();
-    match moving.iter().find(|name| !names.contains(&name.as_str())) {
-        Some(name) => Err(Error::Usage(format!(
-            "--moving {name}: scene {} has no mesh of this name; it has: {}",
-            scene.name,
-            names.join(", ")
-        ))),
-        None => Ok(()),
-    }
 }
 
 fn write(options: &ErrorOptions, records: &[AgeRecord]) -> anyhow::Result<()> {

@@ -8,6 +8,7 @@ mod devices;
 mod error;
 mod error_age;
 mod error_cells;
+mod error_video;
 mod figures;
 mod gbuffer;
 mod motion;

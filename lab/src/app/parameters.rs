@@ -2,6 +2,7 @@
 
 use crate::methods::{self, Setup};
 use crate::parameter::{Choices, Domain, Parameter, Preset, Values};
+use crate::study::error::Variant;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use std::path::PathBuf;
@@ -57,6 +58,49 @@ impl MethodOptions {
         names.dedup();
         names.iter().filter_map(given).collect()
     }
+}
+
+/// A method with flags of its own, as one word of a command line.
+#[derive(Debug, Clone)]
+pub struct TypedVariant {
+    method: String,
+    values: Values,
+}
+
+impl TypedVariant {
+    /// The method, set up as a base is, but for the flags of its own.
+    ///
+    /// # Errors
+    /// As for [`methods::find`] and [`methods::check_read`].
+    pub fn over(&self, base: &Setup) -> crate::error::Result<Variant> {
+        let method = methods::find(&self.method)?;
+        methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
+        let mut setup = base.clone();
+        if self.values.preset != Preset::default() {
+            setup.values.preset = self.values.preset;
+        }
+        for name in self.values.given() {
+            if let Some((row, _)) = methods::parameters().iter().find(|(p, _)| p.name == name) {
+                setup.values.set(row, self.values.of(row));
+            }
+        }
+        Ok(Variant { method, setup })
+    }
+}
+
+/// `stochastic --history on`.
+pub fn typed_variant(text: &str) -> Result<TypedVariant, String> {
+    let command = Command::new("variant").no_binary_name(true).arg(Arg::new("METHOD").required(true));
+    let command = MethodOptions::augment_args(command).disable_help_flag(true);
+    // The usage that clap adds is that of no command which anybody can type.
+    let first_line = |e: clap::Error| {
+        let text = e.to_string();
+        text.lines().next().map(|line| line.trim_start_matches("error: ").to_owned()).unwrap_or(text)
+    };
+    let matches = command.try_get_matches_from(text.split_whitespace()).map_err(first_line)?;
+    let MethodOptions { values } = MethodOptions::from_arg_matches(&matches).map_err(first_line)?;
+    let method = matches.get_one::<String>("METHOD").cloned().unwrap_or_default();
+    Ok(TypedVariant { method, values })
 }
 
 /// A parser of the names of choices.
@@ -197,6 +241,7 @@ impl FromArgMatches for BesideGBufferOptions {
 mod tests {
     use super::*;
     use crate::methods::METHODS;
+    use crate::methods::setup::HistoryUse;
 
     fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
         let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);
@@ -217,6 +262,23 @@ mod tests {
                     assert_eq!(recorded[row.name], value, "{flag}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_flags_of_a_variant_count_before_those_outside() {
+        let base = parse(&["--preset", "author", "--fade", "off", "--history", "on"]).expect("flags").setup([8, 8]);
+        let typed = typed_variant("stochastic --history off  --history-frames 4").expect("a variant");
+        let variant = typed.over(&base).expect("a method");
+        let effect = variant.setup.effect();
+        assert_eq!((variant.method.name, variant.setup.values.preset), ("stochastic", Preset::Author));
+        assert_eq!((effect.fade, effect.history, effect.history_frames), (false, HistoryUse::Off, 4));
+        for (wrong, says) in [("", "required"), ("ssct --fade maybe", "maybe"), ("ssct --no-such 1", "--no-such")] {
+            let said = typed_variant(wrong).expect_err(wrong);
+            assert!(said.contains(says) && !said.contains('\n'), "{wrong}: {said}");
+        }
+        for wrong in ["none", "ssct --stochastic-rays 2"] {
+            assert!(typed_variant(wrong).expect("flags that there are").over(&base).is_err(), "{wrong}");
         }
     }
 

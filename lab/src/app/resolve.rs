@@ -107,7 +107,7 @@ pub fn lens(options: &SceneOptions, mut lens: Lens) -> Result<Lens> {
 }
 
 /// The path that a flag names: `views`, one of the scene's, or a file.
-pub fn path(scene: &Scene, name: &Path) -> Result<CameraPath> {
+pub fn path(scene: &Scene, name: &Path, flag: &str) -> Result<CameraPath> {
     if name.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
         return path::load(name);
     }
@@ -120,7 +120,22 @@ pub fn path(scene: &Scene, name: &Path) -> Result<CameraPath> {
     }
     let names: Vec<&str> = [VIEWS].into_iter().chain(scene.paths.iter().map(|p| p.name.as_str())).collect();
     let there = names.join(", ");
-    Err(Error::Usage(format!("--path {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
+    Err(Error::Usage(format!("{flag} {name}: neither a path of scene {} ({there}) nor a .toml file", scene.name)))
+}
+
+/// Refuses names that no mesh has, with those that there are.
+pub fn moving(scene: &Scene, moving: &[String]) -> Result<()> {
+    let mut names: Vec<&str> = scene.meshes.iter().map(|m| m.name.as_str()).collect();
+    names.sort_unstable();
+    names.dedup();
+    match moving.iter().find(|name| !names.contains(&name.as_str())) {
+        Some(name) => Err(Error::Usage(format!(
+            "--moving {name}: scene {} has no mesh of this name; it has: {}",
+            scene.name,
+            names.join(", ")
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// The global factors: one for each `--roughness`, or one that keeps the materials' own.

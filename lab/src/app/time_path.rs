@@ -13,7 +13,7 @@ use std::path::Path;
 pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
     let common = &options.common;
     let mut scene = resolve::scene(&common.place, "rooms")?;
-    let path = resolve::path(&scene, path)?;
+    let path = resolve::path(&scene, path, "--path")?;
     let sizes = if options.size.is_empty() { vec![[960, 540]] } else { options.size.clone() };
     let setup = common.method_options.setup(sizes[0]);
     let methods = methods::choose(&options.method, &setup)?;

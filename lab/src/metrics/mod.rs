@@ -2,11 +2,13 @@
 //! time and error.
 
 pub mod bootstrap;
+pub mod flicker;
 pub mod flip;
 pub mod hits;
 pub mod image;
 pub mod pareto;
 pub mod place;
+pub mod video;
 pub mod world;
 
 pub use hits::HitAgreement;

@@ -18,3 +18,4 @@ pub mod run_folder;
 pub mod sheet;
 pub mod stress_report;
 pub mod tables;
+pub mod video_report;

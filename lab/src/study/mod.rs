@@ -17,6 +17,7 @@ pub mod sweep;
 pub mod table;
 pub mod timing;
 pub mod twin;
+pub mod video;
 
 pub use image::{Intermediates, RenderedImage};
 pub use record::{Stats, TimeRecord};

@@ -206,8 +206,10 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
     Some(match row.domain {
         Domain::Switch if text == "true" => row.typed_name(),
         Domain::Switch => format!("no {}", row.typed_name()),
-        // A number alone says nothing.
-        Domain::Choices(_) if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) => {
+        // A number alone says nothing, and nor does on or off.
+        Domain::Choices(_)
+            if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
+        {
             text.to_owned()
         }
         _ => format!("{} {text}", row.typed_name()),

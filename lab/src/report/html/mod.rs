@@ -4,11 +4,13 @@
 
 mod embed;
 mod figures;
+mod films;
 mod gallery;
 mod sections;
 
 pub use embed::data_uri;
 pub use figures::{Entry, FiguresPage, Group, Panel};
+pub use films::{Clip, ClipsPage, clips_page};
 pub use gallery::{Gallery, Picture, Strip};
 
 use super::error_report::ErrorPlot;

@@ -1,0 +1,118 @@
+//! Flicker: how much an image changes from frame to frame where the surface that shows it only moved on the screen
+//! (docs/definitions.md, "Motion").
+
+use crate::scene::GBufferData;
+use glam::{DMat4, DVec3, Vec3};
+
+/// What is no colour is shown as none.
+pub fn sound(color: Vec3) -> Vec3 {
+    if color.is_finite() { color } else { Vec3::ZERO }
+}
+
+/// A pixel, and where its surface was a frame before, in pixels.
+pub struct Pair {
+    now: usize,
+    before: [f64; 2],
+}
+
+/// The reflecting pixels whose surface reflected on the screen a frame before too, in all four pixels
+/// around the place.
+pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
+    let of = |data: &GBufferData| {
+        let projection = data.view_to_clip();
+        (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
+    };
+    let (_, to_view, view_now) = of(now);
+    let (to_clip, before_to_view, view_before) = of(before);
+    let moved: DMat4 = view_before * view_now.inverse();
+    let mut pairs = Vec::new();
+    for y in 0..now.height {
+        for x in 0..now.width {
+            let index = now.index(x, y);
+            if !now.reflects(index) {
+                continue;
+            }
+            let depth = f64::from(now.depth[index]);
+            let position =
+                moved.transform_point3(now.unproject(f64::from(x) + 0.5, f64::from(y) + 0.5, depth, &to_view));
+            let Some(place) = before.project(position, &to_clip) else { continue };
+            let corner = [place.x - 0.5, place.y - 0.5].map(f64::floor);
+            let inside = corner[0] >= 0.0
+                && corner[1] >= 0.0
+                && corner[0] + 1.0 < f64::from(before.width)
+                && corner[1] + 1.0 < f64::from(before.height);
+            if !inside {
+                continue;
+            }
+            let same = (0..4).all(|k| {
+                let (px, py) = (corner[0] as u32 + k % 2, corner[1] as u32 + k / 2);
+                let i = before.index(px, py);
+                let there = before.unproject(
+                    f64::from(px) + 0.5,
+                    f64::from(py) + 0.5,
+                    f64::from(before.depth[i]),
+                    &before_to_view,
+                );
+                before.reflects(i) && is_one_surface(there, position)
+            });
+            if same {
+                pairs.push(Pair { now: index, before: [place.x, place.y] });
+            }
+        }
+    }
+    pairs
+}
+
+/// Within 2 % of the depth of each other: the tolerance of docs/definitions.md, "World agreement", for what the screen
+/// shows.
+fn is_one_surface(a: DVec3, b: DVec3) -> bool {
+    (a.z - b.z).abs() <= 0.02 * b.z
+}
+
+/// The change of each pair from one image to the next.
+pub fn changes(pairs: &[Pair], before: &[Vec3], now: &[Vec3], width: u32) -> Vec<Vec3> {
+    pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
+}
+
+/// Mean absolute value over changes and channels of what `of` makes of a change and its index.
+pub fn mean(changes: &[Vec3], of: impl Fn(usize, Vec3) -> Vec3) -> f64 {
+    let sum: f64 = changes.iter().enumerate().map(|(n, c)| f64::from(of(n, *c).abs().element_sum()) / 3.0).sum();
+    if changes.is_empty() { 0.0 } else { sum / changes.len() as f64 }
+}
+
+/// Between the four pixels around a place, all of which are on the screen.
+fn bilinear(image: &[Vec3], width: u32, [x, y]: [f64; 2]) -> Vec3 {
+    let (x, y) = (x - 0.5, y - 0.5);
+    let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+    let at = |dx: usize, dy: usize| image[(y as usize + dy) * width as usize + x as usize + dx];
+    at(0, 0).lerp(at(1, 0), fx).lerp(at(0, 1).lerp(at(1, 1), fx), fy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::testing::floor_and_wall;
+
+    #[test]
+    fn a_still_camera_pairs_each_pixel_with_itself() {
+        let data = floor_and_wall(32, 24);
+        let found = pairs(&data, &data);
+        assert!(found.len() > 32 * 24 / 2, "{} pairs", found.len());
+        for pair in &found {
+            let x = (pair.now % 32) as f64 + 0.5;
+            assert!((pair.before[0] - x).abs() < 1e-6, "{} and {x}", pair.before[0]);
+        }
+        let image: Vec<Vec3> = (0..32 * 24).map(|i| Vec3::splat(i as f32)).collect();
+        let still = mean(&changes(&found, &image, &image, 32), |_, change| change);
+        assert!(still < 1e-2, "{still}");
+    }
+
+    #[test]
+    fn what_changes_flickers_by_as_much() {
+        let data = floor_and_wall(32, 24);
+        let of = |v: f32| vec![Vec3::splat(v); 32 * 24];
+        let found = changes(&pairs(&data, &data), &of(0.25), &of(0.75), 32);
+        assert!((mean(&found, |_, change| change) - 0.5).abs() < 1e-6);
+        assert!(mean(&found, |_, change| change - 0.5) < 1e-6);
+    }
+}

@@ -1,0 +1,104 @@
+//! The quality of a film beside the film that it should be, in just-objectionable differences (JOD), by ColorVideoVDP
+//! (Mantiuk et al. 2024, "ColorVideoVDP: A visual difference predictor for image, video and display distortions").
+
+use crate::error::{Error, Result};
+use colorvideovdp::{Color, Cvvdp, DisplayModel, Geometry, Image, Options, Photometry};
+
+/// The display that is looked at: what it emits is that of the metric's monitor of this name (200 cd/m² at most, under
+/// the 250 lux of an office), and its pixels are those of [`FlipMap`](super::flip::FlipMap).
+const DISPLAY: &str = "standard_4k";
+
+/// Working memory of the metric at most, in bytes.
+const MEMORY: usize = 8 << 30;
+
+/// A film: display images of one size, 3 · width · height sRGB bytes each, rows from the top.
+#[derive(Debug, Clone, Default)]
+pub struct Film {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// The images in order.
+    pub frames: Vec<Vec<u8>>,
+}
+
+/// What a film is worth beside another of as many frames and pixels, shown at so many frames a second: 10 where nobody
+/// sees a difference, and one less where 75 % of people prefer the other.
+///
+/// # Errors
+/// [`Error::Usage`] if the films differ in size or length, or the metric does not take them: too large, or too short.
+pub fn jod(film: &Film, reference: &Film, frames_per_second: f32) -> Result<f64> {
+    let refused = |e: colorvideovdp::Error| Error::Usage(format!("ColorVideoVDP does not compare the films: {e}"));
+    let images = |film: &Film| {
+        let of = |bytes: &Vec<u8>| {
+            let values = bytes.iter().map(|b| f32::from(*b) / 255.0).collect();
+            Image::new(film.width as usize, film.height as usize, 3, values)
+        };
+        film.frames.iter().map(of).collect::<colorvideovdp::Result<Vec<_>>>()
+    };
+    let compared = || -> colorvideovdp::Result<f64> {
+        let monitor = DisplayModel::from_name(DISPLAY)?;
+        let pixels = [film.width as usize, film.height as usize];
+        let geometry = Geometry::from_ppd(pixels, f64::from(nv_flip::DEFAULT_PIXELS_PER_DEGREE))?;
+        let photometry: Photometry = monitor.photometry;
+        let display = DisplayModel::new(DISPLAY, photometry, geometry, monitor.color_space)?;
+        let metric = Cvvdp::new(display, Options::default().with_memory_limit_bytes(MEMORY))?;
+        let seen = metric.predict_video(&images(film)?, &images(reference)?, frames_per_second, Color::Srgb)?;
+        Ok(f64::from(seen.jod))
+    };
+    compared().map_err(refused)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A texture that moves a pixel a frame.
+    fn film() -> Film {
+        let (width, height) = (64, 48);
+        let texel = |n: u32, x: u32, y: u32| (((x + n) * 37 + y * 91) % 200 + 20) as u8;
+        let frame = |n| {
+            let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            all.flat_map(|(x, y)| [texel(n, x, y); 3]).collect()
+        };
+        Film { width, height, frames: (0..12).map(frame).collect() }
+    }
+
+    /// The film with `of` (the frame, the pixel) added to it.
+    fn with(mut film: Film, of: impl Fn(usize, usize) -> i16) -> Film {
+        for (n, frame) in film.frames.iter_mut().enumerate() {
+            for (i, byte) in frame.iter_mut().enumerate() {
+                *byte = (i16::from(*byte) + of(n, i / 3)).clamp(0, 255) as u8;
+            }
+        }
+        film
+    }
+
+    #[test]
+    fn a_film_is_worth_most_beside_itself_and_less_the_more_it_differs() {
+        let reference = film();
+        let worth = |of: &dyn Fn(usize, usize) -> i16| jod(&with(film(), of), &reference, 30.0).expect("a value");
+        assert!((worth(&|_, _| 0) - 10.0).abs() < 1e-3);
+        let [weak, strong] = [4, 16].map(|step| worth(&|_, i| if i % 7 < 3 { step } else { 0 }));
+        assert!(weak < 10.0 && strong < weak - 0.2, "{weak}, {strong}");
+    }
+
+    /// What a metric of single images cannot tell: the same difference in each frame, once always alike and once with
+    /// its sign changed from frame to frame.
+    #[test]
+    fn what_flickers_is_worth_less_than_what_stands_still() {
+        let grey = with(film(), |_, _| -255);
+        let reference = with(grey, |_, _| 128);
+        let worth = |of: &dyn Fn(usize) -> i16| jod(&with(reference.clone(), |n, _| of(n)), &reference, 30.0);
+        let still = worth(&|_| 8).expect("a value");
+        let flickering = worth(&|n| if n % 4 < 2 { 8 } else { -8 }).expect("a value");
+        assert!(flickering < still - 0.5, "{flickering}, {still}");
+    }
+
+    #[test]
+    fn films_of_other_lengths_are_refused() {
+        let short = Film { frames: film().frames[..3].to_vec(), ..film() };
+        let refused = jod(&short, &film(), 30.0).expect_err("another length");
+        assert!(refused.to_string().starts_with("ColorVideoVDP does not compare the films"), "{refused}");
+    }
+}
