@@ -50,6 +50,7 @@ mod stress;
 mod trace_normals;
 mod unified;
 mod validation;
+mod video;
 mod window;
 mod world_shared_scenes;
 mod world_vs_gbuffer;

@@ -5,10 +5,9 @@ use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
 use super::run::Run;
 use super::{error_age, error_video, precision, progress, resolve};
 use crate::error::Result;
-use crate::methods::{self, MethodInfo, Setup};
 use crate::report::{error_report, files};
 use crate::scene::{Scene, View, library};
-use crate::study::error::{ErrorRecord, Variant};
+use crate::study::error::ErrorRecord;
 use crate::study::{Globals, sweep};
 use std::io::Write;
 
@@ -67,7 +66,7 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         sizes => sizes.to_vec(),
     };
     let base = common.method_options.setup(sizes[0]);
-    let variants = variants(options, &base, !options.quick && !options.no_sweep)?;
+    let variants = resolve::variants(options, &base, !options.quick && !options.no_sweep)?;
     let views = |scene: &Scene| -> Result<Vec<View>> {
         if common.place.view.is_some() || common.place.eye.is_some() {
             return Ok(vec![resolve::view(scene, &common.place, None)?]);
@@ -81,29 +80,6 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         jobs.push((scene, views));
     }
     Ok(Plan { scenes: jobs, sizes, globals, variants, samples: options.samples, rays: options.rays })
-}
-
-/// What is compared: the variants that flags name, or those of a sweep, or each method as the base sets it up. Where no
-/// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
-pub(super) fn variants(options: &ErrorOptions, base: &Setup, swept: bool) -> Result<Vec<Variant>> {
-    if !options.variant.is_empty() {
-        return options.variant.iter().map(|typed| typed.over(base)).collect();
-    }
-    let methods = methods::choose(&options.method, base)?;
-    let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
-    Ok(if options.captures_sweep {
-        let of = |method: &&'static MethodInfo| match method.takes_captures {
-            true => sweep::captures(method, base),
-            false => vec![plain(method)],
-        };
-        methods.iter().flat_map(of).collect()
-    } else if options.fallback_sweep {
-        methods.iter().flat_map(|method| sweep::fallbacks(method, base)).collect()
-    } else if swept {
-        sweep::variants(&methods, base)
-    } else {
-        methods.iter().map(plain).collect()
-    })
 }
 
 fn roughness_values(common: &super::cli::CommonOptions, values: &[f32]) -> Result<Vec<Globals>> {

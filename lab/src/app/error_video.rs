@@ -1,7 +1,6 @@
 //! `ssct error --video`: films of methods beside the world's.
 
 use super::cli::ErrorOptions;
-use super::error::variants;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
@@ -28,7 +27,7 @@ pub fn run(options: &ErrorOptions, way: &Path) -> anyhow::Result<()> {
     let globals = resolve::globals(&common.place)?;
     let sizes = if options.size.is_empty() { vec![[320, 180]] } else { options.size.clone() };
     let base = common.method_options.setup(sizes[0]);
-    let variants = variants(options, &base, false)?;
+    let variants = resolve::variants(options, &base, false)?;
     resolve::moving(&scene, &options.moving)?;
     let step_m = options.step.unwrap_or(Vec3::ZERO);
     let gpu = resolve::gpu(&common.device)?;
@@ -77,10 +76,14 @@ fn named(options: &ErrorOptions, scene: &Scene, name: &Path) -> Result<Way> {
         "walk" => Way::Walk,
         "turn" => Way::Turn,
         "rest" => Way::Rest,
-        _ if place.view.is_some() || place.eye.is_some() => {
-            return Err(Error::Usage("--video: a path says where the camera is; leave out --view and --eye".into()));
+        _ => {
+            let path = resolve::path(scene, name, "--video")?;
+            if place.view.is_some() || place.eye.is_some() {
+                let message = "--video: a path says where the camera is; leave out --view and --eye";
+                return Err(Error::Usage(message.into()));
+            }
+            return Ok(Way::Path(path));
         }
-        _ => return resolve::path(scene, name, "--video").map(Way::Path),
     };
     resolve::view(scene, place, None).map(of_view)
 }

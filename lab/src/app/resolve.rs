@@ -1,11 +1,13 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{DeviceOptions, SceneOptions};
+use super::cli::{DeviceOptions, ErrorOptions, SceneOptions};
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
+use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
 use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
-use crate::study::Globals;
+use crate::study::error::Variant;
+use crate::study::{Globals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -162,4 +164,27 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
         [one] => Ok(one),
         _ => Err(Error::Usage(format!("{why}: give one --roughness"))),
     }
+}
+
+/// What is compared: the variants that flags name, or those of a sweep, or each method as the base sets it up. Where no
+/// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
+pub fn variants(options: &ErrorOptions, base: &Setup, swept: bool) -> Result<Vec<Variant>> {
+    if !options.variant.is_empty() {
+        return options.variant.iter().map(|typed| typed.over(base)).collect();
+    }
+    let methods = methods::choose(&options.method, base)?;
+    let plain = |method: &&'static MethodInfo| Variant { method, setup: base.clone() };
+    Ok(if options.captures_sweep {
+        let of = |method: &&'static MethodInfo| match method.takes_captures {
+            true => sweep::captures(method, base),
+            false => vec![plain(method)],
+        };
+        methods.iter().flat_map(of).collect()
+    } else if options.fallback_sweep {
+        methods.iter().flat_map(|method| sweep::fallbacks(method, base)).collect()
+    } else if swept {
+        sweep::variants(&methods, base)
+    } else {
+        methods.iter().map(plain).collect()
+    })
 }

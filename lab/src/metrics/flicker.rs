@@ -1,5 +1,5 @@
 //! Flicker: how much an image changes from frame to frame where the surface that shows it only moved on the screen
-//! (docs/definitions.md, "Motion").
+//! (docs/definitions.md, "Films").
 
 use crate::scene::GBufferData;
 use glam::{DMat4, DVec3, Vec3};
@@ -10,14 +10,14 @@ pub fn sound(color: Vec3) -> Vec3 {
 }
 
 /// A pixel, and where its surface was a frame before, in pixels.
-pub struct Pair {
+pub struct SamePlace {
     now: usize,
     before: [f64; 2],
 }
 
 /// The reflecting pixels whose surface reflected on the screen a frame before too, in all four pixels
 /// around the place.
-pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
+pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<SamePlace> {
     let of = |data: &GBufferData| {
         let projection = data.view_to_clip();
         (projection, projection.inverse(), data.camera.world_to_view.as_dmat4())
@@ -56,7 +56,7 @@ pub fn pairs(before: &GBufferData, now: &GBufferData) -> Vec<Pair> {
                 before.reflects(i) && is_one_surface(there, position)
             });
             if same {
-                pairs.push(Pair { now: index, before: [place.x, place.y] });
+                pairs.push(SamePlace { now: index, before: [place.x, place.y] });
             }
         }
     }
@@ -70,7 +70,7 @@ fn is_one_surface(a: DVec3, b: DVec3) -> bool {
 }
 
 /// The change of each pair from one image to the next.
-pub fn changes(pairs: &[Pair], before: &[Vec3], now: &[Vec3], width: u32) -> Vec<Vec3> {
+pub fn changes(pairs: &[SamePlace], before: &[Vec3], now: &[Vec3], width: u32) -> Vec<Vec3> {
     pairs.iter().map(|p| now[p.now] - bilinear(before, width, p.before)).collect()
 }
 

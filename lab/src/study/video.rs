@@ -9,7 +9,7 @@ use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{Gpu, Pixels};
 use crate::methods::Wants;
-use crate::metrics::flicker::{self, Pair};
+use crate::metrics::flicker::{self, SamePlace};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::image::masked_rmse;
 use crate::metrics::video::{Film, jod};
@@ -298,7 +298,7 @@ struct Truth {
     mask: Vec<bool>,
     /// Linear reflection colour of this frame, and of the frame before.
     color: Vec<Vec3>,
-    pairs: Vec<Pair>,
+    pairs: Vec<SamePlace>,
     changes: Vec<Vec3>,
     change: Change,
     standard_error: f64,

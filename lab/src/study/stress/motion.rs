@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, MethodInfo};
-use crate::metrics::flicker::{Pair, changes, mean, pairs, sound};
+use crate::metrics::flicker::{SamePlace, changes, mean, pairs, sound};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
@@ -163,7 +163,7 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
-    let pairs: Vec<Vec<Pair>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
+    let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
     let of_all = |images: &[Vec<Vec3>]| all_changes(&pairs, images, extent);
     let expected = of_all(&reference);
     let reference_flicker = mean(&expected, |_, change| change);
@@ -217,7 +217,7 @@ fn world_image(world: &World, screen: &GBufferData, definitions: DefinitionsVers
 }
 
 /// The change of each pair, frame after frame.
-fn all_changes(pairs: &[Vec<Pair>], images: &[Vec<Vec3>], [width, _]: [u32; 2]) -> Vec<Vec3> {
+fn all_changes(pairs: &[Vec<SamePlace>], images: &[Vec<Vec3>], [width, _]: [u32; 2]) -> Vec<Vec3> {
     pairs
         .iter()
         .zip(images.windows(2))
