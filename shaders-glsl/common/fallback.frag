@@ -15,5 +15,7 @@ void main() {
     // Where nothing reflects, both are 0. A colour that is faded out wholly counts for nothing, not
     // even if it is no number.
     vec3 local = reflection.a > 0.0 ? reflection.rgb * reflection.a : vec3(0.0);
-    out_reflection = vec4(local + behind.rgb * (1.0 - reflection.a), behind.a);
+    // A fallback may leave out what is not seen of it.
+    float shows = reflection.a > 0.0 ? 1.0 : behind.a;
+    out_reflection = vec4(local + behind.rgb * (1.0 - reflection.a), shows);
 }
