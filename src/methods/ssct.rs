@@ -116,19 +116,15 @@ impl ThesisMethod {
         camera: &Camera,
         hits: Hits,
     ) -> Result<Reflection<'a>> {
-        let (input, parameters) = self.chains(frame, gbuffer, camera)?;
+        let (input, parameters) = self.chains(frame, &Input::of_screen(*gbuffer, camera))?;
         self.trace.record_cone(frame, &input, &parameters, hits)
     }
 
     /// The chains that ray trace and cone trace read, and their parameters.
-    fn chains<'a>(
-        &'a self,
-        frame: &mut Frame,
-        gbuffer: &GBuffer<'a>,
-        camera: &Camera,
-    ) -> Result<(TraceInput<'a>, ThesisBlock)> {
-        let hi_z = self.hi_z.record(frame, gbuffer)?;
-        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
+    fn chains<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<(TraceInput<'a>, ThesisBlock)> {
+        let (gbuffer, camera) = (&input.gbuffer, input.camera);
+        let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;
+        let visibility = input.once(|| self.visibility.record(frame, hi_z, &camera.lens), || self.visibility.made())?;
         let color = self.color.record(frame, gbuffer)?;
         let block = thesis::block(camera, gbuffer.depth.extent(), hi_z.0.levels(), self.fade);
         Ok((TraceInput { gbuffer: *gbuffer, hi_z, visibility, color }, (self.fill)(block)))
@@ -137,8 +133,8 @@ impl ThesisMethod {
 
 impl Method for ThesisMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
-        let (chains, parameters) = self.chains(frame, &input.gbuffer, input.camera)?;
-        let (reflection, hits) = self.trace.record(frame, &chains, &parameters)?;
+        let (chains, parameters) = self.chains(frame, input)?;
+        let (reflection, hits) = self.trace.record(frame, &chains, &parameters, input.bounce > 0)?;
         let made = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![
             made("hi-z", Content::StandardDepth, chains.hi_z.0),

@@ -131,9 +131,12 @@ impl Method for StochasticMethod {
         let mut intermediates = Vec::new();
         let block;
         let over = match &self.walked {
-            Walked::Exact(pyramid) => WalkedOver::Pyramid(pyramid.record(frame, gbuffer, &unified)?),
+            Walked::Exact(pyramid) => {
+                let made = input.once(|| pyramid.record(frame, gbuffer, &unified), || pyramid.made())?;
+                WalkedOver::Pyramid(made)
+            }
             Walked::Thesis(pass, of) => {
-                let hi_z = pass.record(frame, gbuffer)?;
+                let hi_z = input.once(|| pass.record(frame, gbuffer), || pass.made())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);

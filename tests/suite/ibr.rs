@@ -51,8 +51,14 @@ fn see(gpu: &Gpu, scene: &Scene, depth: f32, roughness: f32) -> (Pixels, Vec<Vec
     gpu.check_validation().unwrap();
     let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
     let world = World::new(scene, &scene.materials);
-    let reference =
-        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
+    let reference = WorldReference {
+        world: &world,
+        first_hits: &first_hits,
+        escape: Escape::Black,
+        footprint: None,
+        seed: 1,
+        bounces: 1,
+    };
     let mut state = reference.start();
     reference.add(&mut state, 1);
     (reflection, reference.image(&state).reflection)

@@ -74,6 +74,7 @@ fn a_mirror_shows_what_its_rays_meet() {
                 escape: Escape::Black,
                 footprint: None,
                 seed: 1,
+                bounces: 1,
             };
             let mut state = reference.start();
             reference.add(&mut state, 1);

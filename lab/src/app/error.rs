@@ -73,6 +73,8 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         methods.iter().flat_map(of).collect()
     } else if options.fallback_sweep {
         methods.iter().flat_map(|method| sweep::fallbacks(method, &base)).collect()
+    } else if options.bounces_sweep {
+        methods.iter().flat_map(|method| sweep::bounces(method, &base)).collect()
     } else if options.quick || options.no_sweep {
         methods.iter().map(|method| Variant { method, setup: base.clone() }).collect()
     } else {

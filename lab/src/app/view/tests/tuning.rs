@@ -58,6 +58,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("planar-variant", "target"),
         ("planar-planes", "3"),
         ("resolution-scale", "0.5"),
+        ("bounces", "2"),
         ("march", "fixed"),
         ("poster-filter", "volume"),
         ("edge-retries", "9"),
