@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::color_chain::{ChainFilter, ColorChainPass};
+use crate::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{Content, GBuffer, Hits, LIT_COLOR, Reflection};
+use crate::passes::{Content, GBuffer, Hits, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -50,6 +50,11 @@ parameters! {
         chain_filter: ChainFilter = Parameter::new(ChainFilter::Hardware)
             .sweep(Preset::Published, &[ChainFilter::Gaussian])
             .source("§4.2.6"),
+        /// What the blur of the colour chain leaves out. A mask needs the Gaussian, which then filters the chain.
+        chain_mask: ChainMask =
+            Parameter::new(ChainMask::None).source("Hermanns 2015, ch. 6 and §4.3.2; not which mask"),
+        /// Of the mask by surfaces: how far depths of one surface differ, as a part of the lesser one.
+        chain_mask_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("this project"),
         /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it; it costs time.
         hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
         /// Trace rays and cones in two passes instead of one.
@@ -83,7 +88,12 @@ impl ThesisMethod {
         Ok(Self {
             hi_z: HiZPass::new(gpu, extent, drawn.hi_z_maximum)?,
             visibility: VisibilityPass::new(gpu, extent)?,
-            color: ColorChainPass::new(gpu, extent, LIT_COLOR, drawn.chain_filter)?,
+            color: ColorChainPass::masked(
+                gpu,
+                extent,
+                drawn.chain_filter,
+                (drawn.chain_mask, drawn.chain_mask_tolerance),
+            )?,
             trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,
             fade: making.setup.effect().fade,
             fill,
@@ -125,7 +135,7 @@ impl ThesisMethod {
         let (gbuffer, camera) = (&input.gbuffer, input.camera);
         let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;
         let visibility = input.once(|| self.visibility.record(frame, hi_z, &camera.lens), || self.visibility.made())?;
-        let color = self.color.record(frame, gbuffer)?;
+        let color = self.color.record_masked(frame, gbuffer, hi_z, &camera.lens)?;
         let block = thesis::block(camera, gbuffer.depth.extent(), hi_z.0.levels(), self.fade);
         Ok((TraceInput { gbuffer: *gbuffer, hi_z, visibility, color }, (self.fill)(block)))
     }

@@ -53,6 +53,7 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("pixel-step", "7"),
         ("distance-blur", "on"),
         ("chain-filter", "gaussian"),
+        ("chain-mask", "surface"),
         ("billboard-order", "nearest"),
         ("billboard-occlusion", "depth"),
         ("planar-variant", "target"),
