@@ -77,7 +77,7 @@ fn a_ray_goes_on_where_it_was_reflected() {
         assert!((expected.as_vec3() - *found).length() < 1e-6, "{i}: {expected} {found}");
         further += usize::from(*found != one[i]);
     }
-    assert!(further > 20, "{further}");
+    assert!(further > 5, "{further}");
 }
 
 #[test]
