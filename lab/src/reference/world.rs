@@ -135,7 +135,7 @@ impl<'a> WorldReference<'a> {
             (None, _) => Kind::None,
             // Of several bounces, a later one may meet a lobe.
             (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
-            (Some(r), Some(_)) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
+            (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },
         };
         let kinds = self.first_hits.receivers.iter().map(kind).collect();
