@@ -3,20 +3,25 @@
 // Composite: lit colour + reflectivity * fade * reflection (docs/definitions.md, "Surfaces").
 
 #include "common/constants.glsl"
+#include "common/sound.glsl"
 
 layout(binding = 0) uniform sampler2D color_buffer;
 layout(binding = 1) uniform sampler2D reflection_buffer; // rgb, and the fade in a
 layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughness
 
+// The image stands for the lit colour of another bounce: it is reflected, and keeps in a what is lit.
+layout(constant_id = 0) const bool LIT = false;
+
 layout(location = 0) out vec4 out_color;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 color = texelFetch(color_buffer, pixel, 0).rgb;
+    vec4 lit = texelFetch(color_buffer, pixel, 0);
+    vec3 color = lit.rgb;
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (reflectivity > REFLECTS_ABOVE) {
         vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
         color += reflectivity * reflection.a * reflection.rgb;
     }
-    out_color = vec4(color, 1.0);
+    out_color = LIT ? vec4(Sound(color), lit.a) : vec4(color, 1.0);
 }

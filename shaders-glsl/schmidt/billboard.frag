@@ -124,4 +124,10 @@ void main() {
     vec3 wsReflectVec = normalize(mat3(camera.view_to_world) * reflected);
     out_reflection = order == ORDER_NEAREST ? NearestBillboardReflections(wsPosition, wsReflectVec)
                                   : BillboardReflections(wsPosition, wsReflectVec);
+    if (GLOW) {
+        vec3 light = BillboardGlow(wsPosition, wsReflectVec);
+        out_reflection.rgb += light;
+        if (any(greaterThan(light, vec3(0.0))))
+            out_reflection.a = 1.0;
+    }
 }

@@ -5,6 +5,8 @@
 
 #include "common/constants.glsl"
 
+layout(constant_id = 0) const bool GLOW = false; // light spreads beyond the edges of billboards
+
 struct ImpostorData {
     mat4 ModelMatrix; // the standard quad, 1 x 1 in x and z, to world space
 };
@@ -16,6 +18,8 @@ layout(std140, binding = 1) uniform BillboardBlock {
     int occlusion;  // 1: Occlusion::Depth
     int blur;       // BLUR_…
     int premultiplied; // 1: the images' colours are multiplied by their alpha already
+    float glow;        // beside an edge, as a share of the image's colour there
+    float glowWidth;   // how far it reaches beyond an edge, metres
 };
 
 layout(binding = 2) uniform sampler2D ImpostorTex[MAX_IMPOSTORS];
@@ -77,6 +81,10 @@ vec3 IntersectTriangle(in vec3 rayOrigin, in vec3 rayDirect, in vec3 vert0, in v
     return vec3(u, v, t);
 }
 
+// What shows of the billboards on a ray: how far away, and how much it hides of what is behind it.
+float shownDistance = 1e30;
+float shownAlpha = 0.0;
+
 // Lines 11 to 32 of listing 2: where a ray meets the quad of a billboard.
 vec3 IntersectBillboard(in int i, in vec3 rayOrigin, in vec3 rayDirect)
 {
@@ -121,6 +129,10 @@ vec4 BillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
             reflectedColor.rgb = Texel(i, uvt.xy, lod).rgb * alpha;
             // Erratum B5: as printed a stays 0 and says of no pixel that it was hit.
             reflectedColor.a = alpha > 0.0 ? 1.0 : 0.0;
+            if (GLOW) {
+                shownDistance = uvt.z;
+                shownAlpha = alpha;
+            }
         }
     }
 
@@ -159,7 +171,42 @@ vec4 NearestBillboardReflections(in vec3 wsPosition, in vec3 wsReflectVec)
         vec3 color = premultiplied == 1 ? texel.rgb : texel.rgb * texel.a;
         reflectedColor += (1.0 - reflectedColor.a) * vec4(color, texel.a);
         passed = found.z;
+        if (GLOW) {
+            shownDistance = n == 0 ? found.z : shownDistance;
+            shownAlpha = reflectedColor.a;
+        }
     }
 
     return vec4(reflectedColor.rgb, reflectedColor.a > 0.0 ? 1.0 : 0.0);
+}
+
+// Departure, off by default: the glow that the conclusion asks for. Light that spreads beyond the edges of a billboard,
+// towards its front, over what is behind it: the colour of the image where it is nearest, from the level whose texels are as
+// wide as the light has spread, less with the square of what is left of its way. Of what billboards show in front of it, the
+// image itself included, it takes the part that they leave.
+vec3 BillboardGlow(in vec3 wsPosition, in vec3 wsReflectVec)
+{
+    vec3 light = vec3(0.0);
+
+    for (int i = 0; i < billboardCount; i++)
+    {
+        vec3 uvt = IntersectBillboard(i, wsPosition, wsReflectVec);
+        mat4 m = Impostor[i].ModelMatrix;
+        vec2 sides = vec2(length(m[0].xyz), length(m[2].xyz));
+        vec2 nearest = clamp(uvt.xy, 0.0, 1.0);
+        float off = length((uvt.xy - nearest) * sides);
+        if (!(uvt.z > 0.001 && off < glowWidth && dot(wsReflectVec, m[1].xyz) < 0.0))
+            continue;
+        // Of billboards in one plane none is before the other.
+        float left = uvt.z >= 0.9999 * shownDistance ? 1.0 - shownAlpha : 1.0;
+        if (left <= 0.0 || Occluded(wsPosition, wsReflectVec, uvt.z))
+            continue;
+        vec2 texels = TexelCount(i) / sides;
+        float spread = max(off, 0.5 * glowWidth) * max(texels.x, texels.y);
+        vec4 texel = Texel(i, nearest, max(log2(max(spread, 1.0)), BillboardLod(i, wsPosition, uvt.z)));
+        float reach = 1.0 - off / glowWidth;
+        light += left * reach * reach * (premultiplied == 1 ? texel.rgb : texel.rgb * texel.a);
+    }
+
+    return glow * light;
 }

@@ -1,24 +1,65 @@
 #version 460
 #pragma program(GaussianBlur)
+#pragma program(GaussianBlurMasked, MASKED)
 // The Gaussian of thesis 4.3.2, which 4.2.6 names as the alternative to the hardware's mip chain. One
 // direction; the horizontal pass also halves the level, as its bilinear taps lie at the coarse
-// level's texel centres.
+// level's texel centres. Masked, it is what chapter 6 proposes: "a mask buffer in the blur pass for the color
+// buffer". The mask is read from the Hi-Z buffer, whose texels of the level that is written lie where the taps do.
 
 #include "thesis/gaussian_blur.glsl"
 
 layout(binding = 0) uniform sampler2D tex; // the level below (horizontal), or the horizontal result
 
+#ifdef MASKED
+layout(binding = 1) uniform sampler2D hiZ; // the level that is written: standard depth, nearest
+layout(constant_id = 0) const bool SURFACE = false; // a tap on another surface is masked, not one on none
+
+layout(push_constant) uniform MaskedBlurBlock {
+    vec2 invSize;    // as below
+    vec2 direction;
+    float near;      // of the lens, metres
+    float far;
+    float tolerance; // of one surface, depths differ by no more than this part of the lesser one
+} blur;
+
+vec4 central;
+float centralDepth;
+
+float ViewDepth(float depth) {
+    return blur.near * blur.far / (blur.far - depth * (blur.far - blur.near));
+}
+
+// What the mask buffer of 4.3.2 says of a place: whether it counts.
+bool Mask(vec2 texCoord) {
+    float depth = textureLod(hiZ, texCoord, 0.0).r;
+    if (!SURFACE)
+        return depth < 1.0;
+    float a = ViewDepth(depth), b = ViewDepth(centralDepth);
+    return abs(a - b) <= blur.tolerance * min(a, b);
+}
+
+// "If a 'miss' is read from the mask buffer (i.e. the value zero), then always the central pixel is used."
+vec4 Color(vec2 texCoord) {
+    return Mask(texCoord) ? textureLod(tex, texCoord, 0.0) : central;
+}
+#else
 layout(push_constant) uniform BlurBlock {
     vec2 invSize;   // 1 / size of the level that is written
     vec2 direction; // (invTexWidth, 0) or (0, invTexHeight)
 } blur;
 
-layout(location = 0) out vec4 color;
-
 vec4 Color(vec2 texCoord) {
     return textureLod(tex, texCoord, 0.0);
 }
+#endif
+
+layout(location = 0) out vec4 color;
 
 void main() {
-    color = GAUSSIAN_BLUR(Color, gl_FragCoord.xy * blur.invSize, blur.direction);
+    vec2 texCoord = gl_FragCoord.xy * blur.invSize;
+#ifdef MASKED
+    central = textureLod(tex, texCoord, 0.0);
+    centralDepth = textureLod(hiZ, texCoord, 0.0).r;
+#endif
+    color = GAUSSIAN_BLUR(Color, texCoord, blur.direction);
 }

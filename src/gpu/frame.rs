@@ -89,6 +89,8 @@ pub struct Frame<'c> {
     passes: Vec<(String, bool)>,
     skipped: Vec<Skipped>,
     counted: bool,
+    /// What the names of passes begin with.
+    stage: String,
     pending: Barriers,
     undo: Undo,
     /// Pipelines that this frame settles, once it is submitted.
@@ -124,6 +126,7 @@ impl<'c> Frame<'c> {
             passes: Vec::new(),
             skipped: Vec::new(),
             counted: false,
+            stage: String::new(),
             pending: Barriers::default(),
             undo: Undo::default(),
             settled: Vec::new(),
@@ -139,9 +142,15 @@ impl Frame<'_> {
         self.counted = true;
     }
 
+    /// From here on the names of passes begin with that of a stage and a slash, so that passes that are recorded again
+    /// have names of their own; `None` ends it.
+    pub fn stage(&mut self, name: Option<&str>) {
+        self.stage = name.map_or(String::new(), |name| format!("{name}/"));
+    }
+
     /// Notes a pass that this frame does not need, and why.
     pub fn skip(&mut self, pass: &str, why: &str) {
-        self.skipped.push(Skipped { pass: pass.to_owned(), why: why.to_owned() });
+        self.skipped.push(Skipped { pass: format!("{}{pass}", self.stage), why: why.to_owned() });
     }
 
     /// Moves levels to a use without a pass of its own: textures after their upload.
@@ -254,7 +263,8 @@ impl Frame<'_> {
     /// Label, timestamps and statistics of a pass, around what `record` records.
     fn pass(&mut self, name: &str, record: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         let commands = self.context.commands;
-        self.context.gpu.begin_label(commands, name);
+        let name = format!("{}{name}", self.stage);
+        self.context.gpu.begin_label(commands, &name);
         if self.mode == Mode::Timed {
             self.full_barrier();
         }
@@ -268,7 +278,7 @@ impl Frame<'_> {
         }
         self.stamp()?;
         self.context.gpu.end_label(commands);
-        self.passes.push((name.to_owned(), self.counted));
+        self.passes.push((name, self.counted));
         Ok(())
     }
 

@@ -22,10 +22,9 @@ pub const INFO: MethodInfo = MethodInfo {
         "ray-traced impostor quads",
         "Schmidt 2013, §5.3, listings 2 and 3",
         |gpu, making| {
-            Ok(Box::new(BillboardMethod {
-                pass: BillboardPass::new(gpu, making.setup.extent)?,
-                parameters: making.setup.of(),
-            }))
+            let parameters: BillboardParams = making.setup.of();
+            let pass = BillboardPass::new(gpu, making.setup.extent, parameters.billboard_glow > 0.0)?;
+            Ok(Box::new(BillboardMethod { pass, parameters }))
         },
     )
 };
@@ -46,6 +45,12 @@ parameters! {
         billboard_blur: Blur = Parameter::new(Blur::None)
             .sweep(Preset::Published, &[Blur::Roughness, Blur::Distance])
             .source("Schmidt 2013, §6"),
+        /// A glow around billboards, as light sources have it: how bright it is beside an edge, as a share of the image's
+        /// colour there. With 0 there is none.
+        billboard_glow: f32 = Parameter::new(0.0).between(0.0, 4.0).source("Schmidt 2013, §6; no number there"),
+        /// How far the glow reaches beyond the edges of a billboard.
+        billboard_glow_width: f32 =
+            Parameter::new(0.5).above(0.0, 100.0).unit("m").source("Schmidt 2013, §6; no number there"),
     }
 }
 
@@ -62,9 +67,14 @@ impl Method for BillboardMethod {
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let data = input.scene()?.data;
-        let BillboardParams { billboard_order: order, billboard_occlusion: occlusion, billboard_blur: blur } =
-            self.parameters;
-        let drawing = Drawing { order, occlusion, blur, premultiplied: false };
+        let p = self.parameters;
+        let drawing = Drawing {
+            order: p.billboard_order,
+            occlusion: p.billboard_occlusion,
+            blur: p.billboard_blur,
+            glow: (p.billboard_glow, p.billboard_glow_width),
+            premultiplied: false,
+        };
         Ok(Traced::new(self.pass.record(frame, &input.gbuffer, data, input.camera, None, drawing)?))
     }
 }

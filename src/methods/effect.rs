@@ -5,13 +5,13 @@ use super::setup::HistoryUse;
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
-use crate::passes::Captures;
 use crate::passes::bump::BumpPass;
 use crate::passes::composite::CompositePass;
 use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
+use crate::passes::{Captures, GBuffer};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
@@ -35,6 +35,8 @@ pub struct Effect {
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
+    /// How often light is reflected, and what makes the image that bounces after the first reflect.
+    bounces: Option<(u32, CompositePass)>,
     /// None where no image with the reflection in it is wanted.
     composite: Option<CompositePass>,
     captures: Option<Captured>,
@@ -159,6 +161,10 @@ impl Effect {
             let message = format!("other normals for rays are for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
         }
+        if effect.bounces != 1 && !info.is_screen_space() {
+            let message = format!("several bounces are for screen-space methods, and {name} is none");
+            return Err(Error::Usage(message));
+        }
         let is_bumped = effect.bump_after > 0.0;
         if is_bumped && !other_normals {
             let message = "bumps after the tracing need rays that were reflected at normals without them: \
@@ -190,7 +196,11 @@ impl Effect {
             Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
-        let composite = wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped;
+        let bounces = (effect.bounces > 1)
+            .then(|| Ok::<_, Error>((effect.bounces, CompositePass::for_bounces(&gpu, extent)?)))
+            .transpose()?;
+        let composite =
+            wants.composite && fallback.is_none() && divisor == 1 && !history && !is_bumped && bounces.is_none();
         let mut scaled = None;
         let mut inner = Making {
             setup: setup.clone(),
@@ -218,6 +228,7 @@ impl Effect {
             history: history
                 .then(|| HistoryPass::new(&gpu, extent, effect.history_frames, effect.history_deviations))
                 .transpose()?,
+            bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
             prepared: Prepared::default(),
@@ -302,7 +313,34 @@ impl Effect {
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
         let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
-        let input = &Input { captures, gbuffer, frame: frames, ..*input };
+        let mut input = Input { captures, gbuffer, frame: frames, ..*input };
+        let mut traced = self.reflect(frame, &input, &shading)?;
+        for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
+            let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
+            // Each bounce adds its reflection to the same light: that of the surfaces themselves.
+            let color = pass.record(frame, &gbuffer, reflection)?;
+            frame.stage(Some(&format!("bounce {}", bounce + 1)));
+            input = Input { bounce, gbuffer: GBuffer { color, ..gbuffer }, ..input };
+            traced = self.reflect(frame, &input, &shading)?;
+        }
+        if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
+            // The distances of smaller pixels are of another grid.
+            let distance = traced.distance.filter(|_| self.scaled.is_none());
+            let averaged = history.record(frame, &gbuffer, input.camera, reflection, distance)?;
+            traced = Traced { reflection: Some(averaged), composite: None, ..traced };
+        }
+        let composite = match (traced.composite, traced.reflection, &self.composite) {
+            (Some(made), ..) => made,
+            (None, Some(reflection), Some(pass)) => pass.record(frame, &gbuffer, reflection)?,
+            _ => gbuffer.color,
+        };
+        frame.stage(None);
+        Ok(Output { traced, composite })
+    }
+
+    /// Records the method's passes of one bounce, and what brings its reflection to full size, displaces it, and stands
+    /// behind it. `shading` has the normals of shading.
+    fn reflect<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>, shading: &GBuffer<'a>) -> Result<Traced<'a>> {
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {
@@ -314,7 +352,7 @@ impl Effect {
             }
         };
         if let (Some((_, Some(bump))), Some(reflection)) = (&self.trace_normals, traced.reflection) {
-            traced.reflection = Some(bump.record(frame, &shading, &gbuffer, reflection)?);
+            traced.reflection = Some(bump.record(frame, shading, &input.gbuffer, reflection)?);
             traced.composite = None;
         }
         if let (Some((behind, pass)), Some(reflection)) = (&self.fallback, traced.reflection) {
@@ -325,18 +363,7 @@ impl Effect {
             }
             traced.intermediates.extend(behind.intermediates);
         }
-        if let (Some(history), Some(reflection)) = (&self.history, traced.reflection) {
-            // The distances of smaller pixels are of another grid.
-            let distance = traced.distance.filter(|_| self.scaled.is_none());
-            let averaged = history.record(frame, &input.gbuffer, input.camera, reflection, distance)?;
-            traced = Traced { reflection: Some(averaged), composite: None, ..traced };
-        }
-        let composite = match (traced.composite, traced.reflection, &self.composite) {
-            (Some(made), ..) => made,
-            (None, Some(reflection), Some(pass)) => pass.record(frame, &input.gbuffer, reflection)?,
-            _ => input.gbuffer.color,
-        };
-        Ok(Output { traced, composite })
+        Ok(traced)
     }
 }
 

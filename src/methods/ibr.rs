@@ -27,7 +27,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "Hermanns 2015, §3.1.4",
         |gpu, making| {
             Ok(Box::new(IbrMethod {
-                pass: BillboardPass::new(gpu, making.setup.extent)?.labelled("planes"),
+                pass: BillboardPass::new(gpu, making.setup.extent, false)?.labelled("planes"),
                 parameters: making.setup.of(),
                 images: Vec::new(),
                 captured: Vec::new(),
@@ -126,8 +126,13 @@ impl Method for IbrMethod {
 
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let data = input.scene()?.data;
-        let drawing =
-            Drawing { order: Order::Nearest, occlusion: Occlusion::None, blur: Blur::Roughness, premultiplied: true };
+        let drawing = Drawing {
+            order: Order::Nearest,
+            occlusion: Occlusion::None,
+            blur: Blur::Roughness,
+            glow: (0.0, 0.0),
+            premultiplied: true,
+        };
         let reflection = self.pass.record(frame, &input.gbuffer, data, input.camera, Some(&self.images), drawing)?;
         let shown = self.images.first().map(|image| Intermediate { name: "plane", content: Content::Color, image });
         Ok(Traced { intermediates: shown.into_iter().collect(), ..Traced::new(reflection) })

@@ -61,7 +61,7 @@ impl LinearMethod {
 impl Method for LinearMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
-        let depth = self.depth.record(frame, gbuffer)?;
+        let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
         let parameters = self.numbers.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, self.fade));
         let (reflection, hits) = self.trace.record(frame, gbuffer, depth, &parameters)?;
         let intermediates =

@@ -52,12 +52,20 @@ pub struct Input<'a, 's> {
     pub in_front: Option<Reflection<'a>>,
     /// How many frames came before this one since the history began; 0 without a history, so that frames are equal.
     pub frame: u32,
+    /// How many bounces came before this one in the frame. After the first, the lit colour has the reflections of the
+    /// bounce before in it, and all else is as it was: what a method made of it then still stands.
+    pub bounce: u32,
 }
 
 impl<'a, 's> Input<'a, 's> {
     /// A G-buffer without its scene.
     pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
-        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None, frame: 0 }
+        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None, frame: 0, bounce: 0 }
+    }
+
+    /// What the first bounce makes, and those after it read again: a pass that reads no colour.
+    pub(crate) fn once<T>(&self, make: impl FnOnce() -> Result<T>, made: impl FnOnce() -> T) -> Result<T> {
+        if self.bounce == 0 { make() } else { Ok(made()) }
     }
 
     /// The scene, for a method that can't do without.
@@ -287,8 +295,10 @@ pub const METHODS: &[MethodInfo] = &[
 pub fn choose(names: &[String], setup: &Setup) -> Result<Vec<&'static MethodInfo>> {
     if names.is_empty() {
         let effect = setup.effect();
-        let plain =
-            effect.fallback == Fallback::None && effect.divisor() == 1 && effect.trace_normals == TraceNormals::Shading;
+        let plain = effect.fallback == Fallback::None
+            && effect.divisor() == 1
+            && effect.trace_normals == TraceNormals::Shading
+            && effect.bounces == 1;
         return Ok(METHODS.iter().filter(|m| plain || m.is_screen_space()).collect());
     }
     let methods = names.iter().map(|name| find(name)).collect::<Result<Vec<_>>>()?;

@@ -120,6 +120,10 @@ parameters! {
             Parameter::new(0.0).between(0.0, 4.0).unit("screen heights").source("Hermanns 2015, §4.4; no number there"),
         /// What is seen behind a screen-space method where its reflection fades out.
         fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
+        /// How often light is reflected in screen-space methods: with each bounce the reflections are made again, from the
+        /// image with those of the bounce before in it (docs/definitions.md, "Bounces"). With 1, what is reflected does not
+        /// reflect. The references follow rays over as many bounces.
+        bounces: u32 = Parameter::new(1).within(1, 8).unit("bounces").source("Hermanns 2015, §4.2.11"),
         /// Reflections are averaged over frames: those of earlier frames are found again where they were seen then, as far
         /// as they are not hidden, and kept within what the pixels around show now. An image at rest is shown after
         /// `history_frames` frames.

@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::gpu::shader::ThesisBlock;
 use crate::gpu::{Frame, Gpu};
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
-use crate::passes::color_chain::{ChainFilter, ColorChainPass};
+use crate::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
 use crate::passes::thesis_trace::{ThesisTracePass, TraceInput};
 use crate::passes::visibility::VisibilityPass;
-use crate::passes::{Content, GBuffer, Hits, LIT_COLOR, Reflection};
+use crate::passes::{Content, GBuffer, Hits, Reflection};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -50,6 +50,11 @@ parameters! {
         chain_filter: ChainFilter = Parameter::new(ChainFilter::Hardware)
             .sweep(Preset::Published, &[ChainFilter::Gaussian])
             .source("§4.2.6"),
+        /// What the blur of the colour chain leaves out. A mask needs the Gaussian, which then filters the chain.
+        chain_mask: ChainMask =
+            Parameter::new(ChainMask::None).source("Hermanns 2015, ch. 6 and §4.3.2; not which mask"),
+        /// Of the mask by surfaces: how far depths of one surface differ, as a part of the lesser one.
+        chain_mask_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("this project"),
         /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it; it costs time.
         hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
         /// Trace rays and cones in two passes instead of one.
@@ -83,7 +88,12 @@ impl ThesisMethod {
         Ok(Self {
             hi_z: HiZPass::new(gpu, extent, drawn.hi_z_maximum)?,
             visibility: VisibilityPass::new(gpu, extent)?,
-            color: ColorChainPass::new(gpu, extent, LIT_COLOR, drawn.chain_filter)?,
+            color: ColorChainPass::masked(
+                gpu,
+                extent,
+                drawn.chain_filter,
+                (drawn.chain_mask, drawn.chain_mask_tolerance),
+            )?,
             trace: ThesisTracePass::new(gpu, extent, fallback, drawn.split, making.hits)?,
             fade: making.setup.effect().fade,
             fill,
@@ -116,20 +126,16 @@ impl ThesisMethod {
         camera: &Camera,
         hits: Hits,
     ) -> Result<Reflection<'a>> {
-        let (input, parameters) = self.chains(frame, gbuffer, camera)?;
+        let (input, parameters) = self.chains(frame, &Input::of_screen(*gbuffer, camera))?;
         self.trace.record_cone(frame, &input, &parameters, hits)
     }
 
     /// The chains that ray trace and cone trace read, and their parameters.
-    fn chains<'a>(
-        &'a self,
-        frame: &mut Frame,
-        gbuffer: &GBuffer<'a>,
-        camera: &Camera,
-    ) -> Result<(TraceInput<'a>, ThesisBlock)> {
-        let hi_z = self.hi_z.record(frame, gbuffer)?;
-        let visibility = self.visibility.record(frame, hi_z, &camera.lens)?;
-        let color = self.color.record(frame, gbuffer)?;
+    fn chains<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<(TraceInput<'a>, ThesisBlock)> {
+        let (gbuffer, camera) = (&input.gbuffer, input.camera);
+        let hi_z = input.once(|| self.hi_z.record(frame, gbuffer), || self.hi_z.made())?;
+        let visibility = input.once(|| self.visibility.record(frame, hi_z, &camera.lens), || self.visibility.made())?;
+        let color = self.color.record_masked(frame, gbuffer, hi_z, &camera.lens)?;
         let block = thesis::block(camera, gbuffer.depth.extent(), hi_z.0.levels(), self.fade);
         Ok((TraceInput { gbuffer: *gbuffer, hi_z, visibility, color }, (self.fill)(block)))
     }
@@ -137,8 +143,8 @@ impl ThesisMethod {
 
 impl Method for ThesisMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
-        let (chains, parameters) = self.chains(frame, &input.gbuffer, input.camera)?;
-        let (reflection, hits) = self.trace.record(frame, &chains, &parameters)?;
+        let (chains, parameters) = self.chains(frame, input)?;
+        let (reflection, hits) = self.trace.record(frame, &chains, &parameters, input.bounce > 0)?;
         let made = |name, content, image| Intermediate { name, content, image };
         let intermediates = vec![
             made("hi-z", Content::StandardDepth, chains.hi_z.0),

@@ -79,7 +79,7 @@ impl SslrMethod {
 impl Method for SslrMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let gbuffer = &input.gbuffer;
-        let depth = self.depth.record(frame, gbuffer)?;
+        let depth = input.once(|| self.depth.record(frame, gbuffer), || self.depth.made())?;
         let parameters = self.parameters;
         let block = parameters.march.fill(thesis::block(input.camera, gbuffer.depth.extent(), 1, false));
         let sampler = match parameters.depth_sampling {

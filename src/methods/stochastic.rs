@@ -161,14 +161,14 @@ impl Method for StochasticMethod {
         let mut intermediates = Vec::new();
         let hits = match &self.walk {
             Walk::Exact(pyramid, trace) => {
-                let pyramid = pyramid.record(frame, gbuffer, &unified)?;
+                let pyramid = input.once(|| pyramid.record(frame, gbuffer, &unified), || pyramid.made())?;
                 self.turns(frame, input, &unified, |frame, stochastic| {
                     trace.record(frame, gbuffer, pyramid, beyond, (&unified, stochastic))
                 })?;
                 trace.hits()
             }
             Walk::Thesis(pass, of, trace) => {
-                let hi_z = pass.record(frame, gbuffer)?;
+                let hi_z = input.once(|| pass.record(frame, gbuffer), || pass.made())?;
                 let (name, content) = ("hi-z", Content::StandardDepth);
                 intermediates.push(Intermediate { name, content, image: hi_z.0 });
                 let published = thesis::block(input.camera, extent, hi_z.0.levels(), self.fade);

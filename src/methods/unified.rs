@@ -203,14 +203,14 @@ impl Method for UnifiedMethod {
         let beyond = self.lost.beyond(frame, &block, input.sky)?;
         let canvas = Canvas { composite: self.composite.as_ref(), reflection: self.reflection.as_ref() };
 
-        let pyramid = self.pyramid.record(frame, &gbuffer, &parameters)?;
+        let pyramid = input.once(|| self.pyramid.record(frame, &gbuffer, &parameters), || self.pyramid.made())?;
         if plan.narrow || plan.wide {
             self.color.record(frame, &gbuffer)?;
         }
         let tiles = if plan.whole {
             self.classify.whole()
         } else {
-            let tiles = self.classify.record(frame, &gbuffer, &parameters)?;
+            let tiles = input.once(|| self.classify.record(frame, &gbuffer, &parameters), || self.classify.made())?;
             canvas.begin(frame, gbuffer.color)?;
             tiles
         };

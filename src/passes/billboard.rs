@@ -5,7 +5,7 @@
 use super::scene_data::{SceneData, at_most};
 use super::{GBuffer, LIT_COLOR, Reflection, camera_block};
 use crate::error::Result;
-use crate::gpu::programs::Billboard;
+use crate::gpu::programs::{Billboard, BillboardConstants};
 use crate::gpu::shader::{BillboardBlock, ImpostorData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target};
 use crate::math::constants::{
@@ -61,6 +61,9 @@ pub struct Drawing {
     pub occlusion: Occlusion,
     /// How wide the ray is there.
     pub blur: Blur,
+    /// How bright the glow beside an edge is, as a share of the image's colour there, and how far it reaches, in metres.
+    /// Only a pass that was made for it has one.
+    pub glow: (f32, f32),
     /// Whether the images' colours are multiplied by their alpha already; only [`Order::Nearest`] asks.
     pub premultiplied: bool,
 }
@@ -73,10 +76,10 @@ pub struct BillboardPass {
 }
 
 impl BillboardPass {
-    /// An image of a size in pixels.
-    pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+    /// An image of a size in pixels; with a glow ([`Drawing::glow`]) or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], glow: bool) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?,
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &BillboardConstants { glow })?,
             reflection: Image::target(gpu, "billboard reflection", LIT_COLOR, extent)?,
             label: "billboards",
         })
@@ -115,6 +118,8 @@ impl BillboardPass {
             occlusion: i32::from(drawing.occlusion == Occlusion::Depth),
             blur: drawing.blur as i32,
             premultiplied: i32::from(drawing.premultiplied),
+            glow: drawing.glow.0,
+            glowWidth: drawing.glow.1,
             ..BillboardBlock::default()
         };
         let mut textures = [Sampled::trilinear(scene.white.all()); MAX_IMPOSTORS];

@@ -62,7 +62,12 @@ impl ClassifyPass {
             listed_image: self.listed.all(),
         };
         frame.compute("classify/tiles", &self.pipeline, &classify, [x, y, 1])?;
-        Ok(self.tiles(false))
+        Ok(self.made())
+    }
+
+    /// The lists as they were recorded last.
+    pub fn made(&self) -> Tiles<'_> {
+        self.tiles(false)
     }
 
     /// Nothing is classified, since all that reflects does so in one way.

@@ -1,13 +1,14 @@
 //! Pre-convolution: the colour's mip chain (thesis §4.2.6), by the hardware's linear filter as the
-//! thesis chose, or by the 7-tap Gaussian of §4.3.2 as its alternative. For `unified` the coarse levels of
+//! thesis chose, or by the 7-tap Gaussian of §4.3.2 as its alternative, with a mask (ch. 6) or without. For `unified` the coarse levels of
 //! the linear filter are made in one dispatch.
 
-use super::{ColorChain, GBuffer, LIT_COLOR};
-use crate::error::Result;
-use crate::gpu::programs::{ColorCoarse, GaussianBlur};
-use crate::gpu::shader::BlurBlock;
+use super::{ColorChain, GBuffer, HiZ, LIT_COLOR};
+use crate::error::{Error, Result};
+use crate::gpu::programs::{ColorCoarse, GaussianBlur, GaussianBlurMasked, GaussianBlurMaskedConstants};
+use crate::gpu::shader::{BlurBlock, MaskedBlurBlock};
 use crate::gpu::{ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampled, Target, image};
 use crate::parameter::choices;
+use crate::scene::Lens;
 use ash::vk;
 
 choices! {
@@ -20,6 +21,18 @@ choices! {
     }
 }
 
+choices! {
+    /// What the Gaussian leaves out of a level: where its mask says so, it takes the colour of the texel in the middle.
+    pub enum ChainMask {
+        /// Nothing: there is no mask.
+        None = "none",
+        /// Where nothing stands that a ray could hit: the sky.
+        Covered = "covered",
+        /// Where another surface stands than in the middle, by its depth.
+        Surface = "surface",
+    }
+}
+
 /// How the levels are made.
 enum Make {
     /// A blit each.
@@ -28,6 +41,8 @@ enum Make {
     Coarse(ComputePipeline<ColorCoarse<'static>>),
     /// Two passes each, with the image between the two directions.
     Gaussian(GraphicsPipeline<GaussianBlur<'static>>, Box<Image>),
+    /// The same, with how far depths of one surface differ, as a part of the lesser one.
+    Masked(GraphicsPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
 /// Levels that `color_coarse.comp` makes.
@@ -39,24 +54,28 @@ pub struct ColorChainPass(Make);
 impl ColorChainPass {
     /// For lit colours of a size and format.
     pub fn new(gpu: &Gpu, extent: [u32; 2], format: vk::Format, filter: ChainFilter) -> Result<Self> {
-        use vk::ImageUsageFlags as U;
         Ok(Self(match filter {
             ChainFilter::Hardware => Make::Blits,
-            ChainFilter::Gaussian => Make::Gaussian(
-                GraphicsPipeline::fullscreen(gpu, [format])?,
-                Box::new(Image::new(
-                    gpu,
-                    &ImageDesc {
-                        name: "horizontal blur",
-                        format,
-                        extent,
-                        levels: image::full_chain(extent),
-                        layers: 1,
-                        usage: U::COLOR_ATTACHMENT | U::SAMPLED,
-                    },
-                )?),
-            ),
+            ChainFilter::Gaussian => {
+                Make::Gaussian(GraphicsPipeline::fullscreen(gpu, [format])?, between(gpu, extent, format)?)
+            }
         }))
+    }
+
+    /// By the Gaussian with a mask, which reads the Hi-Z buffer ([`Self::record_masked`]); without one, as
+    /// [`Self::new`] has it. `tolerance` is how far depths of one surface differ, as a part of the lesser one.
+    pub fn masked(
+        gpu: &Gpu,
+        extent: [u32; 2],
+        filter: ChainFilter,
+        (mask, tolerance): (ChainMask, f32),
+    ) -> Result<Self> {
+        if mask == ChainMask::None {
+            return Self::new(gpu, extent, LIT_COLOR, filter);
+        }
+        let constants = GaussianBlurMaskedConstants { surface: mask == ChainMask::Surface };
+        let pipeline = GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &constants)?;
+        Ok(Self(Make::Masked(pipeline, between(gpu, extent, LIT_COLOR)?, tolerance)))
     }
 
     /// As with [`ChainFilter::Hardware`], in fewer passes.
@@ -81,9 +100,51 @@ impl ColorChainPass {
                     gaussian(frame, level, pipeline, levels)?;
                 }
             }
+            Make::Masked(..) => return Err(Error::Usage("a masked chain reads the Hi-Z buffer".into())),
         }
         Ok(ColorChain(chain))
     }
+
+    /// The same, where a mask is read from the Hi-Z buffer of the same G-buffer, if there is one.
+    pub fn record_masked<'a>(
+        &self,
+        frame: &mut Frame,
+        gbuffer: &GBuffer<'a>,
+        hi_z: HiZ,
+        lens: &Lens,
+    ) -> Result<ColorChain<'a>> {
+        let Make::Masked(pipeline, between, tolerance) = &self.0 else { return self.record(frame, gbuffer) };
+        let chain = gbuffer.color;
+        for level in 1..chain.levels() {
+            let [below, between, here] = [chain.level(level - 1), between.level(level), chain.level(level)];
+            let [w, h] = here.extent().map(|v| 1.0 / v as f32);
+            for (name, direction, from, to) in [("h", [w, 0.0], below, between), ("v", [0.0, h], between, here)] {
+                let blur = MaskedBlurBlock {
+                    invSize: [w, h],
+                    direction,
+                    near: lens.near_m,
+                    far: lens.far_m,
+                    tolerance: *tolerance,
+                    ..MaskedBlurBlock::default()
+                };
+                let program = GaussianBlurMasked {
+                    tex: Sampled::trilinear(from),
+                    hiZ: Sampled::nearest(hi_z.0.level(level)),
+                    blur: &blur,
+                };
+                frame.fullscreen(&format!("color/{level}{name}"), pipeline, [Target::overwrite(to)], &program)?;
+            }
+        }
+        Ok(ColorChain(chain))
+    }
+}
+
+/// The image between the two directions of the Gaussian.
+fn between(gpu: &Gpu, extent: [u32; 2], format: vk::Format) -> Result<Box<Image>> {
+    use vk::ImageUsageFlags as U;
+    let (levels, usage) = (image::full_chain(extent), U::COLOR_ATTACHMENT | U::SAMPLED);
+    let described = ImageDesc { name: "horizontal blur", format, extent, levels, layers: 1, usage };
+    Ok(Box::new(Image::new(gpu, &described)?))
 }
 
 /// The levels of a chain below one, from level 1 on.

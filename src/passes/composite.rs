@@ -1,11 +1,9 @@
 //! Composite: lit colour + reflectivity · fade · reflection (docs/definitions.md, "Surfaces").
 
-use super::{GBuffer, Reflection};
+use super::{GBuffer, LIT_COLOR, Reflection};
 use crate::error::Result;
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Target, image, programs};
 use ash::vk;
-
-const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 
 /// Pipeline and image of one size.
 pub struct CompositePass {
@@ -17,17 +15,33 @@ impl CompositePass {
     /// An image of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Ok(Self {
-            pipeline: GraphicsPipeline::fullscreen(gpu, [FORMAT])?,
-            image: Image::target(gpu, "composite", FORMAT, extent)?,
+            pipeline: GraphicsPipeline::fullscreen_with(
+                gpu,
+                [LIT_COLOR],
+                &programs::CompositeConstants { lit: false },
+            )?,
+            image: Image::target(gpu, "composite", LIT_COLOR, extent)?,
         })
     }
 
-    /// Pass "composite"; the image is linear.
+    /// An image of a size in pixels that stands for the lit colour of another bounce, with room for its chain.
+    pub fn for_bounces(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        use vk::ImageUsageFlags as U;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let levels = image::full_chain(extent);
+        let described = ImageDesc { name: "bounce", format: LIT_COLOR, extent, levels, layers: 1, usage };
+        Ok(Self {
+            pipeline: GraphicsPipeline::fullscreen_with(gpu, [LIT_COLOR], &programs::CompositeConstants { lit: true })?,
+            image: Image::new(gpu, &described)?,
+        })
+    }
+
+    /// Pass "composite"; the image is linear, in level 0.
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer, reflection: Reflection) -> Result<&'a Image> {
         frame.fullscreen(
             "composite",
             &self.pipeline,
-            [Target::overwrite(self.image.all())],
+            [Target::overwrite(self.image.level(0))],
             &programs::Composite {
                 color_buffer: Sampled::nearest(gbuffer.color.level(0)),
                 reflection_buffer: Sampled::nearest(reflection.0.all()),

@@ -72,7 +72,12 @@ impl HiZPass {
                 &programs::HiZ { Tex: Sampled::nearest(below), hiz: &hiz },
             )?;
         }
-        Ok(HiZ(&self.chain))
+        Ok(self.made())
+    }
+
+    /// The chain as it was recorded last.
+    pub fn made(&self) -> HiZ<'_> {
+        HiZ(&self.chain)
     }
 }
 

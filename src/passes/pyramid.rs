@@ -94,7 +94,12 @@ impl PyramidPass {
         let threads = <programs::Pyramid as Program>::SHADER.local_size;
         let threads = [0, 1, 2].map(|i| tiles.get(i).map_or(1, |n| n * threads[i]));
         frame.compute(self.label, &self.pipeline, &program, threads)?;
-        Ok(Pyramid(&self.image))
+        Ok(self.made())
+    }
+
+    /// The pyramid as it was recorded last.
+    pub fn made(&self) -> Pyramid<'_> {
+        Pyramid(&self.image)
     }
 }
 

@@ -56,12 +56,14 @@ impl ThesisTracePass {
         })
     }
 
-    /// Pass "trace+cone", or passes "ray trace" and "cone trace".
+    /// Pass "trace+cone", or passes "ray trace" and "cone trace". Of rays that were `traced` before over the same depth and
+    /// normals, the cone alone is traced again, if the two are apart.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         input: &TraceInput,
         parameters: &ThesisBlock,
+        traced: bool,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let hits = self.hits.as_ref().map(Hits);
         let hits_target = self.hits.as_ref().map_or(Target::unwanted(), |image| Target::overwrite(image.all()));
@@ -86,7 +88,9 @@ impl ThesisTracePass {
                     normalBuffer: Sampled::nearest(input.gbuffer.normal.all()),
                     materialBuffer: Sampled::nearest(input.gbuffer.material.all()),
                 };
-                frame.fullscreen("ray trace", trace, [hits_target], &program)?;
+                if !traced {
+                    frame.fullscreen("ray trace", trace, [hits_target], &program)?;
+                }
                 if let Some(hits) = hits {
                     self.record_cone(frame, input, parameters, hits)?;
                 }

@@ -52,6 +52,11 @@ impl VisibilityPass {
                 },
             )?;
         }
-        Ok(Visibility(&self.chain))
+        Ok(self.made())
+    }
+
+    /// The chain as it was recorded last.
+    pub fn made(&self) -> Visibility<'_> {
+        Visibility(&self.chain)
     }
 }

@@ -308,8 +308,14 @@ pub fn beside_truth(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setu
     gpu.check_validation().unwrap();
     let first_hits = FirstHits::from_gbuffer(&gbuffer::read(&mut stage.context, &shot).unwrap());
     let world = World::new(scene, &scene.materials);
-    let reference =
-        WorldReference { world: &world, first_hits: &first_hits, escape: Escape::Black, footprint: None, seed: 1 };
+    let reference = WorldReference {
+        world: &world,
+        first_hits: &first_hits,
+        escape: Escape::Black,
+        footprint: None,
+        seed: 1,
+        bounces: 1,
+    };
     let mut state = reference.start();
     reference.add(&mut state, 1);
     let world = reference.image(&state).reflection;

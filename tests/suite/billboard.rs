@@ -7,6 +7,7 @@ use ssct::gpu::{Gpu, Pixels};
 use ssct::methods::Setup;
 use ssct::methods::billboard::BillboardParams;
 use ssct::passes::billboard::{Blur, Occlusion, Order};
+use ssct_lab::reference::first_hits::Receiver;
 use ssct_lab::scene::{Encoding, Impostor, Scene, Texture};
 use ssct_lab::study::Globals;
 
@@ -42,12 +43,13 @@ fn scene(with_block: bool) -> Scene {
     b.0
 }
 
-fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Truth {
-    let setup = Setup::new(EXTENT).with(|p: &mut BillboardParams| {
-        (p.billboard_order, p.billboard_occlusion) = (order, occlusion);
-    });
+fn see_with(gpu: &Gpu, scene: &Scene, change: impl FnOnce(&mut BillboardParams)) -> Truth {
     let camera = camera(Vec3::new(0.3, 1.6, 0.2), Vec3::new(0.0, 0.6, 5.0), EXTENT);
-    beside_truth(gpu, scene, camera, "billboard", &setup, &Globals::default())
+    beside_truth(gpu, scene, camera, "billboard", &Setup::new(EXTENT).with(change), &Globals::default())
+}
+
+fn see(gpu: &Gpu, scene: &Scene, order: Order, occlusion: Occlusion) -> Truth {
+    see_with(gpu, scene, |p| (p.billboard_order, p.billboard_occlusion) = (order, occlusion))
 }
 
 /// Red, green, blue or black.
@@ -160,4 +162,79 @@ fn a_blur_widens_with_roughness_and_with_the_way_from_the_viewer() {
     let [none, roughness, distance] = [Blur::None, Blur::Roughness, Blur::Distance].map(|b| contrast(&image(b, 0.3)));
     println!("contrast {none}, by roughness {roughness}, by distance {distance}");
     assert!(roughness < 0.8 * none && distance < 0.9 * roughness, "{none}, {roughness}, {distance}");
+}
+
+/// Reflection, and for each pixel where its ray meets the plane of the picture: beyond which edges, in metres, and how far
+/// in all.
+fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> (Pixels, Vec<Option<[f64; 3]>>) {
+    let Truth { reflection, first_hits, .. } = see_with(gpu, scene, |p| {
+        (p.billboard_order, p.billboard_occlusion) = (Order::Nearest, occlusion);
+        (p.billboard_glow, p.billboard_glow_width) = glow;
+    });
+    let off = |receiver: &Receiver| {
+        let direction = receiver.mirror();
+        let t = (f64::from(CENTRE.z) - receiver.position.z) / direction.z;
+        let at = receiver.position + t * direction - CENTRE.as_dvec3();
+        let beyond = |v: f64, half: f32| v.signum() * (v.abs() - f64::from(half)).max(0.0);
+        let (x, y) = (beyond(at.x, HALF_U.x), beyond(at.y, -HALF_V.y));
+        (direction.z > 0.0).then(|| [x, y, x.hypot(y)])
+    };
+    (reflection, first_hits.receivers.iter().map(|r| r.as_ref().and_then(off)).collect())
+}
+
+#[test]
+fn a_glow_fades_beyond_the_edges_of_a_billboard() {
+    let gpu = gpu();
+    // Of one colour, so that all levels of the image show the same.
+    let mut even = scene(false);
+    even.textures[1].rgba = [255, 188, 0, 255].repeat(64);
+    let color = Vec3::new(1.0, ssct::math::srgb_to_linear(188.0 / 255.0), 0.0);
+    let (strength, width) = (0.5, 0.75);
+    let (plain, _) = glowing(&gpu, &even, Occlusion::None, (0.0, width));
+    let (lit, off) = glowing(&gpu, &even, Occlusion::None, (strength, width));
+    let (mut inside, mut glows) = (0, 0);
+    for ((plain, lit), off) in plain.texels().zip(lit.texels()).zip(&off) {
+        let found = Vec3::from_slice(lit);
+        let Some([.., off]) = off else {
+            assert_eq!(plain, lit, "no ray meets the plane");
+            continue;
+        };
+        // The device's rays are of single precision: what is within a millimetre of an edge is left out.
+        if *off == 0.0 && plain[3] == 1.0 {
+            inside += 1;
+            assert_eq!(plain, lit, "the image itself is as it was");
+        } else if *off > 1e-3 {
+            let reach = (1.0 - *off as f32 / width).max(0.0);
+            let expected = strength * reach * reach * color;
+            assert!((found - expected).abs().max_element() < 2e-3, "{off} m off: {found}, not {expected}");
+            assert_eq!(lit[3] > 0.0, found != Vec3::ZERO, "{lit:?}");
+            glows += usize::from(reach > 0.0);
+        }
+    }
+    println!("{inside} pixels show the picture, {glows} its glow");
+    assert!(inside > 1000 && glows > 500, "{inside}, {glows}");
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn a_glow_has_the_colours_of_the_edge_that_is_near_and_is_hidden_with_occlusion() {
+    let gpu = gpu();
+    let (mut red, mut green, mut kept, mut hidden) = (0, 0, 0, 0);
+    let (open, off) = glowing(&gpu, &scene(true), Occlusion::None, (1.0, 0.75));
+    let (behind, _) = glowing(&gpu, &scene(true), Occlusion::Depth, (1.0, 0.75));
+    for ((open, behind), off) in open.texels().zip(behind.texels()).zip(&off) {
+        let Some([x, y, off]) = off else { continue };
+        if (0.01..0.3).contains(&x.abs()) && *y == 0.0 {
+            let is_red = open[0] > open[1];
+            assert_eq!(is_red, *x < 0.0, "{x} m off: {open:?}");
+            (red, green) = (red + usize::from(is_red), green + usize::from(!is_red));
+        }
+        if *off > 0.01 && open[0] + open[1] > 0.02 {
+            let is_same = open == behind;
+            assert!(is_same || behind[0] + behind[1] < 1e-6, "{off} m off: {open:?} became {behind:?}");
+            (kept, hidden) = (kept + usize::from(is_same), hidden + usize::from(!is_same));
+        }
+    }
+    println!("{red} red, {green} green; occlusion hides {hidden}, and leaves {kept}");
+    assert!(red > 30 && green > 30 && hidden > 10 && kept > 300, "{red}, {green}; {hidden}, {kept}");
 }

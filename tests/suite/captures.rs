@@ -10,7 +10,7 @@ use ssct::math::constants::{PATH_NONE, PATH_SKY, PATH_UNKNOWN};
 use ssct::math::random::Stream;
 use ssct::methods::capture::CaptureImages;
 use ssct::methods::setup::CaptureCount;
-use ssct::methods::{EffectParams, SceneInput, Setup, Wants, unified};
+use ssct::methods::{EffectParams, Fallback, SceneInput, Setup, Wants, find, unified};
 use ssct::passes::PathCode;
 use ssct::passes::pyramid;
 use ssct::passes::scene_data::SceneData;
@@ -426,4 +426,31 @@ fn no_seam_shows_where_a_ray_goes_on_in_a_capture() {
         assert!(seams > 50 && faces > 10 && cells > 1000, "{seams}, {faces}, {cells}");
     }
     check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn captures_behind_a_method_leave_what_the_screen_shows_in_the_image() {
+    let gpu = gpu();
+    let scene = library::scene("corridor").unwrap();
+    let (view, extent) = (&scene.views[0], [160, 90]);
+    let of = |fallback| {
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        let setup = Setup::new(extent).with(|p: &mut EffectParams| p.fallback = fallback);
+        let camera = view.camera(&scene, extent);
+        let shot =
+            Shot::new(&mut stage, find("ssct").unwrap(), &setup, Wants::REFLECTION, camera, mirrors(&scene, view))
+                .unwrap();
+        let (_, _, output) = stage.output(&shot).unwrap();
+        let reflection = stage.context.read(output.traced.reflection.unwrap().0.all()).unwrap();
+        (reflection, stage.context.read(output.composite.level(0)).unwrap())
+    };
+    let ((alone, screen), (_, captured)) = (of(Fallback::None), of(Fallback::Captures));
+    let mut shown = 0;
+    for ((reflection, screen), captured) in alone.texels().zip(screen.texels()).zip(captured.texels()) {
+        if reflection[3] == 1.0 {
+            shown += 1;
+            assert!((0..3).all(|c| (screen[c] - captured[c]).abs() < 2e-3), "{screen:?} became {captured:?}");
+        }
+    }
+    assert!(shown > 1000, "{shown}");
 }

@@ -1,14 +1,14 @@
 //! The chains of the GPU equal their twins on the CPU at every kind of size: odd, prime, one texel
 //! wide or high, one texel, powers of two, and sizes of the thesis's table.
 
-use crate::common::{Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
+use crate::common::{BLUR_WEIGHTS, Shown, bilinear, blur, clutter, clutter_camera, gpu, shared_scenes, show};
 use glam::Vec3;
 use ssct::gpu::frame::Mode;
 use ssct::gpu::{FrameContext, Gpu, Pixels};
 use ssct::math::random::Stream;
 use ssct::methods::Setup;
 use ssct::methods::ssct::ThesisDrawing;
-use ssct::passes::color_chain::{ChainFilter, ColorChainPass};
+use ssct::passes::color_chain::{ChainFilter, ChainMask, ColorChainPass};
 use ssct::passes::gbuffer::GBufferImages;
 use ssct_lab::reference::Level;
 use ssct_lab::reference::hi_z::{self, MinMax};
@@ -287,4 +287,66 @@ fn the_two_filters_differ() {
     assert_eq!(a.get("color"), b.get("color"), "level 0 is the lit colour either way");
     let difference = ssct_lab::metrics::rmse(&a.levels("color")[1].values, &b.levels("color")[1].values);
     assert!(difference > 0.005, "{difference}");
+}
+
+/// One direction of the masked Gaussian into a level, whose depths are given: where the mask says no, the middle is taken.
+fn masked(image: &Pixels, depth: &Pixels, counts: &dyn Fn(f32, f32) -> bool, [dx, dy]: [i32; 2]) -> Pixels {
+    let [w, h] = [depth.width, depth.height].map(|v| v as i32);
+    let mut values = Vec::new();
+    for (y, x) in (0..h).flat_map(|y| (0..w).map(move |x| (y, x))) {
+        let at = |x: i32, y: i32| bilinear(image, (x as f32 + 0.5) / w as f32, (y as f32 + 0.5) / h as f32);
+        let deep = |x: i32, y: i32| depth.at(x.clamp(0, w - 1) as u32, y.clamp(0, h - 1) as u32)[0];
+        let mut sum = [0.0; 3];
+        for (weight, tap) in BLUR_WEIGHTS.into_iter().zip(-3..=3) {
+            let (tap_x, tap_y) = (x + tap * dx, y + tap * dy);
+            let is_read = counts(deep(x, y), deep(tap_x, tap_y));
+            let read = if is_read { at(tap_x, tap_y) } else { at(x, y) };
+            sum = [0, 1, 2].map(|c| sum[c] + weight * read[c]);
+        }
+        values.extend(sum);
+    }
+    Pixels { width: w as u32, height: h as u32, channels: 3, values }
+}
+
+#[test]
+fn masked_gaussian_chains_equal_their_twin() {
+    // Tolerances as above. Of the mask by surfaces, a pair of depths may lie on the tolerance but for its rounding.
+    const TOLERANCE: f32 = 0.1;
+    let gpu = gpu();
+    for (mask, extent) in
+        [ChainMask::Covered, ChainMask::Surface].into_iter().flat_map(|m| SIZES.map(|extent| (m, extent)))
+    {
+        let setup =
+            Setup::new(extent).with(|p: &mut ThesisDrawing| (p.chain_mask, p.chain_mask_tolerance) = (mask, TOLERANCE));
+        let shown = show(&gpu, &clutter(), clutter_camera(extent), "ssct", &setup, &Globals::default());
+        let plain = render(&gpu, extent, ChainFilter::Gaussian);
+        let lens = shown.camera.lens;
+        let z = |depth: f32| lens.near_m * lens.far_m / (lens.far_m - depth * (lens.far_m - lens.near_m));
+        let counts = |middle: f32, tap: f32| match mask {
+            ChainMask::Covered => tap < 1.0,
+            _ => (z(tap) - z(middle)).abs() <= TOLERANCE * z(tap).min(z(middle)),
+        };
+        let (levels, depths) = (shown.levels("color"), shown.levels("hi-z"));
+        let (mut texels, mut differing, mut left_out) = (0_usize, 0_usize, 0_usize);
+        for n in 1..levels.len() {
+            let (below, here) = (levels[n - 1], levels[n]);
+            let across = masked(below, depths[n], &counts, [1, 0]);
+            let twin = masked(&across, depths[n], &counts, [0, 1]);
+            let brightest = below.values.iter().copied().fold(0.0, f32::max);
+            for (i, (g, c)) in here.texels().zip(twin.texels()).enumerate() {
+                let tolerance = |c: f32| 2.0 * half_step(c) + 2.0 * brightest / 512.0;
+                texels += 1;
+                differing += usize::from((0..3).any(|k| (g[k] - c[k]).abs() > tolerance(c[k])));
+                let unmasked = plain.levels("color")[n].texels().nth(i).unwrap();
+                left_out += usize::from((0..3).any(|k| (g[k] - unmasked[k]).abs() > 0.05));
+            }
+        }
+        println!(
+            "{mask:?} {extent:?}: {differing} of {texels} texels differ, {left_out} from the chain without a mask"
+        );
+        let may_differ = if mask == ChainMask::Covered { 0 } else { texels / 500 };
+        assert!(differing <= may_differ, "{mask:?} {extent:?}: {differing} of {texels} texels differ");
+        assert!(texels < 5000 || left_out > 100, "{mask:?} {extent:?}: the mask leaves nothing out");
+    }
+    gpu.check_validation().unwrap();
 }

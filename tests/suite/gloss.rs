@@ -47,7 +47,7 @@ fn reference(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
     let image = ScreenReference::render(
         data,
         &mask(data),
-        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 },
+        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1, bounces: 1 },
         &|| (),
     );
     image.color.iter().map(Vec3::to_array).collect()

@@ -121,7 +121,13 @@ fn every_view_with_gloss() {
             let truth = ScreenReference::render(
                 &g,
                 &mask,
-                Sampling { samples: 32, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 },
+                Sampling {
+                    samples: 32,
+                    seed: 1,
+                    oracle: OracleVersion::V1,
+                    definitions: DefinitionsVersion::V1,
+                    bounces: 1,
+                },
                 &|| (),
             );
             let seconds = start.elapsed().as_secs_f64();

@@ -57,7 +57,8 @@ fn mask(data: &GBufferData) -> Vec<bool> {
 }
 
 fn truth(data: &GBufferData, samples: u32) -> Vec<[f32; 3]> {
-    let sampling = Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 };
+    let sampling =
+        Sampling { samples, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1, bounces: 1 };
     let image = ScreenReference::render(data, &mask(data), sampling, &|| ());
     image.color.iter().map(Vec3::to_array).collect()
 }

@@ -193,6 +193,14 @@ pub struct ErrorOptions {
     /// also the one with the captures that the flags name; of the others only the variant that the flags name.
     #[arg(long, conflicts_with_all = ["no_sweep", "precision", "quick", "captures_sweep", "fallback"])]
     pub fallback_sweep: bool,
+    /// Of screen-space methods, the variants with one bounce, with two, and so on up to --bounces, all held against light
+    /// that is reflected as often as with the most; of the others only the variant that the flags name.
+    #[arg(
+        long,
+        requires = "bounces",
+        conflicts_with_all = ["no_sweep", "precision", "quick", "captures_sweep", "fallback_sweep"]
+    )]
+    pub bounces_sweep: bool,
     /// Error against the bytes of a G-buffer's pixel instead of run time: depth, normals and colour in one
     /// format after another.
     #[arg(long, conflicts_with = "no_sweep")]

@@ -41,7 +41,8 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let world = World::new(&scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
-    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1);
+    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
+        .with_bounces(effect.bounces);
     let bar = progress::bar("reference", options.max_rays as usize);
     let state = sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut |state| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
@@ -110,7 +111,8 @@ pub fn sampled(options: &RenderOptions, scene: &Scene) -> Result<Pixels> {
     let camera = view.camera(scene, options.size);
     let first_hits = FirstHits::trace(&world, &camera, options.size);
     let effect = options.common.method_options.setup(options.size).effect();
-    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1);
+    let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
+        .with_bounces(effect.bounces);
     let mut state = reference.start();
     reference.run(&mut state, &target(options), &mut |_| Ok(()))?;
     let made = reference.image(&state);

@@ -182,6 +182,8 @@ pub fn variants(options: &ErrorOptions, base: &Setup, swept: bool) -> Result<Vec
         methods.iter().flat_map(of).collect()
     } else if options.fallback_sweep {
         methods.iter().flat_map(|method| sweep::fallbacks(method, base)).collect()
+    } else if options.bounces_sweep {
+        methods.iter().flat_map(|method| sweep::bounces(method, base)).collect()
     } else if swept {
         sweep::variants(&methods, base)
     } else {

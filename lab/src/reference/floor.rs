@@ -28,7 +28,8 @@ impl<'a> ScreenFloor<'a> {
         let Self { screen, sums } = self;
         reference.add_beside(state, samples, sums, |sum, sample| {
             let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
-            *sum += on_screen.unwrap_or(sample.radiance);
+            // What further bounces bring is on no screen.
+            *sum += on_screen.map_or(sample.radiance, |color| color + sample.bounced);
         });
     }
 

@@ -6,6 +6,9 @@
 //! G-buffer knows one position and one normal for the whole pixel, so the reflected ray leaves from that position,
 //! which belongs to the pixel's centre, and turns about that normal.
 //!
+//! With several bounces (docs/definitions.md, "Bounces") a sample goes on from the pixel that it hits, in the same way: from
+//! its centre, along one direction of its lobe around the mirror direction of the ray that came.
+//!
 //! Samples are independent. Stratified samples would lower the error, but its estimate, which makes the
 //! reference trustworthy, would become too large by an unknown factor.
 
@@ -26,7 +29,7 @@ pub const MIRROR_SAMPLES_MIN: u32 = 16;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sampling {
     /// Rays per pixel with ϱ > 0; if there are fewer than two, the error is unknown. A mirror takes one ray by
-    /// version 1 of the definitions, and at least [`MIRROR_SAMPLES_MIN`] by version 2.
+    /// version 1 of the definitions, if there is one bounce, and at least [`MIRROR_SAMPLES_MIN`] by version 2.
     pub samples: u32,
     /// Another seed gives an independent image.
     pub seed: u64,
@@ -34,6 +37,8 @@ pub struct Sampling {
     pub oracle: OracleVersion,
     /// The version of the definitions: the rays of a pixel, and what they see on sky surfaces.
     pub definitions: DefinitionsVersion,
+    /// How often light is reflected, ≥ 1: what the last bounce meets does not reflect.
+    pub bounces: u32,
 }
 
 /// The reflection colour, before fade, reflectivity and composite, and its error.
@@ -103,25 +108,30 @@ struct Pixels<'a> {
 
 impl Pixels<'_> {
     fn estimate(&self, x: u32, y: u32) -> Estimate {
-        let (rays, Sampling { samples, seed, definitions, .. }) = (self.hierarchy.rays(), self.sampling);
+        let (rays, Sampling { samples, seed, definitions, bounces, .. }) = (self.hierarchy.rays(), self.sampling);
         let index = rays.gbuffer.index(x, y);
         let (Some(mirror), Some(normal)) = (rays.mirror(x, y), rays.normal(x, y)) else { return Estimate::default() };
         let roughness = f64::from(rays.gbuffer.roughness[index]);
         let (is_mirror, exponent) = (roughness <= 0.0, phong::exponent(roughness));
         let stream = Stream::new(seed, index as u64);
         let numbers = |first: u64| [stream.uniform(first), stream.uniform(first + 1)];
-        let seen = |direction| self.seen(x, y, normal, direction);
+        // Far from the numbers of first bounces, of which there are fewer than 2³⁴.
+        let seen = |i: u64, direction| self.seen([x, y], direction, &|bounce| numbers((bounce << 40) + 2 * i));
+        let lobe = |i: u64, numbers| seen(i, lobe_direction(mirror, exponent, numbers));
         match definitions {
-            DefinitionsVersion::V1 if is_mirror => Estimate { mean: seen(mirror), standard_error: DVec3::ZERO },
+            DefinitionsVersion::V1 if is_mirror && bounces == 1 => {
+                Estimate { mean: seen(0, mirror), standard_error: DVec3::ZERO }
+            }
             DefinitionsVersion::V1 => {
-                let sample = |i| seen(lobe_direction(mirror, exponent, numbers(2 * i)));
-                mean_and_error((0..u64::from(samples)).map(sample))
+                // Of several bounces, a later one may meet a lobe.
+                let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
+                mean_and_error((0..u64::from(samples)).map(|i| lobe(i, numbers(2 * i))))
             }
             DefinitionsVersion::V2 => {
                 let sample = |i| {
                     let [u, v] = numbers(4 * i + 2);
                     let mirror = rays.camera_ray(f64::from(x) + u, f64::from(y) + v).reflect(normal);
-                    seen(lobe_direction(mirror, exponent, numbers(4 * i)))
+                    seen(i, lobe_direction(mirror, exponent, numbers(4 * i)))
                 };
                 let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
                 mean_and_error((0..u64::from(samples)).map(sample))
@@ -129,21 +139,40 @@ impl Pixels<'_> {
         }
     }
 
-    /// The colour that a ray from a pixel brings; black where it hits nothing. A direction below the surface carries
-    /// no light, but counts as a sample.
-    fn seen(&self, x: u32, y: u32, normal: DVec3, direction: DVec3) -> DVec3 {
-        let gbuffer = self.hierarchy.rays().gbuffer;
-        let hit = (direction.dot(normal) > 0.0).then(|| self.hierarchy.trace_direction(x, y, direction).outcome);
-        match hit {
-            Some(Outcome::Hit { position, .. }) if self.sampling.definitions.is_first() => {
-                bilinear(gbuffer, position.x, position.y)
-            }
-            Some(Outcome::Hit { pixel: [i, j], position }) => {
-                let towards = self.view_to_world.transform_vector3(direction);
-                shown(gbuffer, gbuffer.index(i, j), [position.x, position.y], towards)
-            }
-            _ => DVec3::ZERO,
+    /// The colour that a ray from a pixel brings, with what further bounces add; `numbers` has two random ones for each of
+    /// these. Black where it hits nothing. A direction below the surface carries no light, but counts as a sample.
+    fn seen(&self, from: [u32; 2], direction: DVec3, numbers: &dyn Fn(u64) -> [f64; 2]) -> DVec3 {
+        let rays = self.hierarchy.rays();
+        let (mut from, mut direction, mut share, mut sum) = (from, direction, 1.0, DVec3::ZERO);
+        for bounce in 1..=u64::from(self.sampling.bounces) {
+            let Some(([i, j], color)) = self.hit(from, direction) else { break };
+            sum += share * color;
+            let index = rays.gbuffer.index(i, j);
+            let normal = rays.normal(i, j).filter(|_| rays.gbuffer.reflects(index));
+            let (Some(normal), true) = (normal, bounce < u64::from(self.sampling.bounces)) else { break };
+            share *= f64::from(rays.gbuffer.reflectivity[index]);
+            let exponent = phong::exponent(f64::from(rays.gbuffer.roughness[index]));
+            let mirror = direction.normalize().reflect(normal);
+            (from, direction) = ([i, j], lobe_direction(mirror, exponent, numbers(bounce)));
         }
+        sum
+    }
+
+    /// The pixel that a ray from a pixel hits, and the colour there; `None` where it hits nothing or leads below the
+    /// surface.
+    fn hit(&self, [x, y]: [u32; 2], direction: DVec3) -> Option<([u32; 2], DVec3)> {
+        let rays = self.hierarchy.rays();
+        rays.normal(x, y).filter(|normal| direction.dot(*normal) > 0.0)?;
+        let Outcome::Hit { pixel: [i, j], position } = self.hierarchy.trace_direction(x, y, direction).outcome else {
+            return None;
+        };
+        let color = if self.sampling.definitions.is_first() {
+            bilinear(rays.gbuffer, position.x, position.y)
+        } else {
+            let towards = self.view_to_world.transform_vector3(direction);
+            shown(rays.gbuffer, rays.gbuffer.index(i, j), [position.x, position.y], towards)
+        };
+        Some(([i, j], color))
     }
 }
 

@@ -5,14 +5,14 @@
 //! By version 2 of the definitions, each sample reflects the camera ray through a random place within the pixel, at the
 //! pixel's own point and about its own normal, as the screen reference does.
 //!
-//! Only the first bounce is traced: what a ray hits is lit directly, as in the G-buffer, and does not reflect
-//! itself. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
+//! What a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") it reflects,
+//! too: the sample goes on along one direction of the lobe there. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
 //! the order of their numbers. A result therefore does not depend on threads or on interruptions.
 
 use super::first_hits::{FirstHits, PrimaryRays, Receiver};
 use super::lobe::lobe_direction;
 use super::screen::MIRROR_SAMPLES_MIN;
-use super::surface::{World, sky_color};
+use super::surface::{SurfacePoint, World, sky_color};
 use super::world_state::{Kind, WorldState};
 use crate::error::Result;
 use crate::math::random::Stream;
@@ -47,6 +47,8 @@ pub struct WorldReference<'a> {
     pub footprint: Option<PrimaryRays>,
     /// A different seed gives a different, independent result.
     pub seed: u64,
+    /// How often light is reflected, ≥ 1: what the last bounce meets does not reflect.
+    pub bounces: u32,
 }
 
 /// The condition under which [`WorldReference::run`] stops.
@@ -94,6 +96,8 @@ pub struct WorldImage {
 pub struct WorldSample {
     /// Its radiance, linear.
     pub radiance: DVec3,
+    /// What of it further bounces bring: the rest is the lit colour where the ray ends, or the environment.
+    pub bounced: DVec3,
     /// Its unit direction in the world.
     pub direction: DVec3,
     /// Where it ends, in metres; `None` if it escapes, or if it leads below the surface and brings nothing.
@@ -117,15 +121,21 @@ impl<'a> WorldReference<'a> {
                 (Escape::Environment, Some(PrimaryRays::new(camera, [first_hits.width, first_hits.height])))
             }
         };
-        Self { world, first_hits, escape, footprint, seed }
+        Self { world, first_hits, escape, footprint, seed, bounces: 1 }
+    }
+
+    /// The same with several bounces.
+    pub fn with_bounces(self, bounces: u32) -> Self {
+        Self { bounces, ..self }
     }
 
     /// A state without samples.
     pub fn start(&self) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
-            (Some(r), None) if r.roughness <= 0.0 => Kind::Single,
-            (Some(r), Some(_)) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
+            // Of several bounces, a later one may meet a lobe.
+            (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
+            (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },
         };
         let kinds = self.first_hits.receivers.iter().map(kind).collect();
@@ -212,19 +222,48 @@ impl<'a> WorldReference<'a> {
                 (Receiver { incoming: ray.direction, ..*receiver }, numbers(4 * number))
             }
         };
-        let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
+        let Some((first, lit)) = self.traced(&receiver, lobe) else {
+            let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), lobe);
+            return WorldSample { radiance: DVec3::ZERO, bounced: DVec3::ZERO, direction, end: None };
+        };
+        let (mut bounced, mut share, mut last) = (DVec3::ZERO, 1.0, first);
+        for bounce in 1..u64::from(self.bounces) {
+            let Some(receiver) = last.point.and_then(|point| Receiver::of(&last.ray, &point)) else { break };
+            // Far from the numbers of first bounces, of which there are fewer than 2³².
+            let place = (bounce << 40) + 2 * number;
+            share *= receiver.reflectivity;
+            let Some((next, lit)) = self.traced(&receiver, numbers(place)) else { break };
+            bounced += share * lit;
+            last = next;
+        }
+        WorldSample { radiance: lit + bounced, bounced, direction: first.ray.direction, end: first.end }
+    }
+
+    /// A ray of a lobe, by two random numbers, and the light that comes along it from the surface where it ends or from the
+    /// environment; `None` if it leads below the surface and brings nothing.
+    fn traced(&self, receiver: &Receiver, numbers: [f64; 2]) -> Option<(Traced, DVec3)> {
+        let direction = lobe_direction(receiver.mirror(), phong::exponent(receiver.roughness), numbers);
         if !receiver.is_above(direction) {
-            return WorldSample { radiance: DVec3::ZERO, direction, end: None };
+            return None;
         }
         let ray = WorldRay { origin: receiver.position, direction, t_min: RAY_START_M, t_max: f64::INFINITY };
         let hit = self.world.closest(&ray);
-        let radiance = match &hit {
-            Some(hit) => self.world.color(&ray, &self.world.point(&ray, hit)),
+        let point = hit.map(|hit| self.world.point(&ray, &hit));
+        let light = match &point {
+            Some(point) => self.world.color(&ray, point),
             None if self.escape == Escape::Environment => sky_color(direction),
             None => DVec3::ZERO,
         };
-        WorldSample { radiance, direction, end: hit.map(|hit| ray.at(hit.t)) }
+        Some((Traced { ray, end: hit.map(|hit| ray.at(hit.t)), point }, light))
     }
+}
+
+/// A ray, and the place and the surface where it ends; none if it escapes.
+#[derive(Clone, Copy)]
+struct Traced {
+    ray: WorldRay,
+    end: Option<DVec3>,
+    point: Option<SurfacePoint>,
 }
 
 #[cfg(test)]

@@ -189,6 +189,9 @@ impl WorldReference<'_> {
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
         hash.numbers(&[u64::from(VERSION), self.seed, u64::from(self.escape == Escape::Environment)]);
+        if self.bounces > 1 {
+            hash.numbers(&[u64::from(self.bounces)]);
+        }
         for mesh in &self.world.scene.meshes {
             hash.block(bytemuck::cast_slice(&mesh.vertices));
             hash.block(bytemuck::cast_slice(&mesh.indices));

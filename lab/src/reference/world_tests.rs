@@ -58,7 +58,7 @@ fn one_row(receivers: Vec<Option<Receiver>>) -> FirstHits {
 }
 
 fn reference<'a>(world: &'a World<'a>, first_hits: &'a FirstHits) -> WorldReference<'a> {
-    WorldReference { world, first_hits, escape: Escape::Black, footprint: None, seed: 1 }
+    WorldReference { world, first_hits, escape: Escape::Black, footprint: None, seed: 1, bounces: 1 }
 }
 
 #[test]
@@ -77,6 +77,29 @@ fn in_a_sphere_of_one_colour_every_roughness_reflects_that_colour_at_normal_inci
         assert!((image.composite[i] - composite).length() < 1e-6);
     }
     assert_eq!(image.samples, [1, 64, 64, 64]);
+}
+
+#[test]
+fn bounces_in_a_sphere_add_up_to_a_geometric_series() {
+    // Rays from the centre meet the mirrors at right angles and come back to it: L (1 + r + … + rⁿ⁻¹) after n bounces.
+    let share = 0.75_f32;
+    let mut scene = in_a_sphere();
+    scene.materials[0].reflectivity = share;
+    let world = World::new(&scene, &scene.materials);
+    let first_hits = one_row(vec![Some(receiver(DVec3::new(0.2, -0.9, 0.1), 0.0))]);
+    let mut fingerprints = Vec::new();
+    for bounces in 1..=8 {
+        let reference = reference(&world, &first_hits).with_bounces(bounces);
+        let mut state = reference.start();
+        reference.add(&mut state, 16);
+        let image = reference.image(&state);
+        let expected = 0.2 * ALBEDO * (1.0 - share.powi(bounces as i32)) / (1.0 - share);
+        assert!((image.reflection[0] - expected).length() < 1e-5, "{bounces}: {}", image.reflection[0]);
+        assert!(image.standard_error[0].max_element() < 1e-6);
+        fingerprints.push(reference.fingerprint());
+    }
+    let different: std::collections::BTreeSet<_> = fingerprints.iter().collect();
+    assert_eq!(different.len(), fingerprints.len(), "a state of other bounces must not be continued");
 }
 
 #[test]

@@ -178,7 +178,8 @@ impl Truth {
         let seen = |scene: &Scene| {
             let world = World::new(scene, materials);
             let reference =
-                WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2);
+                WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
+                    .with_bounces(spec.setup.effect().bounces);
             let mut state = reference.start();
             reference.add(&mut state, spec.rays);
             let color: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();

@@ -12,7 +12,7 @@ use super::stage::{Globals, Shot, Stage};
 use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
-use crate::math::{OracleVersion, display_byte};
+use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
@@ -23,7 +23,8 @@ use crate::metrics::world;
 use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::world::Escape;
-use crate::scene::{Scene, View};
+use crate::scene::{GBufferData, Scene, View};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -47,6 +48,19 @@ impl Variant {
             Escape::Environment
         }
     }
+}
+
+/// What the world is rendered by for some variants: the version of the definitions, and the greatest number of bounces.
+///
+/// # Errors
+/// [`Error::Usage`] if they are of several versions.
+pub(super) fn world_of(variants: &[Variant]) -> Result<(DefinitionsVersion, u32)> {
+    let mut versions = variants.iter().map(|v| v.setup.effect().definitions);
+    let definitions = versions.next().unwrap_or_default();
+    if versions.any(|other| other != definitions) {
+        return Err(Error::Usage("methods are held against each other by one version of the definitions".into()));
+    }
+    Ok((definitions, variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)))
 }
 
 /// What a figure is held against.
@@ -166,11 +180,7 @@ pub fn measure(
     journal: &mut Journal,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<MeasuredCell> {
-    let mut versions = spec.variants.iter().map(|v| v.setup.effect().definitions);
-    let definitions = versions.next().unwrap_or_default();
-    if versions.any(|other| other != definitions) {
-        return Err(Error::Usage("methods are held against each other by one version of the definitions".into()));
-    }
+    let (definitions, bounces) = world_of(spec.variants)?;
     let camera = spec.view.camera(spec.scene, spec.extent);
     let materials = spec.globals.materials(spec.scene, spec.view);
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
@@ -184,7 +194,7 @@ pub fn measure(
     let Some(first) = shots.first() else { return Ok(cell) };
     // Where the journal has all times, no frame has run.
     stage.draw(first)?;
-    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, definitions, go_on)?;
+    let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, (definitions, bounces), go_on)?;
 
     for screen in &truth.screens {
         let name = strip_name(SCREEN_REFERENCE, screen.version);
@@ -356,11 +366,11 @@ fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [wi
     Strip { name: strip_name(name, version), color: color.to_vec(), error: Some(error) }
 }
 
-/// The thesis's cone at the oracle's hits: the method's error without its ray tracing's.
+/// The thesis's cone at the oracle's hits: the method's error without its ray tracing's. Each bounce reflects the image with
+/// the one before in it, as methods do.
 fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
     let [width, height] = spec.extent;
     let mut context = FrameContext::new(spec.gpu)?;
-    let images = GBufferImages::upload(&mut context, &truth.data)?;
     let texels: Vec<[f32; 4]> = truth
         .screen(setup.effect().oracle)
         .hits
@@ -372,10 +382,26 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
         .collect();
     let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
     let method = ThesisMethod::cone_alone(spec.gpu, &setup.at(spec.extent))?;
-    let mut frame = context.begin(Mode::Plain)?;
-    let reflection = method.record_cone(&mut frame, &images.gbuffer(), &truth.data.camera, Hits(&hits))?;
-    frame.finish()?;
-    Ok(colors(&context.read(reflection.0.all())?))
+    let mut data = truth.data.clone();
+    let mut made = Vec::new();
+    for bounce in 0..setup.effect().bounces {
+        if bounce > 0 {
+            data.color = composite(&truth.data, &made);
+        }
+        let images = GBufferImages::upload(&mut context, &data)?;
+        let mut frame = context.begin(Mode::Plain)?;
+        let reflection = method.record_cone(&mut frame, &images.gbuffer(), &data.camera, Hits(&hits))?;
+        frame.finish()?;
+        made = context.read(reflection.0.all())?.texels().map(|t| [t[0], t[1], t[2], t[3]]).collect();
+    }
+    Ok(made.iter().map(|[r, g, b, _]| [*r, *g, *b]).collect())
+}
+
+/// The lit colour of a G-buffer with a reflection and its fade in it (docs/definitions.md, "Surfaces").
+fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
+    let share = |i: usize| if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
+    let pixels = data.color.iter().zip(reflection).enumerate();
+    pixels.map(|(i, (lit, [r, g, b, fade]))| *lit + share(i) * fade * Vec3::new(*r, *g, *b)).collect()
 }
 
 /// Totals of the shots, timed in turn.

@@ -49,6 +49,13 @@ pub fn fallbacks(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
     all.chain(is_captured.then(|| with(None, captures))).collect()
 }
 
+/// A screen-space method with each number of bounces up to that of a base; any other as it is.
+pub fn bounces(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
+    let most = if method.is_screen_space() { base.effect().bounces } else { 1 };
+    let with = |n| Variant { method, setup: base.with(|p: &mut EffectParams| p.bounces = n) };
+    (1..=most).map(with).collect()
+}
+
 /// A variant over all cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {

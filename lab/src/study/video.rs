@@ -1,7 +1,7 @@
 //! Films: variants of methods on every frame of a way of the camera, each beside what the world shows in that frame
 //! (docs/definitions.md, "Films").
 
-use super::error::{Variant, display};
+use super::error::{Variant, display, world_of};
 use super::gbuffer;
 use super::record::{Head, Of, Stats};
 use super::stage::{Globals, Shot, Stage};
@@ -316,11 +316,12 @@ impl Truth {
         materials: &[Material],
         go_on: &mut dyn FnMut() -> Result<()>,
     ) -> Result<()> {
-        let definitions = spec.variants.first().map(|v| v.setup.effect().definitions).unwrap_or_default();
+        let (definitions, bounces) = world_of(spec.variants)?;
         let world = World::new(scene, materials);
         let first_hits = FirstHits::from_gbuffer(&screen);
         // One seed for all frames: what is left of a pixel's noise in the difference of two is its change.
-        let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2);
+        let reference = WorldReference::by(definitions, &world, &first_hits, &screen.camera, Escape::Environment, 2)
+            .with_bounces(bounces);
         let mut state = reference.start();
         for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;

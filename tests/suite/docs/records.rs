@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, dda, stochastic, thesis};
+use super::{beside, beyond, captions, dda, outlook, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -41,6 +41,10 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["poster-filters"] => beside::poster_filters(first)?,
         ["billboard-blurs"] => beside::billboard_blurs(first)?,
         ["trace-normals"] => beside::trace_normals(first)?,
+        ["bounces"] => outlook::bounces(first)?,
+        ["bounce-times"] => outlook::bounce_times(first)?,
+        ["billboard-glow"] => outlook::billboard_glow(first)?,
+        ["chain-masks"] => outlook::chain_masks(first)?,
         ["captions"] => captions::captions(first)?,
         ["schmidt-scenes"] => captions::scenes()?,
         ["frame-rates"] => captions::frame_rates(first)?,

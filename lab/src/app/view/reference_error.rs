@@ -112,7 +112,8 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
     let world = World::new(&q.scene, &q.materials);
     let first_hits = FirstHits::trace(&world, &q.camera, q.extent);
     let (definitions, shown) = (q.effect.definitions, escape(&q.effect));
-    let reference = WorldReference::by(definitions, &world, &first_hits, &q.camera, shown, 1);
+    let reference =
+        WorldReference::by(definitions, &world, &first_hits, &q.camera, shown, 1).with_bounces(q.effect.bounces);
     let Ok(state) = reference.load(&kept_in(&folder, &reference)) else { return ComparisonOutcome::NoReference };
     let truth: Vec<[f32; 3]> = reference.image(&state).reflection.iter().map(Vec3::to_array).collect();
     let mask: Vec<bool> = first_hits.receivers.iter().map(Option::is_some).collect();

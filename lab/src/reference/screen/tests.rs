@@ -7,7 +7,7 @@ use crate::reference::testing::{flat, floor_and_wall};
 use crate::scene::Camera;
 
 const SAMPLING: Sampling =
-    Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1 };
+    Sampling { samples: 64, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V1, bounces: 1 };
 
 /// The floor and the wall. The wall is striped; the floor has the given roughness and is all that reflects.
 fn stage(roughness: f32) -> (GBufferData, Vec<bool>) {
@@ -42,6 +42,42 @@ fn a_mirror_shows_the_colour_at_the_hit_and_has_no_error() {
     }
     assert!(hits > 50, "{hits}");
     assert_eq!(image.overall_standard_error, 0.0);
+}
+
+#[test]
+fn a_ray_goes_on_where_it_was_reflected() {
+    // The wall and the floor are mirrors of different shares.
+    let (mut g, _) = stage(0.0);
+    for (r, n) in g.reflectivity.iter_mut().zip(&g.normal) {
+        *r = if n.y > 0.5 { 0.5 } else { 0.25 };
+    }
+    let (oracle, rays) = (Oracle::new(&g), RaySetup::new(&g));
+    let reflection = |bounces| {
+        let sampling = Sampling { bounces, ..SAMPLING };
+        ScreenReference::render(&g, &g.reflecting(), sampling, &|| ()).color
+    };
+    let (one, three) = (reflection(1), reflection(3));
+    let mut further = 0;
+    for (i, found) in three.iter().enumerate() {
+        let mut from = [i as u32 % 32, i as u32 / 32];
+        let (mut expected, mut share) = (DVec3::ZERO, 1.0);
+        let mut direction = rays.mirror(from[0], from[1]).expect("a mirror");
+        for _ in 0..3 {
+            let Outcome::Hit { pixel, position } = oracle.trace_direction(from[0], from[1], direction).outcome else {
+                break;
+            };
+            expected += share * bilinear(&g, position.x, position.y);
+            share *= f64::from(g.reflectivity[g.index(pixel[0], pixel[1])]);
+            let normal = rays.normal(pixel[0], pixel[1]).expect("a normal");
+            (from, direction) = (pixel, direction - 2.0 * direction.dot(normal) * normal);
+            if direction.dot(normal) <= 0.0 {
+                break;
+            }
+        }
+        assert!((expected.as_vec3() - *found).length() < 1e-6, "{i}: {expected} {found}");
+        further += usize::from(*found != one[i]);
+    }
+    assert!(further > 5, "{further}");
 }
 
 #[test]

@@ -72,7 +72,7 @@ pub(super) fn truth(
     spec: &ErrorSpec,
     data: GBufferData,
     materials: &[Material],
-    definitions: DefinitionsVersion,
+    (definitions, bounces): (DefinitionsVersion, u32),
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Truth> {
     let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
@@ -80,7 +80,7 @@ pub(super) fn truth(
     let screen = |version| {
         let hierarchy = Hierarchy::new(&data).of_version(version);
         let mirror_hit = |i: u32| mask[i as usize].then(|| hierarchy.trace(i % data.width, i / data.width).position());
-        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, definitions };
+        let sampling = Sampling { samples: spec.rays, seed: 1, oracle: version, definitions, bounces };
         let image = ScreenReference::render(&data, &mask, sampling, &|| ());
         ScreenTruth {
             version,
@@ -97,7 +97,8 @@ pub(super) fn truth(
     let first_hits = FirstHits::from_gbuffer(&data);
     let mut floor = ScreenFloor::new(&data, &first_hits);
     let mut world = |escape| {
-        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, 2);
+        let reference =
+            WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, 2).with_bounces(bounces);
         let mut state = reference.start();
         for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
             go_on()?;

@@ -13,7 +13,7 @@ use super::stage::Globals;
 use crate::error::Result;
 use crate::gpu::{FrameContext, Gpu};
 use crate::math::OracleVersion;
-use crate::methods::{Effect, Input, MethodInfo, Setup, Wants};
+use crate::methods::{Effect, EffectParams, Input, MethodInfo, Setup, Wants};
 use crate::metrics::hits::HitAgreement;
 use crate::metrics::image::masked_rmse;
 use crate::passes::gbuffer::GBufferImages;
@@ -176,8 +176,8 @@ impl Truth {
 
 /// Equal samples for equal G-buffers, so that differences are of the G-buffers alone.
 fn screen(data: &GBufferData, mask: &[bool], spec: &PrecisionSpec) -> ScreenReference {
-    let definitions = spec.setup.effect().definitions;
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, definitions };
+    let EffectParams { definitions, bounces, .. } = spec.setup.effect();
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle: OracleVersion::V1, definitions, bounces };
     ScreenReference::render(data, mask, sampling, &|| ())
 }
 

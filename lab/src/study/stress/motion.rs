@@ -159,8 +159,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
         }
     }
     // One seed for all frames: what is left of a pixel's noise in the difference is its change.
-    let EffectParams { oracle, definitions, .. } = lineup.setup.effect();
-    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions };
+    let EffectParams { oracle, definitions, bounces, .. } = lineup.setup.effect();
+    let sampling = Sampling { samples: spec.rays, seed: 3, oracle, definitions, bounces };
     let reference: Vec<Vec<Vec3>> =
         screens.iter().map(|s| ScreenReference::render(s, &s.reflecting(), sampling, &|| ()).color).collect();
     let pairs: Vec<Vec<SamePlace>> = screens.windows(2).map(|w| pairs(&w[0], &w[1])).collect();
@@ -169,7 +169,8 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
     let reference_flicker = mean(&expected, |_, change| change);
     let world = spec.against_world.then(|| {
         let world = World::new(&lineup.scene, &materials);
-        let images: Vec<_> = screens.iter().map(|s| world_image(&world, s, definitions, spec.rays)).collect();
+        let images: Vec<_> =
+            screens.iter().map(|s| world_image(&world, s, (definitions, bounces), spec.rays)).collect();
         of_all(&images)
     });
     let lens = spec.view.lens.unwrap_or(lineup.scene.lens);
@@ -208,9 +209,15 @@ pub fn run(gpu: &Gpu, spec: &MotionSpec, motion: Motion, lineup: &mut SceneLineu
 
 /// The world reference of a G-buffer, with one seed as the screen's. By version 1 of the definitions, a ray that escapes
 /// is black.
-fn world_image(world: &World, screen: &GBufferData, definitions: DefinitionsVersion, rays: u32) -> Vec<Vec3> {
+fn world_image(
+    world: &World,
+    screen: &GBufferData,
+    (definitions, bounces): (DefinitionsVersion, u32),
+    rays: u32,
+) -> Vec<Vec3> {
     let first_hits = FirstHits::from_gbuffer(screen);
-    let reference = WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Black, 3);
+    let reference =
+        WorldReference::by(definitions, world, &first_hits, &screen.camera, Escape::Black, 3).with_bounces(bounces);
     let mut state = reference.start();
     reference.add(&mut state, rays);
     reference.image(&state).reflection

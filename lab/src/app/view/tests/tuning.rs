@@ -53,11 +53,16 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("pixel-step", "7"),
         ("distance-blur", "on"),
         ("chain-filter", "gaussian"),
+        ("chain-mask", "surface"),
+        ("chain-mask-tolerance", "0.9"),
+        ("billboard-glow", "1"),
+        ("billboard-glow-width", "2"),
         ("billboard-order", "nearest"),
         ("billboard-occlusion", "depth"),
         ("planar-variant", "target"),
         ("planar-planes", "3"),
         ("resolution-scale", "0.5"),
+        ("bounces", "2"),
         ("march", "fixed"),
         ("poster-filter", "volume"),
         ("edge-retries", "9"),
@@ -130,6 +135,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                     let edges = ("poster-filter", "edge-aware");
                     (vec![edges, option], frame(&mut bench, info, &[edges]))
                 }
+                (_, "chain-mask-tolerance") => {
+                    let masked = ("chain-mask", "surface");
+                    (vec![masked, option], frame(&mut bench, info, &[masked]))
+                }
                 (_, "bump-after") => {
                     let up = ("trace-normals", "up");
                     (vec![up, option], frame(&mut bench, info, &[up]))
@@ -158,7 +167,8 @@ fn rmse(a: &[u32], b: &[u32]) -> f64 {
 /// The options without those that a method rejects.
 fn not_refused(info: &MethodInfo, options: Vec<(&'static str, &'static str)>) -> Vec<(&'static str, &'static str)> {
     let refused = |flag| {
-        !info.is_screen_space() && ["resolution-scale", "fallback", "trace-normals", "bump-after"].contains(&flag)
+        !info.is_screen_space()
+            && ["resolution-scale", "fallback", "trace-normals", "bump-after", "bounces"].contains(&flag)
     };
     options.into_iter().filter(|(flag, _)| !refused(*flag)).collect()
 }

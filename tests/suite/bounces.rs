@@ -1,0 +1,241 @@
+//! Several bounces (thesis §4.2.11): each reflects the image with the one before in it, what reads no colour is made once,
+//! and between mirrors the light grows as far as they reflect it.
+
+use crate::common::{Builder, camera, gpu};
+use glam::Vec3;
+use half::f16;
+use ssct::error::Error;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, FrameReport, Gpu};
+use ssct::math::{DefinitionsVersion, OracleVersion};
+use ssct::methods::setup::HistoryUse;
+use ssct::methods::ssct::ThesisDrawing;
+use ssct::methods::{Effect, EffectParams, Fallback, Input, METHODS, MethodInfo, Setup, Wants, find};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::trace_normals::TraceNormals;
+use ssct_lab::metrics::image::masked_rmse;
+use ssct_lab::reference::screen::{Sampling, ScreenReference};
+use ssct_lab::scene::{Camera, GBufferData, Material, Scene, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use std::collections::BTreeSet;
+
+const EXTENT: [u32; 2] = [161, 97];
+const SHARE: f32 = 0.8;
+
+/// Two mirrors that face each other across a corridor, over a floor of stripes, with a board at its end.
+fn facing_mirrors(roughness: f32) -> Scene {
+    let mut b = Builder::new("facing mirrors");
+    b.light(Vec3::new(0.0, -1.0, 0.4));
+    let mirror = b.material(Material {
+        albedo: Vec3::new(0.3, 0.2, 0.4),
+        reflectivity: SHARE,
+        roughness,
+        ..Material::default()
+    });
+    b.quad(mirror, Vec3::new(-1.5, 0.0, 0.5), Vec3::Z * 9.0, Vec3::Y * 3.0, Vec3::X);
+    b.quad(mirror, Vec3::new(1.5, 0.0, 0.5), Vec3::Z * 9.0, Vec3::Y * 3.0, -Vec3::X);
+    let stripes = b.picture(64, 64, |x, y| [(4 * x) as u8, if y % 8 < 4 { 40 } else { 220 }, 128]);
+    b.quad(stripes, Vec3::new(-1.5, 0.0, 0.5), Vec3::X * 3.0, Vec3::Z * 9.0, Vec3::Y);
+    let board = b.matt(Vec3::new(0.9, 0.5, 0.2));
+    b.quad(board, Vec3::new(-1.5, 0.0, 9.5), Vec3::X * 3.0, Vec3::Y * 3.0, -Vec3::Z);
+    b.0
+}
+
+fn look() -> Camera {
+    camera(Vec3::new(0.2, 1.4, 0.0), Vec3::new(0.0, 1.2, 6.0), EXTENT)
+}
+
+fn bounces(bounces: u32) -> Setup {
+    Setup::new(EXTENT).with(|p: &mut EffectParams| p.bounces = bounces)
+}
+
+fn shot(stage: &mut Stage, scene: &Scene, view: Camera, method: &str, setup: &Setup) -> Shot {
+    Shot::new(stage, find(method).unwrap(), setup, Wants::REFLECTION, view, scene.materials.clone()).unwrap()
+}
+
+/// The G-buffer of a scene.
+fn seen(gpu: &Gpu, scene: &Scene, view: Camera) -> GBufferData {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let shot = shot(&mut stage, scene, view, "linear", &bounces(1));
+    stage.draw(&shot).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+/// A method on a G-buffer alone: reflection with its fade, finished image, and what was recorded.
+fn made(gpu: &Gpu, data: &GBufferData, method: &MethodInfo, setup: &Setup) -> (Vec<[f32; 4]>, Vec<Vec3>, FrameReport) {
+    let mut context = FrameContext::new(gpu).unwrap();
+    let images = GBufferImages::upload(&mut context, data).unwrap();
+    let effect = Effect::new(&mut context, method, setup, Wants::REFLECTION, None).unwrap();
+    let mut frame = context.begin(Mode::Plain).unwrap();
+    let output = effect.record(&mut frame, &Input::of_screen(images.gbuffer(), &data.camera)).unwrap();
+    let report = frame.finish().unwrap();
+    let reflection = context.read(output.traced.reflection.unwrap().0.all()).unwrap();
+    let composite = context.read(output.composite.level(0)).unwrap();
+    let texels = reflection.texels().map(|t| [t[0], t[1], t[2], t[3]]).collect();
+    (texels, composite.texels().map(|t| Vec3::from_slice(&t[..3])).collect(), report)
+}
+
+/// Lit colour + reflectivity · fade · reflection, as images store it.
+fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
+    let half = |v: f32| f16::from_f32(v).to_f32();
+    let pixel = |(i, r): (usize, &[f32; 4])| {
+        let share = if data.reflects(i) { data.reflectivity[i] } else { 0.0 };
+        (data.color[i] + share * r[3] * Vec3::new(r[0], r[1], r[2])).map(half)
+    };
+    reflection.iter().enumerate().map(pixel).collect()
+}
+
+fn screen_space() -> impl Iterator<Item = &'static MethodInfo> {
+    METHODS.iter().filter(|m| m.is_screen_space())
+}
+
+#[test]
+fn a_bounce_reflects_the_image_with_the_one_before_in_it() {
+    let gpu = gpu();
+    for roughness in [0.0, 0.15] {
+        let data = seen(&gpu, &facing_mirrors(roughness), look());
+        for method in screen_space() {
+            let (two, image, _) = made(&gpu, &data, method, &bounces(2));
+            let (one, ..) = made(&gpu, &data, method, &bounces(1));
+            let again = GBufferData { color: composite(&data, &one), ..data.clone() };
+            let (expected, ..) = made(&gpu, &again, method, &bounces(1));
+            let furthest = |a: &[[f32; 4]], b: &[[f32; 4]]| {
+                let off = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).abs());
+                off.fold(0.0_f32, f32::max)
+            };
+            let (off, moved) = (furthest(&two, &expected), furthest(&two, &one));
+            println!("{} at {roughness}: off by {off}, of {moved} that the bounce adds", method.name);
+            // A composite may be rounded otherwise by a unit of 16-bit floats, and 8-bit colours by one of theirs.
+            assert!(off <= if method.name == "sslr" { 0.01 } else { 0.001 } && moved > 0.05, "{}", method.name);
+            // The finished image adds it to the light of the surfaces themselves.
+            let finished = composite(&data, &two);
+            let off = image.iter().zip(&finished).map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
+            assert!(off <= 0.001, "{}: the image is off by {off}", method.name);
+        }
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn light_between_mirrors_grows_as_far_as_they_reflect_it() {
+    let gpu = gpu();
+    for roughness in [0.0, 0.15] {
+        let data = seen(&gpu, &facing_mirrors(roughness), look());
+        let brightest = data.color.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+        for method in screen_space() {
+            let images = [1, 2, 3, 8].map(|n| (n, made(&gpu, &data, method, &bounces(n)).1));
+            let mean = |image: &[Vec3]| image.iter().map(|c| c.element_sum()).sum::<f32>() / image.len() as f32;
+            let means: Vec<f32> = images.iter().map(|(_, image)| mean(image)).collect();
+            println!("{} at {roughness}: {means:?}", method.name);
+            assert!(means[1] > 1.001 * means[0], "{}: {means:?}", method.name);
+            assert!(means.windows(2).all(|m| m[1] >= m[0]), "{}: {means:?}", method.name);
+            for (n, image) in &images {
+                // L (1 + r + … + rⁿ), with what 16-bit floats round up on the way.
+                let most = brightest * (1.0 - SHARE.powi(*n as i32 + 1)) / (1.0 - SHARE) * 1.01;
+                let found = image.iter().map(|c| c.max_element()).fold(0.0, f32::max);
+                assert!(found <= most, "{} with {n} bounces: {found} above {most}", method.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn passes_that_read_no_colour_are_recorded_once() {
+    let gpu = gpu();
+    let data = seen(&gpu, &facing_mirrors(0.15), look());
+    let recorded = |method: &str, setup: &Setup| made(&gpu, &data, find(method).unwrap(), setup).2.recorded;
+    let split = |n| bounces(n).with(|p: &mut ThesisDrawing| p.split = true);
+    for (method, setup, others) in [
+        ("ssct", bounces as fn(u32) -> Setup, &["depth", "hi-z/1", "visibility/1"] as &[&str]),
+        ("hzct", split, &["depth", "hi-z/1", "visibility/1", "ray trace"]),
+        ("linear", bounces, &["depth"]),
+        ("sslr", bounces, &["depth"]),
+        ("stochastic", bounces, &["pyramid"]),
+        ("unified", bounces, &["pyramid", "classify/clear", "classify/tiles"]),
+    ] {
+        let (one, three) = (recorded(method, &setup(1)), recorded(method, &setup(3)));
+        assert!(one.iter().all(|pass| !pass.starts_with("bounce")), "{method}: {one:?}");
+        for pass in others {
+            assert!(one.iter().any(|p| p == pass), "{method}: no {pass} in {one:?}");
+            let again: Vec<_> = three.iter().filter(|p| p.ends_with(&format!("/{pass}"))).collect();
+            assert!(again.is_empty(), "{method}: {again:?}");
+        }
+        let of_bounce = |n: u32| three.iter().filter(|p| p.starts_with(&format!("bounce {n}/"))).count();
+        assert!(of_bounce(2) > 0 && of_bounce(2) == of_bounce(3) && of_bounce(4) == 0, "{method}: {three:?}");
+        assert_eq!(three.iter().collect::<BTreeSet<_>>().len(), three.len(), "{method}: {three:?}");
+    }
+    // With one bounce all is as it is without the option.
+    assert_eq!(recorded("linear", &bounces(1)), ["depth", "ray trace", "composite"]);
+}
+
+/// What the screen shows along reflected rays over so many bounces.
+fn truth(data: &GBufferData, bounces: u32) -> Vec<[f32; 3]> {
+    let sampling =
+        Sampling { samples: 16, seed: 1, oracle: OracleVersion::V1, definitions: DefinitionsVersion::V2, bounces };
+    let image = ScreenReference::render(data, &data.reflecting(), sampling, &|| ());
+    image.color.iter().map(Vec3::to_array).collect()
+}
+
+#[test]
+fn bounces_bring_the_image_nearer_to_light_that_is_reflected_as_often() {
+    let gpu = gpu();
+    let data = seen(&gpu, &facing_mirrors(0.0), look());
+    let unfaded = |n| bounces(n).with(|p: &mut EffectParams| p.fade = false);
+    let of = |n| {
+        let (reflection, ..) = made(&gpu, &data, find("unified").unwrap(), &unfaded(n));
+        reflection.iter().map(|r| [r[0], r[1], r[2]]).collect::<Vec<_>>()
+    };
+    let (one, three) = (of(1), of(3));
+    let error = |of: &[[f32; 3]], n| masked_rmse(&truth(&data, n), of, &data.reflecting());
+    let errors = [error(&one, 1), error(&one, 3), error(&three, 3)];
+    println!("one bounce against one, one against three, three against three: {errors:.4?}");
+    assert!(errors[2] < 0.7 * errors[1], "{errors:?}");
+    // What is left beyond the error of one bounce is that the camera's reflections stand for the rays'.
+    assert!(errors[2] > errors[0], "{errors:?}");
+}
+
+#[test]
+fn bounces_work_with_all_that_stands_around_a_method() {
+    let gpu = gpu();
+    let mut scene = library::scene("corridor").unwrap();
+    scene.materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(&scene, &scene.views[0]);
+    let view = scene.views[0].camera(&scene, EXTENT);
+    let mean = |method: &str, n: u32, change: &dyn Fn(&mut EffectParams)| {
+        let mut stage = Stage::new(&gpu, &scene).unwrap();
+        let setup = bounces(n).with(|p: &mut EffectParams| change(p));
+        let shot = shot(&mut stage, &scene, view, method, &setup);
+        let (report, _, output) = stage.output_at_rest(&shot).unwrap();
+        let image = stage.context.read(output.composite.level(0)).unwrap();
+        let names: BTreeSet<_> = report.recorded.iter().collect();
+        assert_eq!(names.len(), report.recorded.len(), "{method}: {:?}", report.recorded);
+        image.values.iter().map(|v| f64::from(*v)).sum::<f64>() / image.values.len() as f64
+    };
+    type Change = fn(&mut EffectParams);
+    let around: [(&str, &str, Change); 7] = [
+        ("unified", "history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)),
+        ("ssct", "environment", |p| p.fallback = Fallback::Environment),
+        ("ssct", "captures behind", |p| p.fallback = Fallback::Captures),
+        ("unified", "captures", |p| p.captures = ssct::methods::setup::CaptureCount::One),
+        ("unified", "half resolution", |p| p.resolution_scale = 0.5),
+        ("ssct", "quarter resolution", |p| p.resolution_scale = 0.25),
+        ("ssct", "bumps", |p| (p.trace_normals, p.bump_after) = (TraceNormals::Geometric, 0.1)),
+    ];
+    for (method, name, change) in around {
+        let [one, three] = [1, 3].map(|n| mean(method, n, &change));
+        println!("{method} with {name}: {one:.4}, {three:.4}");
+        assert!(three > one + 0.002 && three < 2.0 * one, "{method} with {name}: {one}, {three}");
+    }
+    gpu.check_validation().unwrap();
+}
+
+#[test]
+fn what_sees_more_than_the_screen_has_no_bounces() {
+    let gpu = gpu();
+    let scene = facing_mirrors(0.0);
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    for method in METHODS.iter().filter(|m| !m.is_screen_space()) {
+        let made = Shot::new(&mut stage, method, &bounces(2), Wants::REFLECTION, look(), scene.materials.clone());
+        let Some(Error::Usage(message)) = made.err() else { panic!("{} takes bounces", method.name) };
+        assert!(message.contains("bounces") && message.contains(method.name), "{message}");
+    }
+}
