@@ -1,6 +1,7 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
 use super::capture::{CaptureImages, Renewal, captured_of};
+use super::layers::{LayerParams, SecondLayer};
 use super::setup::HistoryUse;
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
@@ -32,6 +33,8 @@ pub struct Effect {
     method: Box<dyn Method>,
     /// Other normals for the rays; with a bump, reflections are displaced afterwards.
     trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
+    /// Draws what lies behind the first surfaces, for a method that is set up for it.
+    second_layer: Option<SecondLayer>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
@@ -154,6 +157,11 @@ impl Effect {
             let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
         }
+        let has_layers = info.takes_second_layer(setup);
+        if has_layers && !has_scene {
+            let message = "a second layer of depth is drawn from the scene; a G-buffer alone does not have one";
+            return Err(Error::Usage(message.into()));
+        }
         let other_normals = effect.trace_normals != TraceNormals::Shading;
         if other_normals && !info.is_screen_space() {
             let message = format!("other normals for rays are for screen-space methods, and {name} is none");
@@ -212,6 +220,9 @@ impl Effect {
                     let bump = is_bumped.then(|| BumpPass::new(&gpu, extent, effect.bump_after)).transpose()?;
                     Ok((TraceNormalsPass::new(&gpu, extent, effect.trace_normals)?, bump))
                 })
+                .transpose()?,
+            second_layer: has_layers
+                .then(|| SecondLayer::new(&gpu, extent, divisor, setup.of::<LayerParams>()))
                 .transpose()?,
             scaled,
             fallback: fallback.transpose()?,
@@ -302,7 +313,11 @@ impl Effect {
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
         let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
-        let input = &Input { captures, gbuffer, frame: frames, ..*input };
+        let behind = match &self.second_layer {
+            Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
+            None => None,
+        };
+        let input = &Input { captures, gbuffer, behind, frame: frames, ..*input };
         let mut traced = match &self.scaled {
             None => self.method.record(frame, input)?,
             Some((downsample, upsample)) => {

@@ -34,6 +34,7 @@ mod ibr;
 mod impostors;
 #[cfg(unix)]
 mod interrupted;
+mod layers;
 mod many;
 mod mirror;
 mod oracle_rooms;
