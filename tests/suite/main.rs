@@ -12,6 +12,7 @@ mod common;
 mod architecture;
 mod area_light;
 mod billboard;
+mod camera_capture;
 mod captures;
 mod chains;
 mod cli;
