@@ -12,6 +12,7 @@
 layout(constant_id = 0) const bool JITTER = false; // whether samples are shifted from pixel to pixel
 layout(constant_id = 1) const bool REFINE = false; // whether a hit is searched for within its step
 layout(constant_id = 2) const bool HITS = false;   // whether out_hit is wanted
+layout(constant_id = 3) const int LAYERS = 1;      // layers of depth: 1 or 2
 
 layout(push_constant) uniform DdaBlock {
     float stride;     // pixels from one sample to the next
@@ -27,6 +28,8 @@ layout(binding = 1) uniform sampler2D depth_buffer;    // reversed; nearest
 layout(binding = 2) uniform sampler2D normal_buffer;   // view space
 layout(binding = 3) uniform sampler2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer;    // lit colour, bilinear
+layout(binding = 5) uniform sampler2D behind_depth;    // the same two of the second layer, which are read with two
+layout(binding = 6) uniform sampler2D behind_color;
 
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
 layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
@@ -56,10 +59,14 @@ float Shift(ivec2 pixel) {
     return (float(ORDER[(pixel.y & 3) * 4 + (pixel.x & 3)]) + 0.5) / 16.0 - 0.5;
 }
 
-// View depth of what is seen at a place on the screen; what is not there is infinitely far away.
-float SceneDepth(vec2 place) {
+// View depth of a layer at a place on the screen; what is not there is infinitely far away.
+float SceneDepth(vec2 place, int layer) {
     ivec2 pixel = clamp(ivec2(place), ivec2(0), ivec2(camera.resolution) - 1);
-    float depth = texelFetch(depth_buffer, pixel, 0).r;
+    float depth;
+    if (LAYERS > 1 && layer == 1)
+        depth = texelFetch(behind_depth, pixel, 0).r;
+    else
+        depth = texelFetch(depth_buffer, pixel, 0).r;
     if (!(depth > 0.0))
         return NEVER;
     mat4 m = camera.clip_to_view_reversed;
@@ -100,25 +107,25 @@ Line Project(vec2 start, vec3 position, vec3 direction) {
     return line;
 }
 
-// Whether the depths of the ray from s = a to b meet what stands at `place`.
-bool Meets(Line line, vec2 place, float a, float b) {
-    float scene = SceneDepth(place);
+// Whether the depths of the ray from s = a to b meet what stands at `place` in a layer.
+bool Meets(Line line, vec2 place, float a, float b, int layer) {
+    float scene = SceneDepth(place, layer);
     vec2 depths = vec2(Depth(line, a), Depth(line, b));
     return max(depths.x, depths.y) >= scene && min(depths.x, depths.y) <= scene + dda.thickness;
 }
 
-bool IsBehind(Line line, float s) {
-    return Depth(line, s) >= SceneDepth(Place(line, s));
+bool IsBehind(Line line, float s, int layer) {
+    return Depth(line, s) >= SceneDepth(Place(line, s), layer);
 }
 
 // Where within the step around a sample that met something the ray goes behind it.
-float Refine(Line line, float s, float next) {
-    bool behind = IsBehind(line, s);
+float Refine(Line line, float s, float next, int layer) {
+    bool behind = IsBehind(line, s, layer);
     float before = behind ? max(s - dda.stride, OWN_PIXEL) : s;
     float after = behind ? s : next;
     for (float width = after - before; width > SEARCH_ENDS; width *= 0.5) {
         float middle = 0.5 * (before + after);
-        if (IsBehind(line, middle))
+        if (IsBehind(line, middle, layer))
             after = middle;
         else
             before = middle;
@@ -126,10 +133,11 @@ float Refine(Line line, float s, float next) {
     return after;
 }
 
-// s of the hit, or -1; and how the ray ended.
-float March(Line line, float shift, out int path) {
+// s of the hit, or -1; in which layer it lies, and how the ray ended.
+float March(Line line, float shift, out int layer, out int path) {
     path = PATH_LINEAR_MISS;
-    bool was_behind = false;
+    layer = 0;
+    bvec2 was_behind = bvec2(false);
     for (int i = 1;; ++i) {
         float s = (float(i) + shift) * dda.stride;
         if (!(s < line.end))
@@ -139,20 +147,23 @@ float March(Line line, float shift, out int path) {
         // Steps meet half-way between samples. The first one begins at the ray's own pixel if what it meets is checked.
         float from = REFINE && i == 1 ? OWN_PIXEL : max(s - 0.5 * dda.stride, OWN_PIXEL);
         float next = min(s + 0.5 * dda.stride, line.end);
-        bool meets = Meets(line, Place(line, s), from, next);
-        if (REFINE) {
-            // What is steep may be met between the depths of two steps: the ray was before it, and is behind it.
-            bool behind = IsBehind(line, s);
-            meets = meets || (behind && !was_behind);
-            was_behind = behind;
-        }
-        if (!meets)
-            continue;
-        float hit = REFINE ? Refine(line, s, next) : s;
-        // What the step met must be met where the search ended, too: by the ray within one pixel.
-        if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit)) {
-            path = PATH_LINEAR;
-            return hit;
+        for (int l = 0; l < LAYERS; ++l) {
+            bool meets = Meets(line, Place(line, s), from, next, l);
+            if (REFINE) {
+                // What is steep may be met between the depths of two steps: the ray was before it, and is behind it.
+                bool behind = IsBehind(line, s, l);
+                meets = meets || (behind && !was_behind[l]);
+                was_behind[l] = behind;
+            }
+            if (!meets)
+                continue;
+            float hit = REFINE ? Refine(line, s, next, l) : s;
+            // What the step met must be met where the search ended, too: by the ray within one pixel.
+            if (!REFINE || Meets(line, Place(line, hit), max(hit - 1.0, OWN_PIXEL), hit, l)) {
+                path = PATH_LINEAR;
+                layer = l;
+                return hit;
+            }
         }
     }
     path = PATH_LINEAR_EXHAUSTED;
@@ -175,8 +186,8 @@ void main() {
     vec3 position = h.xyz / h.w;
     vec3 direction = reflect(normalize(position), normalize(normal));
     Line line = Project(gl_FragCoord.xy, position, direction);
-    int path;
-    float s = March(line, Shift(pixel), path);
+    int layer, path;
+    float s = March(line, Shift(pixel), layer, path);
     if (s < 0.0) {
         if (HITS)
             out_hit.w = float(path);
@@ -188,5 +199,10 @@ void main() {
     if (HITS)
         out_hit = vec4(uv, (camera.view_to_clip[2][2] * z + camera.view_to_clip[3][2]) / z, path);
     float fade = dda.fade != 0 ? BorderFade(uv, dda.fade_start, dda.fade_end) : 1.0;
-    out_reflection = vec4(Sound(textureLod(color_buffer, uv, 0.0).rgb), fade);
+    vec3 color;
+    if (LAYERS > 1 && layer == 1)
+        color = textureLod(behind_color, uv, 0.0).rgb;
+    else
+        color = textureLod(color_buffer, uv, 0.0).rgb;
+    out_reflection = vec4(Sound(color), fade);
 }

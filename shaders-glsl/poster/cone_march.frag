@@ -3,7 +3,8 @@
 #pragma program(ConeMarchVolume, VOLUME)
 // The poster's cone march (Hermanns and Franke 2014, "Technical Approach"): from a pixel's position along
 // the reflected view direction through the pre-filtered G-buffer, whose filter level follows the cone.
-// VOLUME reads the volumes instead of the mip chains.
+// VOLUME reads the volumes instead of the mip chains. With LAYERS there is a second layer of depth behind the first
+// (the poster's conclusion): a layer then has a thickness, and what goes behind both meets the second one.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -21,6 +22,9 @@ layout(binding = 2) uniform sampler2D material_buffer;   // reflectivity, roughn
 layout(binding = 3) uniform FILTERED filtered_depth;     // view-space z, metres
 layout(binding = 4) uniform FILTERED filtered_normal;    // view space, shorter where normals differ
 layout(binding = 5) uniform FILTERED filtered_color;     // lit colour
+layout(binding = 6) uniform FILTERED behind_depth;       // the same three of the second layer, which are read with
+layout(binding = 7) uniform FILTERED behind_normal;      // LAYERS alone
+layout(binding = 8) uniform FILTERED behind_color;
 
 layout(push_constant) uniform PosterBlock {
     float first_step;       // as a part of the screen's height at the pixel's depth
@@ -33,9 +37,11 @@ layout(push_constant) uniform PosterBlock {
     float fade_start;
     float fade_end;
     int fade;               // 0: no fade
+    float thickness;        // of a layer, in metres of view depth; with LAYERS alone
 } poster;
 
-layout(constant_id = 0) const bool HITS = false; // whether out_hit is wanted
+layout(constant_id = 0) const bool HITS = false;   // whether out_hit is wanted
+layout(constant_id = 1) const bool LAYERS = false; // whether there is a second layer
 
 layout(location = 0) out vec4 out_reflection; // colour, and fade in a
 layout(location = 1) out vec4 out_hit;        // texture coordinates, standard depth, PATH_*
@@ -57,6 +63,9 @@ vec3 Project(vec3 position) {
 bool LeftScreen(vec2 texCoord) {
     return any(lessThan(texCoord, vec2(0.0))) || any(greaterThan(texCoord, vec2(1.0)));
 }
+
+// How much longer than a texel is wide a path may be that is seen to cross one.
+const float MOST_SHORTENED = 8.0;
 
 // Metres that the screen's height spans at a depth.
 float ScreenHeight(float z) {
@@ -80,16 +89,20 @@ vec3 At(Cone cone, float pathLength) {
     return cone.origin + cone.direction * pathLength;
 }
 
-// How far a cone's position lies before the average depth of the geometry that it covers.
-float DepthDelta(Cone cone, float pathLength) {
+// How far a cone's position lies before the average depth of a layer's geometry that it covers.
+float DepthDelta(Cone cone, float pathLength, int layer) {
     vec3 Q = At(cone, pathLength);
-    return Filtered(filtered_depth, Project(Q).xy, Level(cone.solidAngle, pathLength, Q.z)).r - Q.z;
+    vec2 texCoord = Project(Q).xy;
+    float level = Level(cone.solidAngle, pathLength, Q.z);
+    if (LAYERS && layer == 1)
+        return Filtered(behind_depth, texCoord, level).r - Q.z;
+    return Filtered(filtered_depth, texCoord, level).r - Q.z;
 }
 
 // "If Q is within a defined epsilon we found our final hit-point"; else there is none: -1.
-float BinarySearch(Cone cone, float pathLength, float stride) {
+float BinarySearch(Cone cone, float pathLength, float stride, int layer) {
     for (int i = 0; i < poster.search_count; ++i) {
-        float delta = DepthDelta(cone, pathLength);
+        float delta = DepthDelta(cone, pathLength, layer);
         if (abs(delta) <= poster.epsilon * At(cone, pathLength).z)
             return pathLength;
         pathLength += delta > 0.0 ? stride : -stride;
@@ -98,8 +111,23 @@ float BinarySearch(Cone cone, float pathLength, float stride) {
     return -1.0;
 }
 
-// The length of the path to the hit-point; -1 for none.
-float ConeMarch(Cone cone) {
+// Whether a hit-point lies on a surface of its layer, and not on the slope that the filter makes between the depths of
+// two: a texel further on, the axis is within the layer's thickness, beside what it went deeper itself.
+bool Stands(Cone cone, float pathLength, int layer) {
+    vec3 Q = At(cone, pathLength);
+    float texel = exp2(Level(cone.solidAngle, pathLength, Q.z));
+    // As long a path as a texel is wide, and more where it is seen shortened, up to MOST_SHORTENED times.
+    float further = texel * ScreenHeight(Q.z) / camera.resolution.y;
+    vec2 across = (Project(At(cone, pathLength + further)).xy - Project(Q).xy) * camera.resolution;
+    further *= clamp(texel / max(length(across), 1e-6), 1.0, MOST_SHORTENED);
+    float deeper = abs(At(cone, pathLength + further).z - Q.z);
+    return DepthDelta(cone, pathLength + further, layer) >= -(poster.thickness + deeper);
+}
+
+// The length of the path to the hit-point, -1 for none, and the layer that it lies on.
+float ConeMarch(Cone cone, out int layer) {
+    layer = 0;
+    bvec2 wasBehind = bvec2(false);
     float previous = 0.0;
     float stride = poster.first_step * ScreenHeight(cone.origin.z);
     int edgeHits = 0;
@@ -114,9 +142,19 @@ float ConeMarch(Cone cone) {
             continue;
         }
         edgeHits = 0;
-        if (DepthDelta(cone, pathLength) < 0.0) {
-            // Back to the midpoint of Q_N and Q_N-1; what is left of the step lies within half of it.
-            return BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride);
+        // Back to the midpoint of Q_N and Q_N-1; what is left of the step lies within half of it.
+        if (!LAYERS && DepthDelta(cone, pathLength, 0) < 0.0)
+            return BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride, 0);
+        for (int l = 0; LAYERS && l < 2; ++l) {
+            bool isBehind = DepthDelta(cone, pathLength, l) < 0.0;
+            if (isBehind && !wasBehind[l]) {
+                float found = BinarySearch(cone, previous + 0.5 * stride, 0.25 * stride, l);
+                if (found >= 0.0 && Stands(cone, found, l)) {
+                    layer = l;
+                    return found;
+                }
+            }
+            wasBehind[l] = isBehind;
         }
         previous = pathLength;
         stride *= poster.step_increase;
@@ -147,7 +185,8 @@ void main() {
 
     if (HITS)
         out_hit = vec4(vec3(-1.0), PATH_LINEAR_MISS);
-    float pathLength = ConeMarch(cone);
+    int layer;
+    float pathLength = ConeMarch(cone, layer);
     if (pathLength < 0.0)
         return;
     vec3 Q = At(cone, pathLength);
@@ -157,10 +196,13 @@ void main() {
     // the texel of the hit-point may still be the surface that the cone began on.
     vec2 across = (hit.xy - texCoord) * camera.resolution;
     vec2 beyond = hit.xy + across / (max(length(across), 1e-6) * camera.resolution);
-    if (dot(Filtered(filtered_normal, beyond, level).xyz, cone.direction) >= 0.0)
+    bool isSecond = LAYERS && layer == 1;
+    vec3 facing = isSecond ? Filtered(behind_normal, beyond, level).xyz : Filtered(filtered_normal, beyond, level).xyz;
+    if (dot(facing, cone.direction) >= 0.0)
         return;
     if (HITS)
         out_hit = vec4(hit, PATH_LINEAR);
     float fade = poster.fade != 0 ? BorderFade(hit.xy, poster.fade_start, poster.fade_end) : 1.0;
-    out_reflection = vec4(Filtered(filtered_color, hit.xy, level).rgb, fade);
+    vec3 color = isSecond ? Filtered(behind_color, hit.xy, level).rgb : Filtered(filtered_color, hit.xy, level).rgb;
+    out_reflection = vec4(color, fade);
 }

@@ -1,7 +1,9 @@
 #version 460
 #pragma program(GBufferFragment)
+#pragma program(GBufferPeeled, PEELED)
 // Albedo, normal and material of the nearest surface. The shading normal is
 // normalize(mix(geometric, normal-mapped, deviation)), as in the author's program.
+// PEELED draws the nearest surface behind those of another depth buffer: depth peeling (Everitt 2001).
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -11,6 +13,13 @@ layout(binding = 1) uniform sampler2D albedo_map;
 layout(binding = 2) uniform sampler2D normal_map;
 layout(binding = 3) uniform sampler2D alpha_mask;
 layout(binding = 4) uniform sampler2D reflectivity_map;
+
+#ifdef PEELED
+layout(binding = 5) uniform sampler2D first_depth; // reversed, of the layer in front
+layout(std140, binding = 6) uniform PeelBlock {
+    float separation; // metres of view depth by which a surface must lie behind that layer
+} peel;
+#endif
 
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
@@ -22,6 +31,20 @@ layout(location = 2) out vec2 out_material;  // reflectivity, roughness
 
 // Repeats of a map in a pixel from which on it is seen as its mean.
 #define MOST_REPEATS 16.0
+
+#ifdef PEELED
+float ViewDepth(float depth) {
+    mat4 m = camera.clip_to_view_reversed;
+    return (m[2][2] * depth + m[3][2]) / (m[2][3] * depth + m[3][3]);
+}
+
+// Whether this fragment belongs to the layer in front, or lies too close behind it. Where something is drawn, that
+// layer has a depth above 0.
+bool IsPeeled() {
+    float first = texelFetch(first_depth, ivec2(gl_FragCoord.xy), 0).r;
+    return !(ViewDepth(gl_FragCoord.z) > ViewDepth(first) + peel.separation);
+}
+#endif
 
 // Where a quad samples. What is seen from a hand's breadth or with coordinates that rounding tears apart has
 // thousands of repeats in a pixel: the last level already, but lavapipe's anisotropic filter goes over them one by
@@ -41,6 +64,10 @@ void main() {
     if ((draw.maps & ALPHA_MASK) != 0u && mask < 0.5) {
         discard;
     }
+#ifdef PEELED
+    if (IsPeeled())
+        discard;
+#endif
     vec3 geometric = normalize(in_normal);
     vec3 normal = geometric;
     if ((draw.maps & NORMAL_MAP) != 0u && draw.normal_deviation > 0.0) {

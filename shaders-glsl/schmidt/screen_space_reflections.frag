@@ -2,13 +2,15 @@
 #pragma program(ScreenSpaceReflections)
 // Screen space reflections (Schmidt 2013, section 5.4.1): listing 4, and with OPTIMIZED the march of
 // listing 5 in its place. Spaces here: texture coordinates from the top left and standard depth,
-// which are the listing's 0.5 * ndc + 0.5 but for the direction of y.
+// which are the listing's 0.5 * ndc + 0.5 but for the direction of y. With LAYERS what a ray that went behind the first
+// layer of depth meets is the second one (section 6).
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 
 layout(constant_id = 0) const bool OPTIMIZED = false; // listing 5, `ssr-fast`; else listing 4, `ssr`
 layout(constant_id = 1) const bool HITS = false;      // whether out_hit is wanted
+layout(constant_id = 2) const bool LAYERS = false;    // whether there is a second layer
 
 layout(push_constant) uniform SchmidtBlock {
     float user_pixelStepSize; // pixels that are marched at once
@@ -20,6 +22,8 @@ layout(binding = 1) uniform sampler2D DepthTex;        // reversed; nearest
 layout(binding = 2) uniform sampler2D normalBuffer;    // view space
 layout(binding = 3) uniform sampler2D materialBuffer;  // reflectivity, roughness
 layout(binding = 4) uniform sampler2D DiffuseTex;      // lit colour; trilinear
+layout(binding = 5) uniform sampler2D BehindDepthTex;  // the same two of the second layer, which are read with LAYERS
+layout(binding = 6) uniform sampler2D BehindDiffuseTex; // alone
 
 // Eq. 28, as printed. It linearises z in [-1, 1] and is fed z in [0, 1]: an erratum that is kept. It
 // gives 2 d / (d + far) for a view depth d.
@@ -32,6 +36,16 @@ float linearizeDepth(float z) {
 // in the OpenGL versions that the text names.
 float SampleDepth(vec2 samplingPosition) {
     return 1.0 - textureLod(DepthTex, samplingPosition, 0.0).r;
+}
+
+float SampleBehind(vec2 samplingPosition) {
+    return 1.0 - textureLod(BehindDepthTex, samplingPosition, 0.0).r;
+}
+
+vec4 SampleDiffuse(vec2 samplingPosition, float level, bool behind) {
+    if (LAYERS && behind)
+        return textureLod(BehindDiffuseTex, samplingPosition, level);
+    return textureLod(DiffuseTex, samplingPosition, level);
 }
 
 vec3 Project(vec3 vsPoint) {
@@ -84,6 +98,10 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
         float samplingZ = currentSamplePosition.z;
         float currentDepth = linearizeDepth(samplingZ);
         float sampledDepth = linearizeDepth(SampleDepth(samplingPosition));
+        // A ray that is deeper than the first layer is thick is held against the second one.
+        bool behind = LAYERS && currentDepth - sampledDepth > (OPTIMIZED ? 0.002 : 0.001);
+        if (behind)
+            sampledDepth = linearizeDepth(SampleBehind(samplingPosition));
 
         if (OPTIMIZED) {
             // Step ray: behind the sampled depth a tenth of the vector back, before it ten forward.
@@ -105,18 +123,18 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
                     // added to the sum and not counted.
                     float f = currentDepth;
                     float blurSize = 15.0 * f;
-                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 7.0);
+                    reflectedColor = SampleDiffuse(samplingPosition, 7.0, behind);
 
                     int counter = 0;
                     for (float i = -blurSize / 2.0; i < blurSize / 2.0; i += 1.5) {
                         vec2 tap = vec2(samplingPosition.x, samplingPosition.y + 1.0 * i * pixelSize.y);
-                        reflectedColor += textureLod(DiffuseTex, tap, 0.0);
+                        reflectedColor += SampleDiffuse(tap, 0.0, behind);
                         counter++;
                     }
                     reflectedColor /= float(counter);
                 } else {
                     // No blurring, just the colour at the sampled position
-                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+                    reflectedColor = SampleDiffuse(samplingPosition, 0.0, behind);
                 }
             }
         } else {
@@ -125,7 +143,7 @@ vec4 ScreenSpaceReflections(in vec3 vsPosition, in vec3 vsNormal, in vec3 vsRefl
             if (currentDepth > sampledDepth) {
                 float delta = abs(currentDepth - sampledDepth);
                 if (delta <= 0.001) {
-                    reflectedColor = textureLod(DiffuseTex, samplingPosition, 0.0);
+                    reflectedColor = SampleDiffuse(samplingPosition, 0.0, behind);
                     hit = vec4(samplingPosition, samplingZ, PATH_LINEAR);
                     break;
                 }

@@ -24,6 +24,7 @@ use ash::vk;
 use bind::Given;
 pub use context::FrameContext;
 use context::Slot;
+pub use draw::Raster;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 pub use target::Target;

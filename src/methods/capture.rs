@@ -87,7 +87,7 @@ pub struct CaptureImages {
     pyramid: Image,
     normal: Image,
     color: Image,
-    places: Vec<Vec3>,
+    places: Vec<Cell<Vec3>>,
     face: UnifiedBlock,
     face_unit: f32,
 }
@@ -103,6 +103,19 @@ impl CaptureImages {
         let made = Self::empty(context.gpu(), taken)?;
         made.draw(context, scene, &passes)?;
         Ok(made)
+    }
+
+    /// The same without content, for captures that each frame moves and draws before it looks into them.
+    ///
+    /// # Errors
+    /// As for [`Self::new`].
+    pub fn undrawn(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
+        Self::empty(gpu, taken)
+    }
+
+    /// Moves a capture to another place, where its faces are to be drawn before anything looks into them.
+    pub fn place_at(&self, capture: usize, place: Vec3) {
+        self.places[capture].set(place);
     }
 
     /// Draws every face.
@@ -166,7 +179,7 @@ impl CaptureImages {
             color: Image::cubes(gpu, &desc("capture colors", LIT_COLOR, extent, levels, U::SAMPLED))?,
             face: super::unified::parameters(forward, extent, false),
             face_unit: lost::unit(forward),
-            places,
+            places: places.into_iter().map(Cell::new).collect(),
         })
     }
 
@@ -242,7 +255,7 @@ impl FacePasses {
 
     /// Draws a face, number 6 k + f for face f of capture k.
     fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, number: u32) -> Result<()> {
-        let camera = face_camera(into.places[number as usize / 6], number as usize % 6, self.near_m);
+        let camera = face_camera(into.places[number as usize / 6].get(), number as usize % 6, self.near_m);
         self.scene.record(frame, scene, &camera)?;
         into.take_face(frame, &self.pyramid, &self.scene.drawn().gbuffer(), number)
     }
@@ -277,11 +290,13 @@ impl Renewal {
         &self,
         context: &mut FrameContext,
         scene: &SceneInput,
-        captures: &mut CaptureImages,
+        captures: &CaptureImages,
         places: &[Vec3],
     ) -> Result<()> {
         assert_eq!(captures.places.len(), places.len(), "as many places as captures");
-        captures.places = places.to_vec();
+        for (capture, place) in places.iter().enumerate() {
+            captures.place_at(capture, *place);
+        }
         captures.draw(context, scene, &self.passes)
     }
 

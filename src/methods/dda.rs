@@ -1,6 +1,7 @@
 //! `dda`: every ray by a march over pixels with a constant thickness (McGuire and Mara, "Efficient GPU Screen-Space Ray
 //! Tracing", JCGT 2014), as most engines have it, and a mirror lookup where it ends: the method has no gloss.
 
+use super::layers::LayerParams;
 use super::thesis::UNBOUNDED;
 use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
@@ -60,6 +61,8 @@ parameters! {
             .above(0.0, 1e6)
             .unit("m")
             .source("McGuire and Mara 2014 leave it open; the far plane of the default lens"),
+        /// Layers of depth.
+        layers: LayerParams,
     }
 }
 
@@ -72,7 +75,7 @@ impl DdaMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<DdaParams>());
         Ok(Self {
-            trace: DdaTracePass::new(gpu, setup.extent, p.dda_jitter, p.dda_refine, making.hits)?,
+            trace: DdaTracePass::new(gpu, setup.extent, [p.dda_jitter, p.dda_refine], p.layers.layers, making.hits)?,
             parameters: DdaBlock {
                 stride: p.dda_stride as f32,
                 thickness: p.dda_thickness,
@@ -88,7 +91,8 @@ impl DdaMethod {
 
 impl Method for DdaMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
-        let (reflection, hits) = self.trace.record(frame, &input.gbuffer, input.camera, &self.parameters)?;
+        let (reflection, hits) =
+            self.trace.record(frame, &input.gbuffer, input.behind.as_ref(), input.camera, &self.parameters)?;
         Ok(Traced { hits, ..Traced::new(reflection) })
     }
 }

@@ -1,7 +1,8 @@
 //! The whole effect: a method and what every method has around it, down to the composite.
 
 use super::capture::{CaptureImages, Renewal, captured_of};
-use super::setup::HistoryUse;
+use super::layers::{LayerParams, SecondLayer};
+use super::setup::{CaptureCount, HistoryUse};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -16,7 +17,11 @@ use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 use std::time::Instant;
+
+/// Faces of the capture at the camera, all of which each frame draws.
+const FACES_OF_A_CUBE: u32 = 6;
 
 /// What an effect made in a frame.
 #[derive(Clone)]
@@ -32,6 +37,8 @@ pub struct Effect {
     method: Box<dyn Method>,
     /// Other normals for the rays; with a bump, reflections are displaced afterwards.
     trace_normals: Option<(TraceNormalsPass, Option<BumpPass>)>,
+    /// Draws what lies behind the first surfaces, for a method that is set up for it.
+    second_layer: Option<SecondLayer>,
     scaled: Option<(DownsamplePass, UpsamplePass)>,
     fallback: Option<(Box<dyn Method>, FallbackPass)>,
     history: Option<HistoryPass>,
@@ -64,12 +71,14 @@ struct Captured {
     of: Vec<Material>,
     /// `None` where the captures stay as and where they are.
     renewal: Option<Renewal>,
+    /// Whether there is one, which each frame moves to its camera and draws there.
+    at_camera: bool,
 }
 
 impl Captured {
     /// Those that come from elsewhere: at once, or with each input.
     fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
-        Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None }
+        Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None, at_camera: false }
     }
 }
 
@@ -89,11 +98,20 @@ impl Effect {
     ) -> Result<Self> {
         let effect = setup.effect();
         let (places, placement_ms) = taken(info, &effect, scene)?;
-        let is_renewed = effect.captures_per_frame > 0 && !places.is_empty();
-        let renewal =
-            is_renewed.then(|| Renewal::new(context.gpu(), &places, effect.captures_per_frame)).transpose()?;
+        let at_camera = effect.captures == CaptureCount::Camera && !places.is_empty();
+        if at_camera && effect.captures_per_frame > 0 {
+            let message =
+                "captures per frame are for captures that stand: the one at the camera is drawn anew in each frame";
+            return Err(Error::Usage(message.into()));
+        }
+        let faces = if at_camera { FACES_OF_A_CUBE } else { effect.captures_per_frame };
+        let is_renewed = faces > 0 && !places.is_empty();
+        let renewal = is_renewed.then(|| Renewal::new(context.gpu(), &places, faces)).transpose()?;
         let face = places.first().map_or([1; 2], |c| [c.resolution; 2]);
-        let captured = (!places.is_empty()).then(|| Captured { places, face, images: None, of: Vec::new(), renewal });
+        let captured = (!places.is_empty()).then(|| {
+            let (images, of) = (None, Vec::new());
+            Captured { places, face, images, of, renewal, at_camera }
+        });
         let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured))?;
         let Some(scene) = scene else { return Ok(made) };
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
@@ -101,7 +119,7 @@ impl Effect {
         made.prepared = Prepared {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
             device_bytes: context.gpu().allocated_bytes().saturating_sub(held),
-            captures: made.captures().map_or(Vec::new(), |(_, of)| of.iter().map(|c| c.position.to_array()).collect()),
+            captures: if at_camera { Vec::new() } else { made.places().map(|c| c.position.to_array()).collect() },
         };
         Ok(made)
     }
@@ -155,6 +173,11 @@ impl Effect {
         if divisor != 1 && !info.is_screen_space() {
             let message = format!("a lower resolution scale is for screen-space methods, and {name} is none");
             return Err(Error::Usage(message));
+        }
+        let has_layers = info.takes_second_layer(setup);
+        if has_layers && !has_scene {
+            let message = "a second layer of depth is drawn from the scene; a G-buffer alone does not have one";
+            return Err(Error::Usage(message.into()));
         }
         let other_normals = effect.trace_normals != TraceNormals::Shading;
         if other_normals && !info.is_screen_space() {
@@ -223,6 +246,9 @@ impl Effect {
                     Ok((TraceNormalsPass::new(&gpu, extent, effect.trace_normals)?, bump))
                 })
                 .transpose()?,
+            second_layer: has_layers
+                .then(|| SecondLayer::new(&gpu, extent, divisor, setup.of::<LayerParams>()))
+                .transpose()?,
             scaled,
             fallback: fallback.transpose()?,
             history: history
@@ -240,7 +266,11 @@ impl Effect {
     pub fn prepare(&mut self, context: &mut FrameContext, scene: &SceneInput) -> Result<()> {
         if let Some(captured) = &mut self.captures {
             let of = captured_of(scene.materials);
-            if captured.images.is_none() || captured.of != of {
+            if captured.at_camera {
+                if captured.images.is_none() {
+                    captured.images = Some(CaptureImages::undrawn(context.gpu(), &captured.places)?);
+                }
+            } else if captured.images.is_none() || captured.of != of {
                 captured.images = Some(CaptureImages::new(context, scene, &captured.places)?);
                 captured.of = of;
             }
@@ -266,10 +296,20 @@ impl Effect {
         &self.prepared
     }
 
-    /// The captures in which rays go on, once they are made, and where the scene was captured for them.
-    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
-        let captured = self.captures.as_ref()?;
-        Some((captured.images.as_ref()?.captures(), &captured.places))
+    /// The captures in which rays go on, once they are made, and where the scene was captured for them: the one at the
+    /// camera as the last frame was recorded.
+    pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
+        let images = self.captures.as_ref()?.images.as_ref()?.captures();
+        Some((images, self.places().collect()))
+    }
+
+    fn places(&self) -> impl Iterator<Item = Capture> {
+        let captured =
+            self.captures.as_ref().and_then(|c| Some((c.places.iter(), c.images.as_ref()?.captures().places)));
+        let placed = |(of, places): (std::slice::Iter<Capture>, &[Cell<Vec3>])| {
+            of.zip(places).map(|(of, place)| Capture { position: place.get(), ..*of }).collect::<Vec<_>>()
+        };
+        captured.map_or(Vec::new(), placed).into_iter()
     }
 
     /// Faces of the captures that the method looks into; 0 without captures.
@@ -279,9 +319,9 @@ impl Effect {
     }
 
     /// Moves the captures, in their order, to other places, and draws the scene around these; places beyond the number of
-    /// captures are left out, and captures without a place stay. Not part of any frame's time.
+    /// captures are left out, and captures without a place stay, as does the one at the camera. Not part of any frame's time.
     pub fn move_captures(&mut self, context: &mut FrameContext, scene: &SceneInput, places: &[Vec3]) -> Result<()> {
-        let Some(captured) = &mut self.captures else { return Ok(()) };
+        let Some(captured) = self.captures.as_mut().filter(|c| !c.at_camera) else { return Ok(()) };
         for (capture, place) in captured.places.iter_mut().zip(places) {
             capture.position = *place;
         }
@@ -297,14 +337,19 @@ impl Effect {
         Ok(())
     }
 
-    /// Records every pass after lighting; first of them those that renew captures, if some are renewed in each frame.
+    /// Records every pass after lighting; first of them those that renew captures, if some are renewed in each frame, or
+    /// that draw the one at the camera.
     ///
     /// # Errors
     /// [`Error::Usage`] if the method needs the scene, or captures are renewed, and the input has none.
     pub fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Output<'a>> {
         let images = self.captures.as_ref().and_then(|c| c.images.as_ref());
-        if let (Some(Captured { renewal: Some(renewal), .. }), Some(images)) = (&self.captures, images) {
-            renewal.record(frame, &input.scene()?, images)?;
+        if let (Some(Captured { renewal: Some(renewal), at_camera, .. }), Some(images)) = (&self.captures, images) {
+            let scene = input.scene()?;
+            if *at_camera {
+                images.place_at(0, input.camera.eye());
+            }
+            renewal.record(frame, &scene, images)?;
         }
         let captures = images.map(CaptureImages::captures).or(input.captures);
         let shading = input.gbuffer;
@@ -313,7 +358,11 @@ impl Effect {
             Some((pass, _)) => pass.record(frame, shading, input.camera)?,
         };
         let frames = self.history.as_ref().map_or(0, HistoryPass::frames);
-        let mut input = Input { captures, gbuffer, frame: frames, ..*input };
+        let behind = match &self.second_layer {
+            Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
+            None => None,
+        };
+        let mut input = Input { captures, gbuffer, behind, frame: frames, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
@@ -375,18 +424,21 @@ impl Effect {
 fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<(Vec<Capture>, f64)> {
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let is_all = !info.is_screen_space() && info.takes_captures;
-    let wanted = match effect.captures.wanted() {
-        // Where captures are all that is looked into, they are taken without being asked for.
-        None if behind || is_all => Wanted::Auto,
-        Some(wanted) if behind || info.takes_captures => wanted,
-        _ => return Ok((Vec::new(), 0.0)),
-    };
+    let is_asked_for = effect.captures != CaptureCount::None && (behind || info.takes_captures);
+    // Where captures are all that is looked into, they are taken without being asked for.
+    if !is_asked_for && !behind && !is_all {
+        return Ok((Vec::new(), 0.0));
+    }
     let Some(scene) = scene else {
         return Err(Error::Usage("captures need the scene; a G-buffer alone does not show it".into()));
     };
     let side = effect.capture_side.texels();
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
-    let placed = scene.data.captures(wanted);
+    if effect.captures == CaptureCount::Camera {
+        // Each frame moves it.
+        return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
+    }
+    let placed = scene.data.captures(effect.captures.wanted().unwrap_or(Wanted::Auto));
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
 }
 
@@ -402,7 +454,7 @@ fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
              captures behind every screen-space method"
         )));
     }
-    if effect.captures_per_frame > 0 {
+    if effect.captures_per_frame > 0 || effect.captures == CaptureCount::Camera {
         return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
     }
     Ok(())

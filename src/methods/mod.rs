@@ -11,6 +11,7 @@ pub mod effect;
 pub mod environment;
 pub mod hzct;
 pub mod ibr;
+pub mod layers;
 pub mod linear;
 pub mod local_map;
 pub mod pccm;
@@ -33,6 +34,7 @@ use crate::passes::trace_normals::TraceNormals;
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output, Prepared};
+use layers::LayerParams;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
 
 /// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
@@ -48,6 +50,9 @@ pub struct Input<'a, 's> {
     pub sky: Option<&'s Image>,
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
+    /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). What
+    /// lies behind no surface has the depth 0.
+    pub behind: Option<GBuffer<'a>>,
     /// The reflection that stands in front of what the method makes, for one that is a fallback.
     pub in_front: Option<Reflection<'a>>,
     /// How many frames came before this one since the history began; 0 without a history, so that frames are equal.
@@ -60,7 +65,17 @@ pub struct Input<'a, 's> {
 impl<'a, 's> Input<'a, 's> {
     /// A G-buffer without its scene.
     pub fn of_screen(gbuffer: GBuffer<'a>, camera: &'s Camera) -> Self {
-        Self { gbuffer, camera, scene: None, sky: None, captures: None, in_front: None, frame: 0, bounce: 0 }
+        Self {
+            gbuffer,
+            camera,
+            scene: None,
+            sky: None,
+            captures: None,
+            behind: None,
+            in_front: None,
+            frame: 0,
+            bounce: 0,
+        }
     }
 
     /// What the first bounce makes, and those after it read again: a pass that reads no colour.
@@ -227,6 +242,11 @@ impl MethodInfo {
     /// Whether the method works on a G-buffer of any origin.
     pub fn is_screen_space(&self) -> bool {
         self.sees == Sees::Screen
+    }
+
+    /// Whether it is set up for a second layer of depth.
+    pub fn takes_second_layer(&self, setup: &Setup) -> bool {
+        (self.parameters)().iter().any(|p| p.name == "layers") && setup.of::<LayerParams>().has_second()
     }
 
     /// Every parameter that it reads: those of the effect around it, and its own.

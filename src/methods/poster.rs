@@ -1,6 +1,7 @@
 //! `poster`: the first screen space cone tracing (Hermanns and Franke, SIGGRAPH 2014 poster): a cone that
 //! marches through the pre-filtered G-buffer. Ray trace and cone trace are one here, not two.
 
+use super::layers::LayerParams;
 use super::{Input, Intermediate, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::PosterBlock;
@@ -48,11 +49,17 @@ parameters! {
         /// How often a step that leaves the screen is taken back and halved.
         edge_retries: u32 =
             Parameter::new(0).author(3).within(0, 64).source("not printed: a miss; the author's program: three times"),
+        /// With two layers of depth: what each measures in view depth. A ray that is farther behind it goes on.
+        layer_thickness: f32 = Parameter::new(0.25).between(0.0, 1000.0).unit("m").source("as dda-thickness"),
+        /// Layers of depth.
+        layers: LayerParams,
     }
 }
 
 struct PosterMethod {
     filter: FilteredGBufferPass,
+    /// Of the second layer, where there are two.
+    behind_filter: Option<FilteredGBufferPass>,
     march: ConeMarchPass,
     parameters: PosterBlock,
 }
@@ -60,9 +67,12 @@ struct PosterMethod {
 impl PosterMethod {
     fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (setup, p) = (&making.setup, making.setup.of::<PosterParams>());
+        let layers = p.layers.has_second();
+        let filter = || FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter, p.edge_tolerance);
         Ok(Self {
-            filter: FilteredGBufferPass::new(gpu, setup.extent, p.poster_filter, p.edge_tolerance)?,
-            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, making.hits)?,
+            filter: filter()?,
+            behind_filter: if layers { Some(filter()?.labelled("layer/")) } else { None },
+            march: ConeMarchPass::new(gpu, setup.extent, p.poster_filter, making.hits, layers)?,
             parameters: PosterBlock {
                 step_increase: p.march_increase,
                 step_count: p.march_steps as i32,
@@ -75,6 +85,7 @@ impl PosterMethod {
                 fade_end: 1.0,
                 edge_retries: p.edge_retries as i32,
                 fade: i32::from(setup.effect().fade),
+                thickness: p.layer_thickness,
             },
         })
     }
@@ -83,7 +94,12 @@ impl PosterMethod {
 impl Method for PosterMethod {
     fn record<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>) -> Result<Traced<'a>> {
         let filtered = self.filter.record(frame, &input.gbuffer, input.camera)?;
-        let (reflection, hits) = self.march.record(frame, &input.gbuffer, filtered, input.camera, &self.parameters)?;
+        let behind = match (&self.behind_filter, &input.behind) {
+            (Some(filter), Some(layer)) => Some(filter.record(frame, layer, input.camera)?),
+            _ => None,
+        };
+        let (reflection, hits) =
+            self.march.record(frame, &input.gbuffer, filtered, behind, input.camera, &self.parameters)?;
         let made = |name, content, image| Intermediate { name, content, image };
         let mut intermediates = vec![
             made("filtered-depth", Content::LinearDepth, filtered.depth),

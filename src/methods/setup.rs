@@ -54,6 +54,8 @@ choices! {
         Seven = "7",
         /// The first eight.
         Eight = "8",
+        /// One at the camera, which each frame draws anew.
+        Camera = "camera",
     }
 }
 
@@ -81,10 +83,10 @@ impl CaptureSide {
 }
 
 impl CaptureCount {
-    /// What is asked of a scene; `None` for no captures.
+    /// What is asked of the places of a scene; `None` for no captures there.
     pub fn wanted(self) -> Option<Wanted> {
         match self {
-            Self::None => None,
+            Self::None | Self::Camera => None,
             Self::Auto => Some(Wanted::Auto),
             count => count.name().parse().ok().map(Wanted::Count),
         }
@@ -140,11 +142,13 @@ parameters! {
             .source("this project"),
         /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
         /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
-        captures: CaptureCount = Parameter::new(CaptureCount::None).source("this project"),
+        captures: CaptureCount = Parameter::new(CaptureCount::None)
+            .source("this project; camera: Hermanns and Franke 2014, Conclusion"),
         /// Width and height of the faces of captures.
         capture_side: CaptureSide = Parameter::new(CaptureSide::Scene).unit("texels").source("this project"),
         /// Faces of captures that each frame draws anew, in turn over all faces of all captures, so that what moves is
-        /// seen in them: at most all of them. Passes of the frame, which count. With 0 captures stay as they are.
+        /// seen in them: at most all of them. Passes of the frame, which count. With 0 captures stay as they are; the
+        /// capture at the camera is always drawn anew, and takes no such number.
         captures_per_frame: u32 =
             Parameter::new(0).within(0, 6 * MAX_CAPTURES as u32).unit("faces").source("this project"),
         /// The version of docs/definitions.md by which the references judge, and by which unified shows the sky: 1 is the

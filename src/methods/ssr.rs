@@ -1,6 +1,7 @@
 //! `ssr`: a march along the reflection in screen space, a sample a pixel (Schmidt 2013, section 5.4,
 //! listing 4). `ssr-fast` is the same with the march of listing 5; both are [`SchmidtMethod`].
 
+use super::layers::LayerParams;
 use super::{Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
 use crate::gpu::shader::SchmidtBlock;
@@ -18,7 +19,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "march along the reflection in screen space, a sample a pixel; mirrors only",
         "Schmidt 2013, §5.4, listing 4",
         |gpu, making| {
-            let SsrParams { pixel_step } = making.setup.of();
+            let SsrParams { pixel_step, .. } = making.setup.of();
             Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::PerPixel, pixel_step, None)?))
         },
     )
@@ -33,6 +34,8 @@ parameters! {
             .unit("pixels")
             .sweep(Preset::Published, &[2, 4, 8])
             .source("Schmidt 2013, listing 4"),
+        /// Layers of depth.
+        layers: LayerParams,
     }
 }
 
@@ -40,6 +43,8 @@ parameters! {
 pub struct SchmidtMethod {
     /// The blur reads a coarse level of the lit colour; without it there is no chain.
     chain: Option<ColorChainPass>,
+    /// The same of the second layer, where there are two.
+    behind_chain: Option<ColorChainPass>,
     trace: SchmidtTracePass,
     parameters: SchmidtBlock,
 }
@@ -55,9 +60,12 @@ impl SchmidtMethod {
         blur: Option<ChainFilter>,
     ) -> Result<Self> {
         let (extent, fade) = (making.setup.extent, making.setup.effect().fade);
+        let layers = making.setup.of::<LayerParams>().has_second();
+        let chain = || blur.map(|filter| ColorChainPass::new(gpu, extent, LIT_COLOR, filter)).transpose();
         Ok(Self {
-            chain: blur.map(|filter| ColorChainPass::new(gpu, extent, LIT_COLOR, filter)).transpose()?,
-            trace: SchmidtTracePass::new(gpu, extent, march, making.hits)?,
+            chain: chain()?,
+            behind_chain: if layers { chain()? } else { None },
+            trace: SchmidtTracePass::new(gpu, extent, march, making.hits, layers)?,
             parameters: SchmidtBlock {
                 user_pixelStepSize: pixel_step as f32,
                 fadeToEdges: i32::from(fade),
@@ -74,7 +82,12 @@ impl Method for SchmidtMethod {
             Some(chain) => chain.record(frame, gbuffer)?.0.all(),
             None => gbuffer.color.level(0),
         };
-        let (reflection, hits) = self.trace.record(frame, gbuffer, diffuse, input.camera, &self.parameters)?;
+        let behind = match (&self.behind_chain, &input.behind) {
+            (Some(chain), Some(behind)) => Some((behind, chain.record(frame, behind)?.0.all())),
+            (None, Some(behind)) => Some((behind, behind.color.level(0))),
+            (_, None) => None,
+        };
+        let (reflection, hits) = self.trace.record(frame, gbuffer, diffuse, behind, input.camera, &self.parameters)?;
         Ok(Traced { hits, ..Traced::new(reflection) })
     }
 }

@@ -2,6 +2,7 @@
 //! before the surface, a tenth of one back while behind.
 
 use super::MethodInfo;
+use super::layers::LayerParams;
 use super::ssr::SchmidtMethod;
 use crate::parameter::{Parameter, Parameters, Preset, parameters};
 use crate::passes::color_chain::ChainFilter;
@@ -15,7 +16,7 @@ pub const INFO: MethodInfo = MethodInfo {
         "the same in steps of ten pixels forward and a tenth back; mirrors only",
         "Schmidt 2013, §5.4, listing 5",
         |gpu, making| {
-            let SsrFastParams { pixel_step, distance_blur, chain_filter } = making.setup.of();
+            let SsrFastParams { pixel_step, distance_blur, chain_filter, .. } = making.setup.of();
             let blur = distance_blur.then_some(chain_filter);
             Ok(Box::new(SchmidtMethod::new(gpu, making, SchmidtMarch::Optimized, pixel_step, blur)?))
         },
@@ -38,5 +39,7 @@ parameters! {
         /// How the colour chain is filtered.
         chain_filter: ChainFilter =
             Parameter::new(ChainFilter::Hardware).source("Schmidt 2013, listing 5: a mip level of the diffuse colour"),
+        /// Layers of depth.
+        layers: LayerParams,
     }
 }

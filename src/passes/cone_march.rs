@@ -17,24 +17,25 @@ pub enum ConeMarchPass {
 }
 
 impl ConeMarchPass {
-    /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool) -> Result<Self> {
+    /// With an image of the hits, or without; through two layers of depth, or one.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], filter: PosterFilter, hits: bool, layers: bool) -> Result<Self> {
         Ok(match filter {
             PosterFilter::Mip | PosterFilter::EdgeAware => {
-                Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits }, hits)?)
+                Self::Mip(TracedPass::new(gpu, extent, &ConeMarchMipConstants { hits, layers }, hits)?)
             }
             PosterFilter::Volume => {
-                Self::Volume(TracedPass::new(gpu, extent, &ConeMarchVolumeConstants { hits }, hits)?)
+                Self::Volume(TracedPass::new(gpu, extent, &ConeMarchVolumeConstants { hits, layers }, hits)?)
             }
         })
     }
 
-    /// Pass "cone march".
+    /// Pass "cone march". `behind` is the second layer, filtered, where there are two.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         filtered: FilteredGBuffer,
+        behind: Option<FilteredGBuffer>,
         camera: &Camera,
         poster: &PosterBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
@@ -44,6 +45,11 @@ impl ConeMarchPass {
         let filtered_depth = Sampled::trilinear(filtered.depth.all());
         let filtered_normal = Sampled::trilinear(filtered.normal.all());
         let filtered_color = Sampled::trilinear(filtered.color.all());
+        // A program without layers reads nothing of the second one.
+        let behind = behind.unwrap_or(filtered);
+        let behind_depth = Sampled::trilinear(behind.depth.all());
+        let behind_normal = Sampled::trilinear(behind.normal.all());
+        let behind_color = Sampled::trilinear(behind.color.all());
         // Two types with the same fields, as they are two programs.
         macro_rules! march {
             ($pass:expr, $program:ident) => {{
@@ -57,6 +63,9 @@ impl ConeMarchPass {
                         filtered_depth,
                         filtered_normal,
                         filtered_color,
+                        behind_depth,
+                        behind_normal,
+                        behind_color,
                         poster,
                     },
                 )?;

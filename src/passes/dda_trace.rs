@@ -13,27 +13,32 @@ pub struct DdaTracePass(TracedPass<Dda<'static>>);
 
 impl DdaTracePass {
     /// With samples that are shifted from pixel to pixel (`jitter`), with a search for each hit within its step
-    /// (`refine`), with an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], jitter: bool, refine: bool, hits: bool) -> Result<Self> {
-        let constants = DdaConstants { jitter, refine, hits };
+    /// (`refine`), through so many layers of depth (1 or 2), with an image of the hits, or without.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], [jitter, refine]: [bool; 2], layers: u32, hits: bool) -> Result<Self> {
+        let constants = DdaConstants { jitter, refine, hits, layers: layers as i32 };
         Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 
-    /// Pass "ray march".
+    /// Pass "ray march". `behind` is the second layer, where there are two.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
+        behind: Option<&GBuffer>,
         camera: &Camera,
         parameters: &DdaBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
+        // A program of one layer reads nothing of the second one.
+        let behind = behind.unwrap_or(gbuffer);
         let program = Dda {
             camera: &camera,
             depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: Sampled::nearest(gbuffer.normal.all()),
             material_buffer: Sampled::nearest(gbuffer.material.all()),
             color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+            behind_depth: Sampled::nearest(behind.depth.all()),
+            behind_color: Sampled::trilinear(behind.color.level(0)),
             dda: parameters,
         };
         self.0.draw(frame, "ray march", &program)?;

@@ -24,6 +24,8 @@ const NAMES: [&str; 3] = ["filtered depth", "filtered normal", "filtered color"]
 pub struct FilteredGBufferPass {
     linear_depth: GraphicsPipeline<LinearDepth<'static>>,
     images: Images,
+    /// What the names of its passes begin with.
+    prefix: &'static str,
 }
 
 enum Images {
@@ -86,7 +88,12 @@ impl FilteredGBufferPass {
                 }))
             }
         };
-        Ok(Self { linear_depth: GraphicsPipeline::fullscreen(gpu, [FORMATS[0]])?, images })
+        Ok(Self { linear_depth: GraphicsPipeline::fullscreen(gpu, [FORMATS[0]])?, images, prefix: "" })
+    }
+
+    /// With passes whose names begin otherwise, for a G-buffer beside another one.
+    pub fn labelled(self, prefix: &'static str) -> Self {
+        Self { prefix, ..self }
     }
 
     /// Passes "linear depth" and "filter/0", then "filter/1" to the coarsest level or slice.
@@ -96,14 +103,16 @@ impl FilteredGBufferPass {
         gbuffer: &GBuffer<'a>,
         camera: &Camera,
     ) -> Result<FilteredGBuffer<'a>> {
+        let prefix = self.prefix;
         match &self.images {
             Images::Mip(chains) => {
                 let [depth, normal] = chains.as_ref();
                 self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
-                frame.copy("filter/0 normal", gbuffer.normal.all(), normal.level(0))?;
+                frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.level(0))?;
                 for (name, chain) in [("depth", depth), ("normal", normal), ("color", gbuffer.color)] {
                     for level in 1..chain.levels() {
-                        frame.blit(&format!("filter/{level} {name}"), chain.level(level - 1), chain.level(level))?;
+                        let label = format!("{prefix}filter/{level} {name}");
+                        frame.blit(&label, chain.level(level - 1), chain.level(level))?;
                     }
                 }
                 Ok(FilteredGBuffer { depth, normal, color: gbuffer.color })
@@ -111,20 +120,20 @@ impl FilteredGBufferPass {
             Images::EdgeAware(chains) => {
                 let [depth, normal, color] = &chains.chains;
                 self.linear_depth(frame, gbuffer, camera, depth.level(0))?;
-                frame.copy("filter/0 normal", gbuffer.normal.all(), normal.level(0))?;
-                frame.copy("filter/0 color", gbuffer.color.level(0), color.level(0))?;
+                frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.level(0))?;
+                frame.copy(&format!("{prefix}filter/0 color"), gbuffer.color.level(0), color.level(0))?;
                 for level in 1..depth.levels() {
-                    chains.reduce(frame, level)?;
+                    chains.reduce(frame, level, prefix)?;
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
             Images::Volume(v) => {
                 let [depth, normal, color] = &v.volumes;
                 self.linear_depth(frame, gbuffer, camera, depth.slice(0))?;
-                frame.copy("filter/0 normal", gbuffer.normal.all(), normal.slice(0))?;
-                frame.copy("filter/0 color", gbuffer.color.level(0), color.slice(0))?;
+                frame.copy(&format!("{prefix}filter/0 normal"), gbuffer.normal.all(), normal.slice(0))?;
+                frame.copy(&format!("{prefix}filter/0 color"), gbuffer.color.level(0), color.slice(0))?;
                 for slice in 1..depth.depth() {
-                    v.blur(frame, slice)?;
+                    v.blur(frame, slice, prefix)?;
                 }
                 Ok(FilteredGBuffer { depth, normal, color })
             }
@@ -134,25 +143,25 @@ impl FilteredGBufferPass {
     fn linear_depth(&self, frame: &mut Frame, gbuffer: &GBuffer, camera: &Camera, to: ImageSlice) -> Result<()> {
         let block = camera_block(camera, to.extent());
         let program = LinearDepth { camera: &block, depth_buffer: Sampled::nearest(gbuffer.depth.all()) };
-        frame.fullscreen("linear depth", &self.linear_depth, [Target::overwrite(to)], &program)
+        frame.fullscreen(&format!("{}linear depth", self.prefix), &self.linear_depth, [Target::overwrite(to)], &program)
     }
 }
 
 impl EdgeAwareChains {
     /// A level from the one below it.
-    fn reduce(&self, frame: &mut Frame, level: u32) -> Result<()> {
+    fn reduce(&self, frame: &mut Frame, level: u32, prefix: &str) -> Result<()> {
         let [depth_source, normal_source, color_source] =
             self.chains.each_ref().map(|chain| Sampled::nearest(chain.level(level - 1)));
         let edge = &EdgeAwareBlock { tolerance: self.tolerance };
         let targets = self.chains.each_ref().map(|chain| Target::overwrite(chain.level(level)));
         let program = EdgeAware { depth_source, normal_source, color_source, edge };
-        frame.fullscreen(&format!("filter/{level}"), &self.pipeline, targets, &program)
+        frame.fullscreen(&format!("{prefix}filter/{level}"), &self.pipeline, targets, &program)
     }
 }
 
 impl Volumes {
     /// A slice from the one below it.
-    fn blur(&self, frame: &mut Frame, slice: u32) -> Result<()> {
+    fn blur(&self, frame: &mut Frame, slice: u32, prefix: &str) -> Result<()> {
         let inverse_size = self.volumes[0].extent().map(|v| 1.0 / v as f32);
         let step = tap_distance(slice);
         let push = |direction: [f32; 2]| PosterBlurBlock {
@@ -175,8 +184,8 @@ impl Volumes {
         };
         let between = self.between.each_ref().map(|image| Target::overwrite(image.all()));
         let slices = self.volumes.each_ref().map(|image| Target::overwrite(image.slice(slice)));
-        frame.fullscreen(&format!("filter/{slice}h"), &self.across, between, &across)?;
-        frame.fullscreen(&format!("filter/{slice}v"), &self.down, slices, &down)
+        frame.fullscreen(&format!("{prefix}filter/{slice}h"), &self.across, between, &across)?;
+        frame.fullscreen(&format!("{prefix}filter/{slice}v"), &self.down, slices, &down)
     }
 }
 

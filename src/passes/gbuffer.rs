@@ -4,9 +4,12 @@
 use super::scene_data::{MeshData, SceneData};
 use super::{GBuffer, LIT_COLOR, MATERIAL, NORMAL, Reflectors, WIDE_ABOVE, camera_block};
 use crate::error::Result;
+use crate::gpu::frame::Raster;
 use crate::gpu::pipeline::VertexInput;
-use crate::gpu::programs::{GBufferFragment, GBufferVertex};
-use crate::gpu::shader::DrawBlock;
+use crate::gpu::program::Fragment;
+use crate::gpu::programs::{GBufferFragment, GBufferPeeled, GBufferVertex};
+use crate::gpu::shader::{CameraBlock, DrawBlock, PeelBlock};
+use crate::gpu::sync::Access;
 use crate::gpu::{
     Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
@@ -27,10 +30,26 @@ pub struct GBufferImages {
 
 /// Pipeline and images of one size.
 pub struct GBufferPass {
-    pipeline: GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>,
+    pipeline: GBufferPipeline,
     images: GBufferImages,
     albedo: Image,
     label: &'static str,
+}
+
+enum GBufferPipeline {
+    /// Draws the nearest surfaces.
+    Nearest(GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>),
+    /// Draws the nearest of what lies behind another depth buffer.
+    Peeled(GraphicsPipeline<GBufferPeeled<'static>, GBufferVertex<'static>>),
+}
+
+/// The layer behind which a pass of [`GBufferPass::behind`] draws.
+#[derive(Clone, Copy)]
+pub struct Peel<'a> {
+    /// Its reversed depth, of the pass's size and from its camera.
+    pub depth: &'a Image,
+    /// By how much a surface must lie behind it, in metres of view depth.
+    pub separation_m: f32,
 }
 
 /// What was drawn.
@@ -152,15 +171,20 @@ fn image_of(
 impl GBufferPass {
     /// Images of a size in pixels.
     pub fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, DEPTH)
+        Self::of(gpu, extent, DEPTH, false)
+    }
+
+    /// A pass that draws what lies behind another one's surfaces: the next layer of depth peeling (Everitt 2001).
+    pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        Self::of(gpu, extent, DEPTH, true)
     }
 
     /// A pass that draws only where the stencil beside its depth is marked ([`Frame::mark`]).
     pub fn where_marked(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
-        Self::of(gpu, extent, DEPTH_STENCIL)
+        Self::of(gpu, extent, DEPTH_STENCIL, false)
     }
 
-    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format) -> Result<Self> {
+    fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, peeled: bool) -> Result<Self> {
         let input = VertexInput {
             stride: size_of::<Vertex>() as u32,
             attributes: &[
@@ -171,9 +195,15 @@ impl GBufferPass {
             ],
         };
         let targets = [ALBEDO, NORMAL, MATERIAL];
-        let mesh = if depth == DEPTH_STENCIL { GraphicsPipeline::mesh_where_marked } else { GraphicsPipeline::mesh };
+        let pipeline = if peeled {
+            GBufferPipeline::Peeled(GraphicsPipeline::mesh(gpu, input, targets, depth)?)
+        } else if depth == DEPTH_STENCIL {
+            GBufferPipeline::Nearest(GraphicsPipeline::mesh_where_marked(gpu, input, targets, depth)?)
+        } else {
+            GBufferPipeline::Nearest(GraphicsPipeline::mesh(gpu, input, targets, depth)?)
+        };
         Ok(Self {
-            pipeline: mesh(gpu, input, targets, depth)?,
+            pipeline,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
             label: "g-buffer",
@@ -203,56 +233,135 @@ impl GBufferPass {
         materials: &[Material],
         camera: &Camera,
     ) -> Result<Drawn> {
-        let extent = self.albedo.extent();
+        let GBufferPipeline::Nearest(pipeline) = &self.pipeline else {
+            unreachable!("a pass of GBufferPass::behind records by record_behind");
+        };
+        let view = SceneView::new(scene, materials, camera, self.albedo.extent());
+        frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
+            view.draw(raster, |raster, surface| {
+                let fragment = GBufferFragment {
+                    camera: &view.camera,
+                    albedo_map: surface.albedo_map,
+                    normal_map: surface.normal_map,
+                    alpha_mask: surface.alpha_mask,
+                    reflectivity_map: surface.reflectivity_map,
+                    draw: surface.draw,
+                };
+                raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+            })
+        })?;
+        Ok(view.drawn())
+    }
+
+    /// The same of a pass of [`GBufferPass::behind`]: the nearest surfaces behind a layer.
+    pub fn record_behind(
+        &self,
+        frame: &mut Frame,
+        scene: &SceneData,
+        materials: &[Material],
+        camera: &Camera,
+        peel: Peel,
+    ) -> Result<Drawn> {
+        let GBufferPipeline::Peeled(pipeline) = &self.pipeline else {
+            unreachable!("only a pass of GBufferPass::behind records by record_behind");
+        };
+        let view = SceneView::new(scene, materials, camera, self.albedo.extent());
+        let block = PeelBlock { separation: peel.separation_m, ..PeelBlock::default() };
+        frame.make_ready(peel.depth.all(), Access::FragmentSampled);
+        frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
+            view.draw(raster, |raster, surface| {
+                let fragment = GBufferPeeled {
+                    camera: &view.camera,
+                    albedo_map: surface.albedo_map,
+                    normal_map: surface.normal_map,
+                    alpha_mask: surface.alpha_mask,
+                    reflectivity_map: surface.reflectivity_map,
+                    first_depth: Sampled::nearest(peel.depth.all()),
+                    peel: &block,
+                    draw: surface.draw,
+                };
+                raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+            })
+        })?;
+        Ok(view.drawn())
+    }
+
+    fn targets(&self) -> [Target<'_>; 3] {
+        [&self.albedo, &self.images.normal, &self.images.material].map(|image| Target::cleared(image.all(), [0.0; 4]))
+    }
+
+    fn depth_target(&self) -> Target<'_> {
+        Target::cleared(self.images.depth.all(), [0.0; 4])
+    }
+}
+
+/// What a fragment program reads of a surface.
+struct SurfaceInput<'a> {
+    albedo_map: Sampled<'a>,
+    normal_map: Sampled<'a>,
+    alpha_mask: Sampled<'a>,
+    reflectivity_map: Sampled<'a>,
+    draw: &'a DrawBlock,
+}
+
+/// What a camera may see of a scene.
+struct SceneView<'a> {
+    scene: &'a SceneData,
+    materials: &'a [Material],
+    seen: Vec<&'a MeshData>,
+    culled: usize,
+    world_to_clip: DMat4,
+    camera: CameraBlock,
+}
+
+impl<'a> SceneView<'a> {
+    fn new(scene: &'a SceneData, materials: &'a [Material], camera: &Camera, extent: [u32; 2]) -> Self {
         let world_to_clip = camera.view_to_clip_reversed().as_dmat4() * camera.world_to_view.as_dmat4();
         let frustum = Frustum::new(&world_to_clip.as_mat4());
         let (seen, culled): (Vec<&MeshData>, Vec<_>) =
             scene.meshes.iter().partition(|m| frustum.may_see(m.bounds.min + m.offset, m.bounds.max + m.offset));
         let camera = camera_block(camera, extent);
-        let targets = [
-            Target::cleared(self.albedo.all(), [0.0; 4]),
-            Target::cleared(self.images.normal.all(), [0.0; 4]),
-            Target::cleared(self.images.material.all(), [0.0; 4]),
-        ];
-        let drawn = Drawn {
-            meshes: seen.len(),
-            culled: culled.len(),
-            triangles: seen.iter().map(|m| m.index_count as usize / 3).sum(),
-            reflectors: reflectors(seen.iter().map(|m| &materials[m.material])),
-        };
-        frame.raster(
-            self.label,
-            &self.pipeline,
-            targets,
-            Target::cleared(self.images.depth.all(), [0.0; 4]),
-            |raster| {
-                let mut bound = None;
-                for mesh in seen {
-                    if bound != Some((mesh.material, mesh.offset)) {
-                        let material = &materials[mesh.material];
-                        let map = |index: Option<usize>| {
-                            let image = index.map_or(&scene.white, |i| &scene.textures[i]);
-                            Sampled(image.all(), Sampler::Material)
-                        };
-                        let placed = world_to_clip * DMat4::from_translation(mesh.offset.as_dvec3());
-                        let block = draw_block(material, placed.as_mat4().to_cols_array_2d());
-                        let fragment = GBufferFragment {
-                            camera: &camera,
-                            albedo_map: map(material.albedo_map),
-                            normal_map: map(material.normal_map),
-                            alpha_mask: map(material.alpha_mask),
-                            reflectivity_map: map(material.reflectivity_map),
-                            draw: &block,
-                        };
-                        raster.bind(&fragment, &GBufferVertex { camera: &camera, draw: &block })?;
-                        bound = Some((mesh.material, mesh.offset));
-                    }
-                    raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
-                }
-                Ok(())
-            },
-        )?;
-        Ok(drawn)
+        Self { scene, materials, seen, culled: culled.len(), world_to_clip, camera }
+    }
+
+    fn drawn(&self) -> Drawn {
+        Drawn {
+            meshes: self.seen.len(),
+            culled: self.culled,
+            triangles: self.seen.iter().map(|m| m.index_count as usize / 3).sum(),
+            reflectors: reflectors(self.seen.iter().map(|m| &self.materials[m.material])),
+        }
+    }
+
+    /// Draws it; `bind` binds the programs for each surface that differs from the one before.
+    fn draw<'r, 'f, F: Fragment>(
+        &self,
+        raster: &mut Raster<'r, 'f, F, GBufferVertex<'static>>,
+        bind: impl Fn(&mut Raster<'r, 'f, F, GBufferVertex<'static>>, &SurfaceInput) -> Result<()>,
+    ) -> Result<()> {
+        let mut bound = None;
+        for mesh in &self.seen {
+            if bound != Some((mesh.material, mesh.offset)) {
+                let material = &self.materials[mesh.material];
+                let map = |index: Option<usize>| {
+                    let image = index.map_or(&self.scene.white, |i| &self.scene.textures[i]);
+                    Sampled(image.all(), Sampler::Material)
+                };
+                let placed = self.world_to_clip * DMat4::from_translation(mesh.offset.as_dvec3());
+                let block = draw_block(material, placed.as_mat4().to_cols_array_2d());
+                let surface = SurfaceInput {
+                    albedo_map: map(material.albedo_map),
+                    normal_map: map(material.normal_map),
+                    alpha_mask: map(material.alpha_mask),
+                    reflectivity_map: map(material.reflectivity_map),
+                    draw: &block,
+                };
+                bind(raster, &surface)?;
+                bound = Some((mesh.material, mesh.offset));
+            }
+            raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
+        }
+        Ok(())
     }
 }
 

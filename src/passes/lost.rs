@@ -89,7 +89,7 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
     if let Some(captures) = captures {
         let eye = camera.eye();
         for (place, of) in block.places.iter_mut().zip(captures.places) {
-            *place = (*of - eye).extend(0.0).to_array();
+            *place = (of.get() - eye).extend(0.0).to_array();
         }
         block.count = captures.places.len().min(block.places.len()) as i32;
         block.face_unit = captures.face_unit;

@@ -50,6 +50,7 @@ use crate::parameter::choices;
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec3;
+use std::cell::Cell;
 
 /// Format of the lit colour and its chain.
 pub const LIT_COLOR: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -223,8 +224,8 @@ pub struct Captures<'a> {
     /// Lit colour with its chain, an array of cube maps: 0 where the sky is seen, and in a the share that is not sky.
     /// RGBA16F.
     pub color: &'a Image,
-    /// Where they were made, world, in metres.
-    pub places: &'a [Vec3],
+    /// Where they were made, world, in metres; what follows the camera is moved in each frame.
+    pub places: &'a [Cell<Vec3>],
     /// The block of every face.
     pub face: &'a UnifiedBlock,
     /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k).

@@ -25,6 +25,7 @@ pub struct DownsamplePass {
     normal: Image,
     material: Image,
     color: Image,
+    label: &'static str,
 }
 
 impl DownsamplePass {
@@ -43,14 +44,20 @@ impl DownsamplePass {
             normal: of("small normal", NORMAL, 1, U::STORAGE)?,
             material: of("small material", MATERIAL, 1, U::STORAGE)?,
             color: of("small color", LIT_COLOR, image::full_chain(extent), U::STORAGE)?,
+            label: "downsample",
         })
+    }
+
+    /// Under another name, for a G-buffer beside another one.
+    pub fn labelled(self, label: &'static str) -> Self {
+        Self { label, ..self }
     }
 
     /// Pass "downsample".
     pub fn record<'a>(&'a self, frame: &mut Frame, gbuffer: &GBuffer) -> Result<GBuffer<'a>> {
         let targets = [self.depth.all(), self.normal.all(), self.material.all(), self.color.level(0)];
         frame.fullscreen(
-            "downsample",
+            self.label,
             &self.pipeline,
             targets.map(Target::overwrite),
             &programs::Downsample {

@@ -22,28 +22,34 @@ pub enum SchmidtMarch {
 pub struct SchmidtTracePass(TracedPass<ScreenSpaceReflections<'static>>);
 
 impl SchmidtTracePass {
-    /// With an image of the hits, or without.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool) -> Result<Self> {
-        let constants = ScreenSpaceReflectionsConstants { optimized: march == SchmidtMarch::Optimized, hits };
+    /// With an image of the hits, or without; through two layers of depth, or one.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], march: SchmidtMarch, hits: bool, layers: bool) -> Result<Self> {
+        let constants = ScreenSpaceReflectionsConstants { optimized: march == SchmidtMarch::Optimized, hits, layers };
         Ok(Self(TracedPass::new(gpu, extent, &constants, hits)?))
     }
 
-    /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur.
+    /// Pass "ray march". `diffuse` is the lit colour; its level 7 is read for the blur. `behind` is the second layer
+    /// with its lit colour, where there are two.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         gbuffer: &GBuffer,
         diffuse: ImageSlice,
+        behind: Option<(&GBuffer, ImageSlice)>,
         camera: &Camera,
         parameters: &SchmidtBlock,
     ) -> Result<(Reflection<'a>, Option<Hits<'a>>)> {
         let camera = camera_block(camera, gbuffer.depth.extent());
+        // A program without layers reads nothing of the second one.
+        let (behind, behind_diffuse) = behind.unwrap_or((gbuffer, diffuse));
         let program = ScreenSpaceReflections {
             camera: &camera,
             DepthTex: Sampled::nearest(gbuffer.depth.all()),
             normalBuffer: Sampled::nearest(gbuffer.normal.all()),
             materialBuffer: Sampled::nearest(gbuffer.material.all()),
             DiffuseTex: Sampled::trilinear(diffuse),
+            BehindDepthTex: Sampled::nearest(behind.depth.all()),
+            BehindDiffuseTex: Sampled::trilinear(behind_diffuse),
             schmidt: parameters,
         };
         self.0.draw(frame, "ray march", &program)?;

@@ -13,6 +13,7 @@ mod architecture;
 mod area_light;
 mod billboard;
 mod bounces;
+mod camera_capture;
 mod captures;
 mod chains;
 mod cli;
@@ -35,6 +36,7 @@ mod ibr;
 mod impostors;
 #[cfg(unix)]
 mod interrupted;
+mod layers;
 mod many;
 mod mirror;
 mod oracle_rooms;

@@ -165,7 +165,7 @@ impl Shot {
     }
 
     /// The captures in which rays go on, and where they stand; none if the method takes none.
-    pub fn captures(&self) -> Option<(Captures<'_>, &[Capture])> {
+    pub fn captures(&self) -> Option<(Captures<'_>, Vec<Capture>)> {
         self.effect.captures()
     }
 

@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassWork;
 use crate::gpu::{FrameReport, Gpu, Image, Pixels};
+use crate::methods::setup::CaptureCount;
 use crate::methods::{Intermediate, Wants};
 use crate::passes::Content;
 use crate::passes::look::KeepPass;
@@ -300,7 +301,9 @@ impl ShownMethod {
             (self.content, self.lens, self.kept_cube) = (content, None, None);
             return stage.context.once(|frame| self.kept.record(frame, slice)).map(drop);
         };
-        if self.kept_cube != Some((cube, level)) {
+        let effect = self.side.setup.effect();
+        let is_renewed = effect.captures == CaptureCount::Camera || effect.captures_per_frame > 0;
+        if is_renewed || self.kept_cube != Some((cube, level)) {
             let texels = cube.read(&mut stage.context, &captures, level, wanted.extent)?;
             let image = Image::from_texels(&mut stage.context, "capture", wanted.extent, &texels)?;
             stage.context.once(|frame| self.kept.record(frame, image.all()))?;
@@ -312,8 +315,8 @@ impl ShownMethod {
     }
 
     /// Where the captures stand in which the method's rays go on; empty if it takes none.
-    pub fn captures(&self) -> &[Capture] {
-        self.shot.captures().map_or(&[], |(_, places)| places)
+    pub fn captures(&self) -> Vec<Capture> {
+        self.shot.captures().map_or(Vec::new(), |(_, places)| places)
     }
 }
 

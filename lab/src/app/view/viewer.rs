@@ -324,7 +324,7 @@ impl Viewer {
             scenes: &self.scenes,
             views: &self.views,
             histories: [0, 1].iter().filter_map(|i| pictures.shown(*i)).map(|s| &s.history).collect(),
-            captures: pictures.shown(0).map_or(&[], |s| s.captures()),
+            captures: &pictures.shown(0).map_or(Vec::new(), |s| s.captures()),
             images: pictures.shown(0).map_or(&[], |s| &s.images),
             analysis: self.analysis.as_ref(),
             ray: self.ray.as_ref(),
@@ -346,8 +346,8 @@ impl Viewer {
 
     /// The captures that a change begins with: those that are shown, else those of the scene.
     pub(super) fn captures_shown(&self) -> Vec<Capture> {
-        let shown = self.pictures.shown(0).map_or(&[][..], |s| s.captures());
-        if shown.is_empty() { self.scene.captures.clone() } else { shown.to_vec() }
+        let shown = self.pictures.shown(0).map_or(Vec::new(), |s| s.captures());
+        if shown.is_empty() { self.scene.captures.clone() } else { shown }
     }
 
     fn area(&self) -> [u32; 2] {

@@ -90,6 +90,9 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("bump-after", "0.5"),
         ("history-frames", "3"),
         ("history-deviations", "0.1"),
+        ("layers", "2"),
+        ("layer-separation", "3"),
+        ("layer-thickness", "20"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
@@ -145,6 +148,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
                 }
                 (_, "history-frames" | "history-deviations") => {
                     (vec![history, option], frame(&mut bench, info, &[history]))
+                }
+                (_, "layer-separation" | "layer-thickness") => {
+                    let layers = ("layers", "2");
+                    (vec![layers, option], frame(&mut bench, info, &[layers]))
                 }
                 // Where there are captures, they have a side, and passes that renew them.
                 ("unified", "capture-side" | "captures-per-frame") => {

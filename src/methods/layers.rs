@@ -1,0 +1,82 @@
+//! A second layer of depth: what lies behind the first surface, drawn by depth peeling (Everitt 2001; Schmidt 2013, §6;
+//! Hermanns and Franke 2014, Conclusion) for the methods whose march tests both layers.
+
+use super::SceneInput;
+use crate::error::Result;
+use crate::gpu::{Frame, Gpu};
+use crate::parameter::{Parameter, parameters};
+use crate::passes::GBuffer;
+use crate::passes::gbuffer::{GBufferPass, Peel};
+use crate::passes::lighting::LightingPass;
+use crate::passes::resolution::DownsamplePass;
+use crate::scene::Camera;
+
+parameters! {
+    /// Parameters of methods that march through layers of depth.
+    pub struct LayerParams {
+        /// Layers of depth that rays are held against. With 2, each frame draws and lights what lies behind the first
+        /// surfaces, too: passes of the frame, which count. It takes a scene.
+        layers: u32 = Parameter::new(1)
+            .within(1, 2)
+            .unit("layers")
+            .source("Hermanns and Franke 2014, Conclusion; Schmidt 2013, §6"),
+        /// By how much what is in the second layer lies at least behind the first one, in view depth.
+        layer_separation: f32 = Parameter::new(0.1)
+            .between(0.0, 1e6)
+            .unit("m")
+            .source("Hermanns and Franke 2014 and Schmidt 2013 leave it open"),
+    }
+}
+
+impl LayerParams {
+    /// Whether there is a second layer.
+    pub fn has_second(&self) -> bool {
+        self.layers > 1
+    }
+}
+
+/// The scene passes of the second layer, and what makes it smaller where rays are traced at a lower resolution.
+pub struct SecondLayer {
+    gbuffer: GBufferPass,
+    lighting: LightingPass,
+    downsample: Option<DownsamplePass>,
+    separation_m: f32,
+}
+
+impl SecondLayer {
+    /// For G-buffers of a size in pixels, of which rays are traced by blocks of `divisor` × `divisor` pixels.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32, parameters: LayerParams) -> Result<Self> {
+        let downsample = (divisor != 1).then(|| DownsamplePass::new(gpu, extent, divisor)).transpose()?;
+        Ok(Self {
+            gbuffer: GBufferPass::behind(gpu, extent)?.labelled("layer/g-buffer"),
+            lighting: LightingPass::new(gpu)?.labelled("layer/lighting"),
+            downsample: downsample.map(|pass| pass.labelled("layer/downsample")),
+            separation_m: parameters.layer_separation,
+        })
+    }
+
+    /// Passes "layer/g-buffer" and "layer/lighting": what lies behind the surfaces of a G-buffer, of the size that rays
+    /// are traced at.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn record(
+        &self,
+        frame: &mut Frame,
+        scene: SceneInput,
+        first: &GBuffer,
+        camera: &Camera,
+    ) -> Result<GBuffer<'_>> {
+        let peel = Peel { depth: first.depth, separation_m: self.separation_m };
+        self.gbuffer.record_behind(frame, scene.data, scene.materials, camera, peel)?;
+        let layer = self.gbuffer.gbuffer();
+        self.lighting.record(frame, &layer, self.gbuffer.albedo(), scene.data, camera)?;
+        match &self.downsample {
+            Some(pass) => pass.record(frame, &layer),
+            None => Ok(layer),
+        }
+    }
+}
