@@ -8,6 +8,7 @@ mod coverage;
 mod dda;
 mod figures;
 mod headline;
+mod layers;
 mod outlook;
 mod records;
 mod stochastic;

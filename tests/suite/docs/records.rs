@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, dda, outlook, stochastic, thesis};
+use super::{beside, beyond, captions, dda, layers, outlook, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -60,6 +60,11 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["stochastic-tuning"] => stochastic::tuning(first)?,
         ["stochastic-history"] => stochastic::history(first)?,
         ["stochastic-history-tuning"] => stochastic::history_tuning(first)?,
+        ["layers"] => layers::layers(first)?,
+        ["layers-gloss"] => layers::layers_gloss(first)?,
+        ["camera-capture"] => layers::camera_capture(first)?,
+        ["camera-by-scene"] => layers::camera_by_scene(first)?,
+        ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
         ["stress-cases"] => stress_cases(first)?,
