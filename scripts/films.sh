@@ -1,34 +1,34 @@
 #!/usr/bin/env bash
-# The films behind the table "Films" of docs/findings.md: a walk through three scenes at four roughness values, and what a
-# history leaves behind when the camera turns suddenly and when something moves past it at rest.
+# The films behind "Films" in docs/findings.md: a walk through two scenes at four roughness values, and what a history leaves
+# behind when the camera turns suddenly and when something moves while it rests.
 #
-#   scripts/films.sh DIR [SSCT]
+#   scripts/films.sh OUT
 #
-# DIR gets a folder for each scene and way; SSCT is the program (default: ssct). Runs that were interrupted go on.
+# The environment may set SIZE, FRAMES, RAYS and ROUGHNESS. Interrupted, the same command goes on where it was.
 set -euo pipefail
 
-out=${1:?usage: scripts/films.sh DIR [SSCT]}
-ssct=${2:-ssct}
-size=${SIZE:-320x180}
+root=$(cd "$(dirname "$0")/.." && pwd)
+ssct=${SSCT:-${CARGO_TARGET_DIR:-$root/target}/debug/ssct}
+out=${1:?usage: scripts/films.sh OUT}
+roughness=${ROUGHNESS:-0.05,0.1,0.3,0.6}
 mkdir -p "$out"
 
-variants=(
+captured=(--variant "unified --captures auto" --variant "stochastic --fallback captures --history on")
+all=(
     --variant "ssct" --variant "ssct --fallback captures"
-    --variant "unified" --variant "unified --history on"
-    --variant "unified --captures auto" --variant "unified --captures auto --history on"
-    --variant "stochastic" --variant "stochastic --history on"
-    --variant "stochastic --fallback captures" --variant "stochastic --fallback captures --history on"
+    --variant "unified" --variant "unified --history on" --variant "unified --captures auto --history on"
+    --variant "stochastic" --variant "stochastic --history on" --variant "stochastic --fallback captures"
+    "${captured[@]}"
 )
 
-# film FOLDER FLAGS...
-film() {
-    local folder=$out/$1 resume=()
+film() { # folder, flags...
+    local folder=$out/$1
     shift
-    [ -e "$folder/journal.jsonl" ] && resume=(--resume)
-    "$ssct" error --frames 60 --size "$size" --rays 64 "$@" "${variants[@]}" -o "$folder" "${resume[@]}"
+    "$ssct" error --frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}" "$@" -o "$folder" --resume
 }
 
-film rooms --video walk --scene rooms --view corridor --roughness 0.05,0.1,0.3,0.6
-film museum --video walk --scene museum --view exit-sign --roughness 0.05,0.1,0.3,0.6
-film street --video walk --scene street --view car --roughness 0.05,0.1,0.3,0.6
-film turn --video turn --scene rooms --view corridor --roughness 0.1
+film rooms --video walk --scene rooms --view corridor --roughness "$roughness" "${all[@]}"
+film museum --video walk --scene museum --view exit-sign --roughness "$roughness" "${all[@]}"
+film turn --video turn --scene rooms --view corridor --roughness 0.1 "${all[@]}"
+film moving --video rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${all[@]}"
+RAYS=256 film rooms-256 --video walk --scene rooms --view corridor --roughness 0.3 "${captured[@]}"

@@ -266,7 +266,7 @@ impl GBufferPass {
             unreachable!("only a pass of GBufferPass::behind records by record_behind");
         };
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
-        let block = PeelBlock { separation: peel.separation_m, ..PeelBlock::default() };
+        let block = PeelBlock { separation: peel.separation_m };
         frame.make_ready(peel.depth.all(), Access::FragmentSampled);
         frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
             view.draw(raster, |raster, surface| {

@@ -7,6 +7,7 @@ mod captions;
 mod coverage;
 mod dda;
 mod figures;
+mod films;
 mod headline;
 mod layers;
 mod outlook;

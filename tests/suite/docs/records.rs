@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, dda, layers, outlook, stochastic, thesis};
+use super::{beside, beyond, captions, dda, films, layers, outlook, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -60,6 +60,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["stochastic-tuning"] => stochastic::tuning(first)?,
         ["stochastic-history"] => stochastic::history(first)?,
         ["stochastic-history-tuning"] => stochastic::history_tuning(first)?,
+        ["films"] => films::walks(first)?,
+        ["films-on-screen"] => films::on_screen(first)?,
+        ["films-history"] => films::ghosts(first)?,
         ["layers"] => layers::layers(first)?,
         ["layers-gloss"] => layers::layers_gloss(first)?,
         ["camera-capture"] => layers::camera_capture(first)?,
