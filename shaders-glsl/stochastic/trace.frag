@@ -33,6 +33,7 @@ layout(location = 2) out vec4 out_hit;   // of a mirror: texture coordinates, st
 struct End {
     int code;      // PATH_*
     bool hits;
+    bool shows;    // what it hits is seen from the pixel: not from behind the pixel's normal
     vec2 position; // continuous pixel coordinates
     float depth;   // reversed
 };
@@ -45,14 +46,15 @@ End WalkAlong(ivec2 pixel, float depth, vec3 direction, vec3 normal) {
     if (normal != vec3(0.0))
         ray = MirrorRay(pixel, depth, normal, faces);
     Hit hit = Traverse(ray);
-    bool hits = hit.code == PATH_HI_Z && faces;
-    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hit.position, hit.depth);
+    bool hits = hit.code == PATH_HI_Z;
+    return End(hit.code == PATH_MISS ? WhyMissed(ray) : hit.code, hits, hits && faces, hit.position, hit.depth);
 #else
     vec3 P_ss = vec3((vec2(pixel) + 0.5) / thesis.resolution, texelFetch(hiZBuffer, pixel, 0).r);
     vec3 V_ss = Project(Unproject(P_ss) + direction * thesis.reflection_offset) - P_ss;
     float path;
     vec3 hit = RayTrace(P_ss, V_ss, path);
-    return End(int(path), hit != INVALID_RAY, hit.xy * thesis.resolution, 1.0 - hit.z);
+    bool hits = hit != INVALID_RAY;
+    return End(int(path), hits, hits, hit.xy * thesis.resolution, 1.0 - hit.z);
 #endif
 }
 
@@ -72,7 +74,7 @@ void main() {
     float depth = 1.0 - texelFetch(hiZBuffer, pixel, 0).r;
 #endif
     bool is_mirror = material.y <= 0.0;
-    if (!Reflects(material) || !(depth > 0.0) || !(dot(normal, normal) > NO_NORMAL))
+    if (!Reflects(material) || !(depth > 0.0) || normal == vec3(0.0))
         return;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     vec3 mirror = MirrorDirection(point, normal);
@@ -84,11 +86,13 @@ void main() {
     float angle = TAU * u.y;
     vec3 direction = is_mirror ? mirror : LobeDirection(mirror, power, log_rest / LOG2_E, vec2(cos(angle), sin(angle)));
     out_place = vec4(direction, -density);
-    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
-    if (!(dot(direction, normal) > 0.0))
+    // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces"); where a mirror's ray ends
+    // is told nevertheless.
+    bool above = dot(direction, normal) > 0.0;
+    if (!above && !(HITS && is_mirror))
         return;
     End end = WalkAlong(pixel, depth, direction, is_mirror ? normal : vec3(0.0));
-    if (end.hits) {
+    if (end.shows && above) {
         vec2 uv = end.position * unified.pixel_to_clip;
         out_place = vec4(ViewPoint(end.position, end.depth), density);
         out_color = vec4(ColorMirrored(end.position, SkyAlong(direction)), Fade(uv));
