@@ -9,10 +9,11 @@
 
 use glam::{DVec3, Vec3, Vec3A};
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::bvh2::{Bvh2, reinsertion::ReinsertionOptimizer};
+use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
+use obvhs::ploc::PlocBuilder;
 use obvhs::ray::{Ray as BoxRay, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
-use std::time::Duration;
 
 /// How far boxes extend beyond their triangles, as a share of the greatest coordinate from the scene's middle. The slab
 /// test in f32 errs by a few units of 6e-8 for origins about that far from it.
@@ -66,8 +67,68 @@ pub struct TriangleBvh {
     triangles: Vec<[Vec3; 3]>,
     /// The middle of their bounds, from which boxes are measured: a scene far from the origin is not coarser for it.
     middle: DVec3,
-    /// `None` if there are no triangles.
-    boxes: Option<CwBvh>,
+    /// `None` if no triangle has an area.
+    boxes: Option<Boxes>,
+}
+
+/// A hierarchy of boxes, whose `primitive_indices` are those of triangles.
+enum Boxes {
+    /// Eight boxes a node, which is fast. Its traversal has room for [`WIDE_LEVELS`] levels.
+    Wide(CwBvh),
+    /// Two boxes a node, with room for any number of levels.
+    Binary(Bvh2),
+}
+
+/// How many levels of a [`CwBvh`] its traversal holds; beyond them obvhs 0.4 forgets boxes without a word. Boxes that are
+/// alike, as those of a scene far from the origin whose corners round to few places, make deeper hierarchies.
+const WIDE_LEVELS: usize = 32;
+
+impl Boxes {
+    fn new(padded: &[Padded]) -> Self {
+        let params = BvhBuildParams::medium_build();
+        let indices = (0..padded.len() as u32).collect();
+        let (precision, threshold) = (params.sort_precision, params.search_depth_threshold);
+        let mut binary = PlocBuilder::with_capacity(padded.len()).build(
+            params.ploc_search_distance,
+            padded,
+            indices,
+            precision,
+            threshold,
+        );
+        // The optimizer's stack has as many places as the default depth: a deeper hierarchy stays as it is.
+        if binary.depth(0) < binary.max_depth {
+            ReinsertionOptimizer::default().run(&mut binary, params.reinsertion_batch_ratio, None);
+        }
+        let wide = bvh2_to_cwbvh(&binary, params.max_prims_per_leaf.clamp(1, 3), true, false);
+        if levels(&wide) < WIDE_LEVELS {
+            return Self::Wide(wide);
+        }
+        // A place more than there are levels, as obvhs demands.
+        binary.max_depth = binary.max_depth.max(binary.depth(0) + 1);
+        Self::Binary(binary)
+    }
+
+    fn primitive_indices_mut(&mut self) -> &mut [u32] {
+        match self {
+            Self::Wide(boxes) => &mut boxes.primitive_indices,
+            Self::Binary(boxes) => &mut boxes.primitive_indices,
+        }
+    }
+}
+
+/// How many nodes lie on the longest way from the root of a hierarchy to a leaf.
+fn levels(boxes: &CwBvh) -> usize {
+    let (mut level, mut levels) = (vec![0], 0);
+    while !level.is_empty() {
+        levels += 1;
+        let children = |&node: &u32| {
+            let node = &boxes.nodes[node as usize];
+            let inner = |child: &usize| !node.is_child_empty(*child) && !node.is_leaf(*child);
+            (0..8).filter(inner).map(|child| node.child_node_index(child)).collect::<Vec<_>>()
+        };
+        level = level.iter().flat_map(children).collect();
+    }
+    levels
 }
 
 /// A triangle's enlarged box.
@@ -87,16 +148,25 @@ impl TriangleBvh {
         let middle = 0.5 * (low + high);
         let greatest = (high - middle).max_element() as f32;
         let padding = Vec3A::splat(PADDING * greatest);
-        let padded: Vec<Padded> = triangles
+        // What has no area is never hit, and many points in one place would make a deep hierarchy of boxes that are alike.
+        let area = |corners: &[Vec3; 3]| {
+            let [a, b, c] = corners.map(|v| v.as_dvec3());
+            (b - a).cross(c - a) != DVec3::ZERO
+        };
+        let with_area: Vec<u32> = (0..triangles.len() as u32).filter(|&i| area(&triangles[i as usize])).collect();
+        let padded: Vec<Padded> = with_area
             .iter()
-            .map(|corners| {
-                let corners = corners.map(|v| (v.as_dvec3() - middle).as_vec3a());
+            .map(|&i| {
+                let corners = triangles[i as usize].map(|v| (v.as_dvec3() - middle).as_vec3a());
                 let [min, max] = [Vec3A::min, Vec3A::max].map(|f| f(f(corners[0], corners[1]), corners[2]));
                 Padded(Aabb::new(min - padding, max + padding))
             })
             .collect();
-        let boxes = (!padded.is_empty())
-            .then(|| build_cwbvh(&padded, BvhBuildParams::medium_build(), &mut Duration::default()));
+        let boxes = (!padded.is_empty()).then(|| {
+            let mut boxes = Boxes::new(&padded);
+            boxes.primitive_indices_mut().iter_mut().for_each(|i| *i = with_area[*i as usize]);
+            boxes
+        });
         Self { triangles, middle, boxes }
     }
 
@@ -116,11 +186,9 @@ fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
 
 impl Intersector for TriangleBvh {
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
-        let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
-        boxes.ray_traverse(box_ray(ray, self.middle), &mut RayHit::none(), |_, slot| {
-            let triangle = boxes.primitive_indices[slot];
+        let mut test = |triangle: u32| {
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
                 // Of two equally close triangles the one with the lower index wins, whatever the order of the
@@ -135,7 +203,16 @@ impl Intersector for TriangleBvh {
                 }
                 _ => f32::INFINITY,
             }
-        });
+        };
+        let box_ray = box_ray(ray, self.middle);
+        match self.boxes.as_ref()? {
+            Boxes::Wide(boxes) => {
+                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test(boxes.primitive_indices[slot]))
+            }
+            Boxes::Binary(boxes) => {
+                boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test(boxes.primitive_indices[slot]))
+            }
+        };
         closest
     }
 
@@ -144,13 +221,15 @@ impl Intersector for TriangleBvh {
         let sheared = ShearedRay::new(ray);
         let mut box_ray = box_ray(ray, self.middle);
         box_ray.tmax = (ray.t_max as f32).next_up();
-        !boxes.ray_traverse_miss(box_ray, |_, slot| {
-            let triangle = boxes.primitive_indices[slot];
-            match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
-                Some(hit) if (ray.t_min..=ray.t_max).contains(&hit.t) && accept(&hit) => f32::NEG_INFINITY,
-                _ => f32::INFINITY,
-            }
-        })
+        let test = |triangle: u32| match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
+            Some(hit) if (ray.t_min..=ray.t_max).contains(&hit.t) && accept(&hit) => f32::NEG_INFINITY,
+            _ => f32::INFINITY,
+        };
+        let missed = match boxes {
+            Boxes::Wide(boxes) => boxes.ray_traverse_miss(box_ray, |_, slot| test(boxes.primitive_indices[slot])),
+            Boxes::Binary(boxes) => boxes.ray_traverse_miss(box_ray, |_, slot| test(boxes.primitive_indices[slot])),
+        };
+        !missed
     }
 }
 
@@ -224,6 +303,38 @@ mod tests {
 
     fn ray(origin: DVec3, direction: DVec3) -> WorldRay {
         WorldRay { origin, direction: direction.normalize(), t_min: 0.0, t_max: f64::INFINITY }
+    }
+
+    /// Triangles that all fill one box: their hierarchy is one long chain.
+    #[test]
+    fn triangles_in_one_box_are_all_found() {
+        let corner = |i: u32, j: u32| Vec3::new((i >> (2 * j) & 1) as f32, (i >> (2 * j + 1) & 1) as f32, j as f32);
+        let triangles: Vec<[Vec3; 3]> = (0..3000).map(|i| [0, 1, 2].map(|j| corner(i % 64, j))).collect();
+        let bvh = TriangleBvh::new(triangles.clone());
+        assert!(matches!(bvh.boxes, Some(Boxes::Binary(_))), "the hierarchy is not deep enough to test anything");
+        let brute = BruteForce(triangles);
+        let mut hits = 0;
+        for i in 0..200 {
+            let ray = ray(3.0 * vector(i, 0), vector(i, 1));
+            let expected = brute.closest(&ray, &|_| true).map(|h| h.t);
+            assert_eq!(bvh.closest(&ray, &|_| true).map(|h| h.t), expected);
+            assert_eq!(bvh.any(&ray, &|_| true), expected.is_some());
+            hits += usize::from(expected.is_some());
+        }
+        assert!(hits > 5, "only {hits} of 200 rays hit");
+    }
+
+    /// A scene whose corners have rounded to a few points: triangles without area are no reason for a deep hierarchy,
+    /// and one with an area among them is found.
+    #[test]
+    fn points_are_never_hit_and_hide_nothing() {
+        let point = |i: u32| [Vec3::splat((i % 3) as f32); 3];
+        let mut triangles: Vec<[Vec3; 3]> = (0..5000).map(point).collect();
+        triangles.push([Vec3::ZERO, Vec3::X, Vec3::Y]);
+        let bvh = TriangleBvh::new(triangles);
+        let towards = ray(DVec3::new(0.2, 0.2, -1.0), DVec3::Z);
+        assert_eq!(bvh.closest(&towards, &|_| true).map(|h| h.triangle), Some(5000));
+        assert!(TriangleBvh::new((0..9).map(point).collect()).closest(&towards, &|_| true).is_none());
     }
 
     #[test]
