@@ -4,6 +4,7 @@
 mod beside;
 mod beyond;
 mod captions;
+mod claims;
 mod coverage;
 mod dda;
 mod figures;

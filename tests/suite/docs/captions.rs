@@ -7,8 +7,9 @@ use ssct_lab::scene::library;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The times under the figures 5.2 to 5.9, as `ssct time --table captions` sets them.
-pub fn captions(folder: &Path) -> Result<String> {
+/// Rows of times under the figures 5.2 to 5.9, as `ssct time --table captions` sets them: figure, view, size, roughness,
+/// SSCT's time, the other method, its time, the ratio in print, and the one measured.
+pub fn rows(folder: &Path) -> Result<Vec<Vec<String>>> {
     let text = text(&folder.join("times"), "time.txt")?;
     let mut rows = Vec::new();
     for line in text.lines().filter(|l| l.starts_with("5.")) {
@@ -19,6 +20,11 @@ pub fn captions(folder: &Path) -> Result<String> {
         let size = format!("{width}×{height}");
         rows.push([figure, view, &size, roughness, ssct, other, theirs, before, here].map(str::to_owned).to_vec());
     }
+    Ok(rows)
+}
+
+/// The times under the figures as a table.
+pub fn captions(folder: &Path) -> Result<String> {
     let head = [
         "figure",
         "view",
@@ -30,7 +36,7 @@ pub fn captions(folder: &Path) -> Result<String> {
         "its time over SSCT's, thesis",
         "its time over SSCT's, here",
     ];
-    table(&head, rows)
+    table(&head, rows(folder)?)
 }
 
 /// His scenes, of table 1: vertices, edges, textures, billboards.
@@ -80,7 +86,7 @@ fn frames(record: &Value, field: &str) -> Vec<f64> {
 }
 
 /// The time of `ssr` over another method's, frame by frame, since methods take turns on each frame; the median.
-fn over(records: &[Value], method: &str, size: [u64; 2], field: &str) -> Result<Option<f64>> {
+pub fn over(records: &[Value], method: &str, size: [u64; 2], field: &str) -> Result<Option<f64>> {
     let Some(other) = of_path(records, method, size) else { return Ok(None) };
     let ssr = of_path(records, "ssr", size).ok_or("no times of ssr")?;
     let pairs = frames(ssr, field).into_iter().zip(frames(other, field));
@@ -115,15 +121,19 @@ pub fn frame_rates(folder: &Path) -> Result<String> {
     table(&head, rows)
 }
 
+/// Width and height, as in `1024x768`.
+pub fn size(text: &str) -> Result<[u64; 2]> {
+    let sides: Vec<u64> = text.split('x').filter_map(|n| n.parse().ok()).collect();
+    sides.try_into().map_err(|_| format!("{text} is no size"))
+}
+
 /// Least and greatest of the scenes' median frames a second of a method at a size.
 pub fn fps(folder: &Path, method: &str, size: &str) -> Result<String> {
-    let [width, height] = size.split('x').filter_map(|n| n.parse().ok()).collect::<Vec<u64>>()[..] else {
-        return Err(format!("{size} is no size"));
-    };
+    let size = self::size(size)?;
     let mut all = Vec::new();
     for (scene, _) in TABLE_1 {
         let records = json(&folder.join(scene), "path.json")?;
-        let record = of_path(&records, method, [width, height]).ok_or(format!("no path of {method} in {scene}"))?;
+        let record = of_path(&records, method, size).ok_or(format!("no path of {method} in {scene}"))?;
         all.push(record["fps"]["median"].as_f64().ok_or("a record without frames a second")?);
     }
     Ok(format!("{:.2} to {:.2}", least(&all), greatest(&all)))

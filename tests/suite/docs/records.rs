@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, dda, films, layers, outlook, stochastic, thesis};
+use super::{beside, beyond, captions, claims, dda, films, layers, outlook, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -46,6 +46,13 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["billboard-glow"] => outlook::billboard_glow(first)?,
         ["chain-masks"] => outlook::chain_masks(first)?,
         ["captions"] => captions::captions(first)?,
+        ["claim-time", method, over, roughness] => claims::time(first, [method, over, roughness])?,
+        ["claim-error", method, over, against, roughness] => claims::error(first, [method, over, against, roughness])?,
+        ["claim-hits", share, method] => claims::hits(first, [share, method])?,
+        ["claim-caption", figure] => claims::caption(first, figure)?,
+        ["claim-5.8", method, roughness] => claims::table_5_8(first, [method, roughness])?,
+        ["claim-rougher", method] => claims::rougher(first, method)?,
+        ["claim-scaling", method, size] => claims::scaling(first, [method, size])?,
         ["schmidt-scenes"] => captions::scenes()?,
         ["frame-rates"] => captions::frame_rates(first)?,
         ["fps", method, size] => captions::fps(first, method, size)?,
@@ -223,7 +230,7 @@ fn range(folder: &Path, scene: &str, size: &str, method: &str, over: &str) -> Re
 }
 
 /// Records of `ssct error` of methods as they are without a flag: at full resolution, by version 1 of the oracle.
-fn plain_errors(folder: &Path) -> Result<Vec<Value>> {
+pub fn plain_errors(folder: &Path) -> Result<Vec<Value>> {
     let all = json(folder, "error.json")?;
     let usual = all.first().map(|r| r["params"].clone()).ok_or("no records")?;
     let is_plain = |r: &Value| {

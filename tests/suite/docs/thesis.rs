@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// Rows of table 5.8 in `time.txt`: size, roughness, and the ten columns that it lays beside each other.
-fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
+pub fn rows_5_8(folder: &Path) -> Result<Vec<Vec<String>>> {
     let text = text(folder, "time.txt")?;
     let mut rows = Vec::new();
     for line in text.lines() {

@@ -1,0 +1,89 @@
+//! Single numbers of the table that holds the documents' claims against measurements.
+
+use super::captions;
+use super::figures::{Result, figures, greatest, json, least, mean, median, percent, ratio};
+use super::records::plain_errors;
+use super::thesis;
+use std::path::Path;
+
+/// Median over the views of what a method has over what another has.
+fn over(of: &[f64], other: &[f64]) -> Result<String> {
+    if of.len() != other.len() {
+        return Err(format!("{} values beside {}", of.len(), other.len()));
+    }
+    median(&of.iter().zip(other).map(|(a, b)| a / b).collect::<Vec<_>>()).map(ratio)
+}
+
+/// The time of a method over another's at a roughness.
+pub fn time(folder: &Path, [method, other, roughness]: [&str; 3]) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let times = |method: &str| figures(&records, method, "world", roughness, "time_ms");
+    over(&times(method), &times(other))
+}
+
+/// The RMSE of a method over another's, against a reference at a roughness.
+pub fn error(folder: &Path, [method, other, against, roughness]: [&str; 4]) -> Result<String> {
+    let records = plain_errors(folder)?;
+    let errors = |method: &str| figures(&records, method, against, roughness, "rmse");
+    over(&errors(method), &errors(other))
+}
+
+/// A share of the hits of a method's mirrors: `hit_agreement`, `false`, `missed` or `displaced`, mean over the views.
+pub fn hits(folder: &Path, [share, method]: [&str; 2]) -> Result<String> {
+    let records = plain_errors(folder)?;
+    mean(&figures(&records, method, "oracle", "0", share)).map(|share| percent(share, 1))
+}
+
+/// The time of what stands beside SSCT in a figure, over SSCT's, as measured here.
+pub fn caption(folder: &Path, figure: &str) -> Result<String> {
+    let rows = captions::rows(folder)?;
+    let row = rows.iter().find(|r| r[0] == figure).ok_or(format!("no figure {figure}"))?;
+    row.last().cloned().ok_or_else(|| "an empty row".to_owned())
+}
+
+/// A column of table 5.8, as measured here: a method's times over SSCT's at a roughness, from the least to the greatest.
+pub fn table_5_8(folder: &Path, [method, roughness]: [&str; 2]) -> Result<String> {
+    let column = match method {
+        "hzct" => 9,
+        "sslr" => 11,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    range(thesis::rows_5_8(folder)?.iter().filter(|r| r[1] == roughness).map(|r| r[column].as_str()))
+}
+
+/// Times at roughness 0.1 over those of mirrors in table 5.8, as measured here.
+pub fn rougher(folder: &Path, method: &str) -> Result<String> {
+    let column = match method {
+        "ssct" => 3,
+        "hzct" => 5,
+        "sslr" => 7,
+        _ => return Err(format!("table 5.8 has no {method}")),
+    };
+    let rows = thesis::rows_5_8(folder)?;
+    let time = |roughness: &str, size: &str| {
+        let row = rows.iter().find(|r| r[0] == size && r[1] == roughness).ok_or(format!("no {size} at {roughness}"))?;
+        row[column].parse::<f64>().map_err(|e| e.to_string())
+    };
+    let mirrors = rows.iter().filter(|r| r[1] == "0.0");
+    let ratios = mirrors.map(|r| Ok(ratio(time("0.1", &r[0])? / time("0.0", &r[0])?))).collect::<Result<Vec<_>>>()?;
+    range(ratios.iter().map(String::as_str))
+}
+
+/// By how much the time of `ssr` over another method's grows from 1024×768 to a size, on the ways through the scenes.
+pub fn scaling(folder: &Path, [method, size]: [&str; 2]) -> Result<String> {
+    let size = captions::size(size)?;
+    let growth = ["street", "museum", "cathedral"].map(|scene| {
+        let records = json(&folder.join(scene), "path.json")?;
+        let of = |size| captions::over(&records, method, size, "effect_ms")?.ok_or(format!("no {method} in {scene}"));
+        Ok(ratio(of(size)? / of([1024, 768])?))
+    });
+    let growth = growth.into_iter().collect::<Result<Vec<_>>>()?;
+    range(growth.iter().map(String::as_str))
+}
+
+/// The least and the greatest of some numbers.
+fn range<'a>(numbers: impl Iterator<Item = &'a str>) -> Result<String> {
+    let numbers = numbers.map(|n| n.parse::<f64>().map_err(|e| format!("{n}: {e}"))).collect::<Result<Vec<_>>>()?;
+    median(&numbers)?;
+    Ok(format!("{:.2} to {:.2}", least(&numbers), greatest(&numbers)))
+}
