@@ -309,7 +309,11 @@ pub fn run_place(gpu: &Gpu, place: &Place, lineup: &mut SceneLineup) -> Result<V
         let made = lineup.made()?;
         let truth = (roughness == 0.0).then(|| Truth::new(&data));
         let judged = Judged { case: &name, setup: &lineup.setup, globals: &globals, must_pass: false };
-        records.extend(lineup.methods().zip(&made).map(|(m, made)| made.judge(gpu, &judged, m, &data, truth.as_ref())));
+        records.extend(lineup.methods().zip(&made).map(|(m, made)| {
+            // The screen's oracle knows nothing of hits in captures.
+            let truth = truth.as_ref().filter(|_| m.is_screen_space());
+            made.judge(gpu, &judged, m, &data, truth)
+        }));
     }
     Ok(records)
 }
