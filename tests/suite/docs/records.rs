@@ -77,7 +77,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
-        ["stress-cases"] => stress_cases(first)?,
+        ["stress-cases", method] => stress_cases(first, method)?,
         ["stress-compared", method] => stress_hits(first, method)?.0,
         ["stress-wrong", method] => stress_hits(first, method)?.1,
         ["precision"] => precision(first)?,
@@ -482,9 +482,10 @@ fn stress(folder: &Path) -> Result<String> {
 }
 
 /// How many cases the method with most of them has.
-fn stress_cases(folder: &Path) -> Result<String> {
-    let most = stress_rows(folder)?.iter().map(|(_, rows)| rows.len()).max();
-    most.map(|n| n.to_string()).ok_or_else(|| "no cases".to_owned())
+fn stress_cases(folder: &Path, method: &str) -> Result<String> {
+    let all = stress_rows(folder)?;
+    let of = all.iter().find(|(m, _)| m == method);
+    of.map(|(_, rows)| rows.len().to_string()).ok_or_else(|| format!("no {method}"))
 }
 
 fn stress_hits(folder: &Path, method: &str) -> Result<(String, String)> {
