@@ -81,7 +81,8 @@ fn main() {
     let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let names = if named.is_empty() { library::names().iter().map(|n| n.to_string()).collect() } else { named };
     for name in names {
-        let scene = library::scene(&name).unwrap_or_else(|| scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a scene"));
+        let scene = library::scene(&name)
+            .unwrap_or_else(|| scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a scene"));
         measure(&scene);
     }
 }

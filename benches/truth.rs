@@ -95,7 +95,8 @@ fn main() {
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!("scene,view,size,oracle,ssct,wrong,false_front,false_side,displaced,missed,least");
     for name in names {
-        let from_file = || scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a built-in scene or a file of one");
+        let from_file =
+            || scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a built-in scene or a file of one");
         let scene = library::scene(&name).unwrap_or_else(from_file);
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         for (view, size) in scene.views.iter().flat_map(|view| SIZES.map(|size| (view, size))) {

@@ -89,11 +89,12 @@ class Truth:
         return top * (1 - w[:, 1]) + bottom * w[:, 1]
 
     def trace(self, origin, direction):
-        """Mitsuba's hits as a dict of arrays; mesh -1 is a miss. Rays pass through the holes of alpha masks."""
+        """Mitsuba's hits as a dict of arrays; mesh -1 is a miss. Rays pass through the holes of alpha masks and through
+        single-sided materials from behind."""
         origin, direction = (np.asarray(v, dtype=np.float64) for v in (origin, direction))
         hit = self.trace_once(origin, direction)
         for _ in range(64):
-            holes = self.holes(hit)
+            holes = self.holes(hit, direction)
             if not holes.any():
                 return hit
             beyond = hit["position"][holes] + 1e-4 * direction[holes]
@@ -121,12 +122,15 @@ class Truth:
             "t": np.array(si.t).astype(np.float64),
         }
 
-    def holes(self, hit):
+    def holes(self, hit, direction):
         holes = np.zeros(len(hit["mesh"]), bool)
         for index, material in enumerate(self.info["materials"]):
+            if material["single_sided"]:
+                of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
+                holes[of] |= dot(hit["flat"], direction)[of][:, 0] > 0
             if material["alpha_mask"] is not None:
                 of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
-                holes[of] = self.sample(material["alpha_mask"], hit["uv"][of])[:, 0] < 0.5
+                holes[of] |= self.sample(material["alpha_mask"], hit["uv"][of])[:, 0] < 0.5
         return holes
 
     def normals(self, hit, direction):
@@ -166,8 +170,21 @@ class Truth:
             else:
                 shading += np.maximum(dot(normal, -np.array([light["along"]])), 0) * energy
         factor = np.array([material["albedo"] for material in self.info["materials"]])
-        color = hit["albedo"] * factor[self.material_of[hit["mesh"]]] * (0.2 + 0.8 * np.minimum(shading, 1))
+        lit = 0.2 + 0.8 * np.minimum(shading, 1)
+        lit += (1 - lit) * self.emission(hit)
+        color = hit["albedo"] * factor[self.material_of[hit["mesh"]]] * lit
         return np.where((hit["mesh"] >= 0)[:, None], color, 0.0)
+
+    def emission(self, hit):
+        """The share of the albedo that is emitted."""
+        share = np.zeros((len(hit["mesh"]), 1))
+        for index, material in enumerate(self.info["materials"]):
+            of = (hit["mesh"] >= 0) & (self.material_of[hit["mesh"]] == index)
+            if material["emission"] > 0 and of.any():
+                albedo_map = material["albedo_map"]
+                alpha = self.sample(albedo_map, hit["uv"][of])[:, 3:] if albedo_map is not None else 1
+                share[of] = material["emission"] * alpha
+        return share
 
 
 def si_barycentrics(scene, ray):

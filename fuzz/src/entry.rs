@@ -3,8 +3,8 @@
 
 use glam::Vec3;
 use ssct::error::{Error, Result};
-use ssct_lab::scene::{Camera, CameraPath, Encoding, Lens, Scene};
-use ssct_lab::scene::{gbuffer_file, obj, path, pattern, scene_file, texture};
+use ssct_lab::scene::{Camera, CameraPath, Encoding, Lens, LoadOptions, Scene};
+use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use std::cell::OnceCell;
 use std::path::Path;
 use tempfile::TempDir;
@@ -13,8 +13,14 @@ use tempfile::TempDir;
 pub type Entry = fn(&[u8]) -> bool;
 
 /// Every entry with its name, which is also the name of its fuzz target and of its folder of inputs.
-pub const ENTRIES: [(&str, Entry); 5] =
-    [("obj", obj), ("texture", texture), ("gbuffer", gbuffer), ("scene", scene), ("camera_path", camera_path)];
+pub const ENTRIES: [(&str, Entry); 6] = [
+    ("obj", obj),
+    ("gltf", gltf),
+    ("texture", texture),
+    ("gbuffer", gbuffer),
+    ("scene", scene),
+    ("camera_path", camera_path),
+];
 
 /// An OBJ file, followed by a byte 0 and the MTL file `a.mtl`. Beside them are the images `x.png`, a normal
 /// map, and `y.tga`.
@@ -33,11 +39,20 @@ pub fn obj(data: &[u8]) -> bool {
     })
 }
 
+/// A glTF file, as text or as binary. Beside it are the buffer `b.bin` and the images.
+pub fn gltf(data: &[u8]) -> bool {
+    let name = if data.starts_with(b"glTF") { "a.glb" } else { "a.gltf" };
+    in_folder(|folder| {
+        write(folder, name, data);
+        judged(gltf::load(&folder.join(name), &LoadOptions::default()), sound_scene)
+    })
+}
+
 /// A scene file. Beside it are `m.obj` with the materials `m` and `n`, and the images.
 pub fn scene(data: &[u8]) -> bool {
     in_folder(|folder| {
         write(folder, "a.scene.toml", data);
-        judged(scene_file::load(&folder.join("a.scene.toml"), 1.0), sound_scene)
+        judged(scene_file::load(&folder.join("a.scene.toml"), &LoadOptions::default()), sound_scene)
     })
 }
 
@@ -89,7 +104,7 @@ fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
         Err(error) => {
             assert!(matches!(error, Error::Malformed { .. } | Error::Io { .. }), "{error}");
             let text = error.to_string();
-            assert!(["a.", "m.", "x.png", "y.tga"].iter().any(|name| text.contains(name)), "{text}");
+            assert!(["a.", "m.", "b.bin", "x.png", "y.tga"].iter().any(|name| text.contains(name)), "{text}");
             false
         }
     }
@@ -108,7 +123,8 @@ fn sound_scene(scene: &Scene) {
     }
     for material in &scene.materials {
         let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
-        assert!(maps.into_iter().flatten().all(|i| i < scene.textures.len()));
+        let maps = maps.into_iter().chain([material.roughness_map]);
+        assert!(maps.flatten().all(|i| i < scene.textures.len()));
         let factors = [material.reflectivity, material.roughness, material.normal_deviation];
         assert!(factors.iter().all(|f| (0.0..=1.0).contains(f)) && material.albedo.is_finite(), "{material:?}");
     }
@@ -148,6 +164,15 @@ pub const OBJ: &[u8] = b"mtllib a.mtl\ng left\nusemtl m\ns 1\nv 0 0 0\nv 1 0 0\n
 pub const MTL: &[u8] = b"newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nNs 10\nmap_Kd x.png\nbump -bm 0.5 x.png\nmap_d y.tga\n\
     newmtl n\nPr 0.5\nmap_Ks -s 1 1 y.tga\nd 1\n";
 
+/// The buffer of a square for glTF files: positions, normals, texture coordinates and indices.
+pub fn square() -> Vec<u8> {
+    let positions = [0.0_f32, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    let normals = [0.0_f32, 0.0, 1.0].repeat(4);
+    let uvs = [0.0_f32, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+    let floats = positions.iter().chain(&normals).chain(&uvs).flat_map(|v| v.to_le_bytes());
+    floats.chain([0_u16, 1, 2, 0, 2, 3].into_iter().flat_map(u16::to_le_bytes)).collect()
+}
+
 thread_local! {
     static FOLDER: OnceCell<TempDir> = const { OnceCell::new() };
 }
@@ -167,6 +192,7 @@ fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
             let object = String::from_utf8_lossy(OBJ).replace("a.mtl", "m.mtl");
             write(folder.path(), "m.obj", object.as_bytes());
             write(folder.path(), "m.mtl", MTL);
+            write(folder.path(), "b.bin", &square());
             folder
         });
         run(folder.path())

@@ -25,6 +25,24 @@ const PROXIES: &str = "[[mesh]]\nfile = \"m.obj\"\n[[probe]]\nname = \"p\"\nposi
 const PATH: &str = "name = \"p\"\n[[key]]\neye = [0, 0, 0]\nlook_at = [0, 0, 1]\ntime = 0\n[[key]]\neye = [1, 0, 0]\n\
     look_at = [1.5, 0, 1]\ntime = 1.5\n[[key]]\neye = [1, 2, 0]\nlook_at = [1, 0, 1]\ntime = 3.0\n";
 
+/// A glTF file with most of what counts: a square of [`entry::square`], its images, a camera and lights.
+const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1]}],"nodes":[{"mesh":0,"children":[2],
+"rotation":[0,0.7,0,0.7],"translation":[0,1,0],"scale":[1,-2,1]},{"camera":0,"translation":[0,0,4],
+"extensions":{"KHR_lights_punctual":{"light":0}}},{"mesh":0,"matrix":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,3,1]}],
+"meshes":[{"primitives":[{"attributes":{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2},"indices":3,"material":0},
+{"attributes":{"POSITION":0},"mode":6}]}],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0,
+"extensions":{"KHR_texture_transform":{"rotation":1,"scale":[2,2],"offset":[0.5,0]}}},"metallicRoughnessTexture":{"index":0}},
+"normalTexture":{"index":0,"scale":0.5},"emissiveFactor":[1,0.5,0],"emissiveTexture":{"index":0},"alphaMode":"MASK",
+"alphaCutoff":0.4,"doubleSided":true,"extensions":{"KHR_materials_ior":{"ior":1.4},
+"KHR_materials_emissive_strength":{"emissiveStrength":2}}}],"textures":[{"source":0,"sampler":0}],"samplers":[{"wrapS":33071}],
+"images":[{"uri":"x.png"}],"cameras":[{"type":"perspective","perspective":{"yfov":0.8,"znear":0.2}}],
+"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[{"type":"spot","intensity":64,
+"color":[1,1,0],"spot":{}}]}},"accessors":[{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],
+"max":[2,1,0]},{"bufferView":0,"byteOffset":48,"componentType":5126,"count":4,"type":"VEC3"},{"bufferView":1,
+"componentType":5126,"count":4,"type":"VEC2"},{"bufferView":2,"componentType":5123,"count":6,"type":"SCALAR"}],
+"bufferViews":[{"buffer":0,"byteLength":96,"byteStride":12},{"buffer":0,"byteOffset":96,"byteLength":32},{"buffer":0,
+"byteOffset":128,"byteLength":12}],"buffers":[{"byteLength":140,"uri":"b.bin"}]}"#;
+
 /// Writes all seeds as `ROOT/TARGET/seed-*`.
 pub fn write_all(root: &Path) {
     let both = [entry::OBJ, b"\0", entry::MTL].concat();
@@ -33,9 +51,19 @@ pub fn write_all(root: &Path) {
     write(root, "obj", &[both, plain.to_vec()]);
     write(root, "scene", &[SCENE, PROXIES].map(|s| s.as_bytes().to_vec()));
     let untimed = PATH.lines().filter(|l| !l.starts_with("time")).collect::<Vec<_>>().join("\n");
+    write(root, "gltf", &[GLTF.as_bytes().to_vec(), glb()]);
     write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
     write(root, "texture", &textures());
     write(root, "gbuffer", &gbuffers());
+}
+
+/// The glTF file as binary, with its buffer inside.
+fn glb() -> Vec<u8> {
+    let mut text = GLTF.replace(",\"uri\":\"b.bin\"", "").into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes(), kind, bytes].concat();
+    let chunks = [chunk(b"JSON", &text), chunk(b"BIN\0", &entry::square())].concat();
+    [b"glTF".as_slice(), &2_u32.to_le_bytes(), &(12 + chunks.len() as u32).to_le_bytes(), &chunks].concat()
 }
 
 fn write(root: &Path, target: &str, seeds: &[Vec<u8>]) {

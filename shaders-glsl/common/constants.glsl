@@ -95,6 +95,9 @@ const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ib
 
 const uint NORMAL_MAP = 1u;       // The bit of a material with a normal map.
 const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.
+const uint ROUGHNESS_MAP = 4u;    // The bit of a material with a roughness map.
+const uint SINGLE_SIDED = 8u;     // The bit of a material that is not there from behind.
+const float EMISSION = 0.4;       // By how much full emission lowers the albedo buffer's alpha from 1.
 
 const int SHAPE_SPHERE = 0;       // An area light that is a sphere.
 const int SHAPE_CAPSULE = 1;      // An area light that is a capsule.

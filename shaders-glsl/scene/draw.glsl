@@ -6,5 +6,6 @@ layout(push_constant) uniform DrawBlock {
     float reflectivity;
     float roughness;
     float normal_deviation;   // 0: geometric normal, 1: normal map
-    uint maps;                // NORMAL_MAP, ALPHA_MASK
+    uint maps;                // NORMAL_MAP, ALPHA_MASK, ROUGHNESS_MAP, SINGLE_SIDED
+    float emission;           // share of the albedo that is emitted; 0 for a surface that shows the sky
 } draw;

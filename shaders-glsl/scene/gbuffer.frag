@@ -13,6 +13,7 @@ layout(binding = 1) uniform sampler2D albedo_map;
 layout(binding = 2) uniform sampler2D normal_map;
 layout(binding = 3) uniform sampler2D alpha_mask;
 layout(binding = 4) uniform sampler2D reflectivity_map;
+layout(binding = 7) uniform sampler2D roughness_map;
 
 #ifdef PEELED
 layout(binding = 5) uniform sampler2D first_depth; // reversed, of the layer in front
@@ -25,7 +26,7 @@ layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_tangent;
 
-layout(location = 0) out vec4 out_albedo;    // a: 1 lit, 0 shows the sky
+layout(location = 0) out vec4 out_albedo;    // a: 0 shows the sky, 1 lit, less by what is emitted (EMISSION)
 layout(location = 1) out vec4 out_normal;    // view space, unit
 layout(location = 2) out vec2 out_material;  // reflectivity, roughness
 
@@ -57,11 +58,19 @@ vec2 Place() {
 void main() {
     // Sampled before the discard, so that every quad has its derivatives.
     vec2 uv = Place();
-    vec3 albedo = texture(albedo_map, uv).rgb;
+    vec4 albedo = texture(albedo_map, uv);
     vec3 mapped = texture(normal_map, uv).xyz * 2.0 - 1.0;
     float reflectivity = texture(reflectivity_map, uv).r;
     float mask = texture(alpha_mask, uv).r;
+    // Few materials have this map, and none of the others pays for it.
+    float roughness = (draw.maps & ROUGHNESS_MAP) != 0u ? texture(roughness_map, uv).g : 1.0;
     if ((draw.maps & ALPHA_MASK) != 0u && mask < 0.5) {
+        discard;
+    }
+    // A mirrored view turns windings round.
+    bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
+    bool behind = gl_FrontFacing == mirrored;
+    if (behind && (draw.maps & SINGLE_SIDED) != 0u) {
         discard;
     }
 #ifdef PEELED
@@ -80,12 +89,11 @@ void main() {
             normal = normalize(mix(geometric, bumped, draw.normal_deviation));
         }
     }
-    // Seen from behind, a surface shows its other side. A mirrored view turns windings round.
-    bool mirrored = determinant(mat3(camera.world_to_view)) < 0.0;
-    if (gl_FrontFacing == mirrored) {
+    // Seen from behind, a surface shows its other side.
+    if (behind) {
         normal = -normal;
     }
-    out_albedo = vec4(albedo * draw.albedo.rgb, draw.albedo.a);
+    out_albedo = vec4(albedo.rgb * draw.albedo.rgb, draw.albedo.a - EMISSION * draw.emission * albedo.a);
     out_normal = vec4(normal, 0.0);
-    out_material = vec2(draw.reflectivity * reflectivity, draw.roughness);
+    out_material = vec2(draw.reflectivity * reflectivity, draw.roughness * roughness);
 }

@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Lighting)
-// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows (docs/definitions.md,
-// "Surfaces"); the sky where nothing stands or where a surface shows it.
+// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows, and as under full light for the share
+// of it that is emitted (docs/definitions.md, "Surfaces"); the sky where nothing stands or where a surface shows it.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
@@ -54,5 +54,6 @@ void main() {
             shading += max(0.0, dot(normal, light.place.xyz)) * energy;
         }
     }
-    out_color = vec4(albedo.rgb * mix(0.2, 1.0, min(shading, 1.0)), 1.0);
+    float emission = clamp((1.0 - albedo.a) / EMISSION, 0.0, 1.0);
+    out_color = vec4(albedo.rgb * mix(mix(0.2, 1.0, min(shading, 1.0)), 1.0, emission), 1.0);
 }

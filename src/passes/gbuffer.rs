@@ -13,7 +13,7 @@ use crate::gpu::sync::Access;
 use crate::gpu::{
     Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
-use crate::math::constants::{ALPHA_MASK, NORMAL_MAP};
+use crate::math::constants::{ALPHA_MASK, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
 use crate::math::frustum::Frustum;
 use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
@@ -245,6 +245,7 @@ impl GBufferPass {
                     normal_map: surface.normal_map,
                     alpha_mask: surface.alpha_mask,
                     reflectivity_map: surface.reflectivity_map,
+                    roughness_map: surface.roughness_map,
                     draw: surface.draw,
                 };
                 raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
@@ -276,6 +277,7 @@ impl GBufferPass {
                     normal_map: surface.normal_map,
                     alpha_mask: surface.alpha_mask,
                     reflectivity_map: surface.reflectivity_map,
+                    roughness_map: surface.roughness_map,
                     first_depth: Sampled::nearest(peel.depth.all()),
                     peel: &block,
                     draw: surface.draw,
@@ -301,6 +303,7 @@ struct SurfaceInput<'a> {
     normal_map: Sampled<'a>,
     alpha_mask: Sampled<'a>,
     reflectivity_map: Sampled<'a>,
+    roughness_map: Sampled<'a>,
     draw: &'a DrawBlock,
 }
 
@@ -354,6 +357,7 @@ impl<'a> SceneView<'a> {
                     normal_map: map(material.normal_map),
                     alpha_mask: map(material.alpha_mask),
                     reflectivity_map: map(material.reflectivity_map),
+                    roughness_map: map(material.roughness_map),
                     draw: &block,
                 };
                 bind(raster, &surface)?;
@@ -366,16 +370,17 @@ impl<'a> SceneView<'a> {
 }
 
 /// What some materials can reflect, in the precision of the material image: a map only ever lowers a
-/// reflectivity.
+/// reflectivity or a roughness.
 fn reflectors<'m>(materials: impl Iterator<Item = &'m Material>) -> Reflectors {
     let stored = |v: f32| half::f16::from_f32(v).to_f32();
     let start = Reflectors { everywhere: true, ..Reflectors::default() };
     materials.filter(|m| m.surface == Surface::Lit).fold(start, |r, m| {
         let reflects = stored(m.reflectivity) > GBufferData::REFLECTS_ABOVE;
         let roughness = stored(m.roughness);
+        let lowered = m.roughness_map.is_some();
         Reflectors {
-            mirrors: r.mirrors || (reflects && roughness <= 0.0),
-            narrow: r.narrow || (reflects && roughness > 0.0 && roughness <= WIDE_ABOVE),
+            mirrors: r.mirrors || (reflects && (roughness <= 0.0 || lowered)),
+            narrow: r.narrow || (reflects && roughness > 0.0 && (roughness <= WIDE_ABOVE || lowered)),
             wide: r.wide || (reflects && roughness > WIDE_ABOVE),
             everywhere: r.everywhere && reflects && m.reflectivity_map.is_none(),
         }
@@ -390,6 +395,16 @@ fn draw_block(material: &Material, world_to_clip: [[f32; 4]; 4]) -> DrawBlock {
         reflectivity: if lit { material.reflectivity } else { 0.0 },
         roughness: material.roughness,
         normal_deviation: material.normal_deviation,
-        maps: material.normal_map.map_or(0, |_| NORMAL_MAP) | material.alpha_mask.map_or(0, |_| ALPHA_MASK),
+        maps: [
+            (material.normal_map.is_some(), NORMAL_MAP),
+            (material.alpha_mask.is_some(), ALPHA_MASK),
+            (material.roughness_map.is_some(), ROUGHNESS_MAP),
+            (material.single_sided, SINGLE_SIDED),
+        ]
+        .into_iter()
+        .filter(|(has, _)| *has)
+        .fold(0, |bits, (_, bit)| bits | bit),
+        emission: if lit { material.emission } else { 0.0 },
+        ..DrawBlock::default()
     }
 }

@@ -76,7 +76,7 @@ pub struct Vertex {
 /// Indexed triangles of one material.
 ///
 /// The winding agrees with the normals: (b − a) × (c − a) points to the side of the vertex normals. Both sides
-/// are drawn; on the back, the normal is flipped.
+/// are drawn, and on the back the normal is flipped, unless the material is single-sided.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// The name of the object or group, for labels.
@@ -129,6 +129,13 @@ pub struct Material {
     pub reflectivity_map: Option<usize>,
     /// Roughness ϱ, 0…1; 0 is a mirror.
     pub roughness: f32,
+    /// Roughness image (green channel, linear), a factor on [`Material::roughness`].
+    pub roughness_map: Option<usize>,
+    /// The share of the albedo, 0…1, that is emitted: it is as bright as under full light, whatever the lights. The alpha
+    /// channel of the albedo image is a factor on it.
+    pub emission: f32,
+    /// Whether the surface is not there for whoever looks from behind.
+    pub single_sided: bool,
     /// Weight of the normal map, 0…1.
     pub normal_deviation: f32,
     /// How the surface takes part in reflections.
@@ -147,6 +154,9 @@ impl Default for Material {
             reflectivity: 1.0,
             reflectivity_map: None,
             roughness: 0.0,
+            roughness_map: None,
+            emission: 0.0,
+            single_sided: false,
             normal_deviation: 1.0,
             surface: Surface::Lit,
         }
@@ -158,7 +168,7 @@ impl Default for Material {
 pub struct MaterialChange {
     /// Replaces the reflectivity and removes its map.
     pub reflectivity: Option<f32>,
-    /// Replaces the roughness.
+    /// Replaces the roughness and removes its map.
     pub roughness: Option<f32>,
     /// Replaces the normal deviation.
     pub normal_deviation: Option<f32>,
@@ -173,6 +183,7 @@ impl MaterialChange {
         }
         if let Some(roughness) = self.roughness {
             material.roughness = roughness;
+            material.roughness_map = None;
         }
         if let Some(deviation) = self.normal_deviation {
             material.normal_deviation = deviation;

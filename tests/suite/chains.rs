@@ -13,7 +13,7 @@ use ssct::passes::gbuffer::GBufferImages;
 use ssct_lab::reference::Level;
 use ssct_lab::reference::hi_z::{self, MinMax};
 use ssct_lab::reference::visibility::{self, Range};
-use ssct_lab::scene::{GBufferData, Surface, scene_file};
+use ssct_lab::scene::{GBufferData, LoadOptions, Surface, scene_file};
 use ssct_lab::study::Globals;
 
 const SIZES: [[u32; 2]; 14] = [
@@ -104,7 +104,7 @@ fn without_maxima_the_minima_and_the_image_are_the_same() {
 fn depth_chains_of_the_authors_rooms_equal_their_twin_to_the_bit() {
     let Some(folder) = shared_scenes() else { return };
     let gpu = gpu();
-    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
+    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), &LoadOptions::default()).unwrap();
     for (view, extent) in scene.views.iter().zip([[321, 179], [240, 135], [127, 61]]) {
         let setup = Setup::new(extent).with(|p: &mut ThesisDrawing| p.hi_z_maximum = true);
         let camera = view.camera(&scene, extent);

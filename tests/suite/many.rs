@@ -42,7 +42,7 @@ fn three_thousand_materials_are_drawn() {
     for (name, text) in [("a.obj", mesh), ("a.mtl", materials)] {
         std::fs::write(folder.path().join(name), text).unwrap();
     }
-    let options = ObjOptions { handedness: Handedness::Left, scale: 1.0 };
+    let options = ObjOptions { handedness: Handedness::Left, ..ObjOptions::default() };
     let mut scene = obj::load(&[ObjFile::from(folder.path().join("a.obj"))], &options).unwrap();
     assert_eq!([scene.materials.len(), scene.meshes.len()], [3000, 3000]);
     scene.lights = vec![Light::Directional { direction: Vec3::Z, energy: 1.0 }];

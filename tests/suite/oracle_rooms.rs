@@ -16,13 +16,13 @@ use ssct_lab::reference::screen::Sampling;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::world_hits;
 use ssct_lab::reference::{Hierarchy, Oracle, Outcome, ScreenReference, Trace};
-use ssct_lab::scene::{GBufferData, Scene, Vertex, scene_file};
+use ssct_lab::scene::{GBufferData, LoadOptions, Scene, Vertex, scene_file};
 use ssct_lab::study::gbuffer::{self, hit_positions};
 use ssct_lab::study::{Globals, Shot, Stage};
 use std::time::Instant;
 
 fn rooms() -> Option<Scene> {
-    Some(scene_file::load(&shared_scenes()?.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap())
+    Some(scene_file::load(&shared_scenes()?.join("ssct-rooms/rooms.scene.toml"), &LoadOptions::default()).unwrap())
 }
 
 /// What a method makes of a view, with the author's constants and geometric normals.

@@ -15,7 +15,7 @@ use ssct::passes::{GBuffer, PathCode, Reflectors};
 use ssct_lab::metrics::hits::HitAgreement;
 use ssct_lab::reference::unified::{Code, Parameters, Traversal};
 use ssct_lab::reference::{Hierarchy, MissReason, Outcome};
-use ssct_lab::scene::{Camera, GBufferData, Lens, Material, Scene, Surface, View, library, scene_file};
+use ssct_lab::scene::{Camera, GBufferData, Lens, LoadOptions, Material, Scene, Surface, View, library, scene_file};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
 /// Awkward sizes: one texel, rows, odd, prime, around a workgroup's 64 pixels.
@@ -272,7 +272,7 @@ fn hits_on_every_view_are_the_oracles() {
     }
     let Some(folder) = shared_scenes() else { return };
     for file in ["ssct-rooms/rooms.scene.toml", "sponza/sponza.scene.toml"] {
-        check_views(&gpu, &scene_file::load(&folder.join(file), 1.0).unwrap(), &sizes);
+        check_views(&gpu, &scene_file::load(&folder.join(file), &LoadOptions::default()).unwrap(), &sizes);
     }
     check_validation(&gpu).unwrap();
 }

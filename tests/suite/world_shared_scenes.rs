@@ -4,7 +4,7 @@
 use crate::common::repository;
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
-use ssct_lab::scene::{Camera, scene_file};
+use ssct_lab::scene::{Camera, LoadOptions, scene_file};
 use std::time::Instant;
 
 #[test]
@@ -14,7 +14,7 @@ fn sponza_is_ready_for_rays_in_seconds_and_has_no_cracks() {
         println!("skipped: ../shared/scenes is absent");
         return;
     }
-    let scene = scene_file::load(file, 1.0).expect("sponza");
+    let scene = scene_file::load(file, &LoadOptions::default()).expect("sponza");
     let start = Instant::now();
     let world = World::new(&scene, &scene.materials);
     let built = start.elapsed().as_secs_f64();

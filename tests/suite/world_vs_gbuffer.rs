@@ -7,7 +7,7 @@ use ssct::methods::{METHODS, Setup, Wants};
 use ssct_lab::reference::first_hits::FirstHits;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
-use ssct_lab::scene::{Camera, GBufferData, Surface, library};
+use ssct_lab::scene::{Camera, Encoding, GBufferData, Material, Scene, Surface, Texture, library};
 use ssct_lab::study::{Globals, Shot, Stage, image};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -21,7 +21,6 @@ struct Both {
 }
 
 fn both(normal_deviation: f32, maps: bool) -> Both {
-    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
     let scene = library::scene("rooms").expect("a built-in scene");
     let view = scene.view("corridor").expect("a view of the rooms");
     let globals = Globals { roughness: Some(0.0), reflectivity: 1.0, normal_deviation: Some(normal_deviation) };
@@ -29,8 +28,14 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
     if !maps {
         materials.iter_mut().for_each(|m| (m.albedo_map, m.normal_map) = (None, None));
     }
-    let camera = view.camera(&scene, SIZE);
-    let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+    both_of(&scene, materials)
+}
+
+/// A scene's corridor with some materials.
+fn both_of(scene: &Scene, materials: Vec<Material>) -> Both {
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    let camera = scene.view("corridor").expect("a view of the rooms").camera(scene, SIZE);
+    let mut stage = Stage::new(&gpu, scene).expect("device memory");
     let shot =
         Shot::new(&mut stage, &METHODS[0], &Setup::new(SIZE), Wants::IMAGE, camera, materials.clone()).expect("a shot");
     image::render(&mut stage, &shot, false).expect("a frame");
@@ -50,7 +55,7 @@ fn both(normal_deviation: f32, maps: bool) -> Both {
         color: vectors(&color),
         surface: vec![Surface::Lit; (SIZE[0] * SIZE[1]) as usize],
     };
-    let world = World::new(&scene, &materials);
+    let world = World::new(scene, &materials);
     let first_hits = FirstHits::trace(&world, &camera, SIZE);
     let hits = world_hits(&world, &gbuffer);
     Both { first_hits, camera, gbuffer, hits }
@@ -109,6 +114,48 @@ fn lit_colour_without_images_agrees_within_half_floats() {
     eprintln!("median {median:.1e}, within 0.001: {share:.4}");
     assert!(median < 3e-4, "{median}");
     assert!(share > 0.995, "{share}");
+}
+
+#[test]
+fn emission_roughness_maps_and_single_sides_agree() {
+    let mut scene = library::scene("rooms").expect("a built-in scene");
+    // Half of the left half glows wholly, the rest of it by a half; rough on the right.
+    let texel = |x: u32| if x < 2 { [255, 255, 255, if x == 0 { 255 } else { 128 }] } else { [255, 51, 255, 0] };
+    let rgba = (0..4).flat_map(texel).collect();
+    let map = Some(scene.textures.len());
+    scene.textures.push(Texture { name: "map".into(), width: 4, height: 1, rgba, encoding: Encoding::Linear });
+    let mut materials = scene.materials.clone();
+    for material in &mut materials {
+        (material.albedo_map, material.normal_map) = (map, None);
+        (material.emission, material.roughness, material.roughness_map) = (0.5, 0.5, map);
+    }
+    let share = |tolerance: f32, materials: &[Material]| {
+        let both = both_of(&scene, materials.to_vec());
+        (share_within(tolerance, &differences(&both)), both)
+    };
+    let mut plain = materials.clone();
+    plain.iter_mut().for_each(|m| (m.albedo_map, m.roughness_map) = (None, None));
+    // The emission has 102 steps in the albedo buffer.
+    assert!(share(5e-3, &plain).0 > 0.99);
+    // With the map, what filters it differs, as in the test below.
+    let (alike, whole) = share(0.08, &materials);
+    assert!(alike > 0.9, "{alike}");
+    let pairs = || whole.gbuffer.roughness.iter().zip(&whole.first_hits.receivers);
+    let alike = pairs().filter(|(gpu, cpu)| cpu.is_some_and(|r| (r.roughness - f64::from(**gpu)).abs() < 0.05)).count();
+    assert!(alike * 10 > 9 * whole.gbuffer.roughness.len(), "{alike}");
+    assert!(pairs().any(|(gpu, _)| *gpu < 0.15) && pairs().any(|(gpu, _)| *gpu > 0.45), "the map has both");
+    // Turned round, and with one side, what fills the view is gone; with two sides it stays.
+    for mesh in &mut scene.meshes {
+        mesh.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
+        mesh.vertices.iter_mut().for_each(|v| v.normal = v.normal.map(|n| -n));
+    }
+    let seen = |both: &Both| both.gbuffer.depth.iter().filter(|d| **d > 0.0).count();
+    assert_eq!(seen(&both_of(&scene, materials.clone())), seen(&whole));
+    materials.iter_mut().for_each(|m| m.single_sided = true);
+    let gone = both_of(&scene, materials);
+    assert!(seen(&gone) < seen(&whole) / 2, "{} of {}", seen(&gone), seen(&whole));
+    let [gpu, cpu] = [seen(&gone), gone.first_hits.view_z_m.iter().filter(|z| z.is_finite()).count()];
+    assert!(gpu.abs_diff(cpu) * 100 <= SIZE[0] as usize * SIZE[1] as usize, "{gpu} {cpu}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::report::captures::{self, CubePictures};
 use crate::report::files;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::placement::{Wanted, with_captures};
-use crate::scene::{Capture, Scene, capture_file};
+use crate::scene::{Capture, LoadOptions, Scene, capture_file};
 use crate::study::{Stage, gbuffer};
 use clap::Args;
 use std::io::Write;
@@ -52,7 +52,7 @@ pub struct CapturesOptions {
 
 /// Runs the command.
 pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
-    let mut scene = resolve::load(&options.scene, options.scale)?;
+    let mut scene = resolve::load(&options.scene, &LoadOptions { scale: options.scale, ..LoadOptions::default() })?;
     let mut placement = with_captures(&mut scene, options.captures);
     if let Some(side) = options.capture_side {
         placement.captures.iter_mut().for_each(|c| c.resolution = side);

@@ -3,6 +3,7 @@
 use super::parameters::{BesideGBufferOptions, MethodOptions, TypedVariant, choice, typed_variant};
 use crate::report::figures::Figure;
 use crate::scene::capture::MAX_CAPTURES;
+use crate::scene::texture::MAX_EXTENT;
 use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -29,12 +30,15 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or an OBJ file; several OBJ files make one scene.
+    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, a glTF file (.gltf, .glb), or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Scale factor on the scene's coordinates.
     #[arg(long, default_value_t = 1.0)]
     pub scale: f32,
+    /// The greatest side of a material's image in texels; larger ones are made smaller as they are loaded.
+    #[arg(long, value_name = "TEXELS", default_value_t = MAX_EXTENT, value_parser = clap::value_parser!(u32).range(1..))]
+    pub texture_size: u32,
     /// A named view of the scene; without it, the scene's first.
     #[arg(long, conflicts_with_all = ["eye", "look_at"])]
     pub view: Option<String>,

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};
 use crate::scene::path::{self, VIEWS};
-use crate::scene::{CameraPath, Lens, Scene, View, library, obj, scene_file};
+use crate::scene::{CameraPath, Lens, LoadOptions, Scene, View, gltf, library, obj, scene_file};
 use crate::study::error::Variant;
 use crate::study::{Globals, sweep};
 use std::path::{Path, PathBuf};
@@ -29,29 +29,32 @@ fn watch() -> Result<Option<Arc<Watch>>> {
     Ok(Some(watch))
 }
 
-/// Loads the scene that the flags name: built in, a scene file, or OBJ files.
+/// Loads the scene that the flags name: built in, a scene file, a glTF file, or OBJ files.
 pub fn scene(options: &SceneOptions, default: &str) -> Result<Scene> {
     let fallback = [PathBuf::from(default)];
-    load(if options.scene.is_empty() { &fallback } else { &options.scene }, options.scale)
+    let sources = if options.scene.is_empty() { &fallback } else { options.scene.as_slice() };
+    load(sources, &LoadOptions { scale: options.scale, texture_side: options.texture_size })
 }
 
-/// Loads a scene: the name of one that is built in, a scene file, or OBJ files; enlarged by `scale`.
-pub fn load(sources: &[PathBuf], scale: f32) -> Result<Scene> {
+/// Loads a scene: the name of one that is built in, a scene file, a glTF file, or OBJ files.
+pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
+    let scale = options.scale;
     if !(scale.is_finite() && scale > 0.0) {
         return Err(Error::Usage(format!("--scale {scale}: must be a number above 0")));
     }
     let extension = |p: &Path| p.extension().and_then(|e| e.to_str()).map(str::to_lowercase);
     let scene = match sources {
-        [one] if extension(one).as_deref() == Some("toml") => scene_file::load(one, scale)?,
+        [one] if extension(one).as_deref() == Some("toml") => scene_file::load(one, options)?,
+        [one] if gltf::is_named(one) => gltf::load(one, options)?,
         _ if sources.iter().all(|p| extension(p).as_deref() == Some("obj")) => {
             let files: Vec<_> = sources.iter().map(obj::ObjFile::from).collect();
-            obj::load(&files, &obj::ObjOptions { scale, ..obj::ObjOptions::default() })?
+            obj::load(&files, &obj::ObjOptions { load: *options, ..obj::ObjOptions::default() })?
         }
         [name] => {
             let name = name.to_string_lossy();
             let mut scene = library::scene(&name).ok_or_else(|| {
                 Error::Usage(format!(
-                    "--scene {name}: neither a built-in scene ({}) nor a .scene.toml or .obj file",
+                    "--scene {name}: neither a built-in scene ({}) nor a .scene.toml, .gltf, .glb or .obj file",
                     library::names().join(", ")
                 ))
             })?;

@@ -31,6 +31,8 @@ pub struct SurfacePoint {
     pub normal: DVec3,
     /// Linear albedo.
     pub albedo: DVec3,
+    /// The share of the albedo that is emitted, 0…1.
+    pub emission: f64,
     /// Reflectivity, 0…1; 0 for a surface that shows the sky.
     pub reflectivity: f64,
     /// Roughness ϱ.
@@ -64,15 +66,17 @@ impl<'a> World<'a> {
         let side = if towards_front.dot(ray.direction) <= 0.0 { 1.0 } else { -1.0 };
         let uv = interpolate_uv(&vertices, hit);
         let lit = material.surface == Surface::Lit;
-        let albedo = material.albedo_map.map_or(DVec4::ONE, |i| self.sample(i, uv)).truncate();
+        let albedo = material.albedo_map.map_or(DVec4::ONE, |i| self.sample(i, uv));
         let reflectivity = material.reflectivity_map.map_or(1.0, |i| self.sample(i, uv).x);
+        let roughness = material.roughness_map.map_or(1.0, |i| self.sample(i, uv).y);
         SurfacePoint {
             position: interpolate(&vertices, hit, |v| v.position),
             geometric_normal: side * towards_front,
             normal: side * self.normal(material, &vertices, hit, uv, towards_front),
-            albedo: albedo * material.albedo.as_dvec3(),
+            albedo: albedo.truncate() * material.albedo.as_dvec3(),
+            emission: f64::from(material.emission) * albedo.w,
             reflectivity: if lit { f64::from(material.reflectivity) * reflectivity } else { 0.0 },
-            roughness: f64::from(material.roughness),
+            roughness: f64::from(material.roughness) * roughness,
             surface: material.surface,
         }
     }
@@ -81,7 +85,7 @@ impl<'a> World<'a> {
     /// direction.
     pub fn color(&self, ray: &WorldRay, point: &SurfacePoint) -> DVec3 {
         match point.surface {
-            Surface::Lit => lit_color(point.position, point.normal, point.albedo, &self.scene.lights),
+            Surface::Lit => lit_color(point, &self.scene.lights),
             Surface::Sky => sky_color(ray.direction),
         }
     }
@@ -109,9 +113,10 @@ impl<'a> World<'a> {
     }
 }
 
-/// Lit colour = albedo · mix(0.2, 1, min(Σ lights, 1)), without shadows (docs/definitions.md, "Surfaces";
-/// `lighting.frag`), for a world position in metres and a unit normal.
-pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]) -> DVec3 {
+/// Lit colour = albedo · mix(mix(0.2, 1, min(Σ lights, 1)), 1, emission), without shadows (docs/definitions.md, "Surfaces";
+/// `lighting.frag`).
+pub fn lit_color(point: &SurfacePoint, lights: &[Light]) -> DVec3 {
+    let SurfacePoint { position, normal, albedo, emission, .. } = *point;
     let shading: f64 = lights
         .iter()
         .map(|light| match *light {
@@ -125,7 +130,8 @@ pub fn lit_color(position: DVec3, normal: DVec3, albedo: DVec3, lights: &[Light]
             }
         })
         .sum();
-    albedo * (0.2 + 0.8 * shading.min(1.0))
+    let lit = 0.2 + 0.8 * shading.min(1.0);
+    albedo * (lit + (1.0 - lit) * emission)
 }
 
 /// The linear colour of the environment in a direction.
@@ -260,8 +266,20 @@ pub(super) mod tests {
 
     #[test]
     fn lights_add_up_to_at_most_one_over_an_ambient_fifth() {
-        let albedo = DVec3::new(1.0, 0.5, 0.0);
-        let lit = |lights: &[Light]| lit_color(DVec3::ZERO, DVec3::Y, albedo, lights).x;
+        let lit_with = |emission: f64, lights: &[Light]| {
+            let point = SurfacePoint {
+                position: DVec3::ZERO,
+                geometric_normal: DVec3::Y,
+                normal: DVec3::Y,
+                albedo: DVec3::new(1.0, 0.5, 0.0),
+                emission,
+                reflectivity: 0.0,
+                roughness: 0.0,
+                surface: Surface::Lit,
+            };
+            lit_color(&point, lights).x
+        };
+        let lit = |lights: &[Light]| lit_with(0.0, lights);
         let point = |y: f32, energy: f32| Light::Point { position: Vec3::new(0.0, y, 0.0), energy };
         assert_eq!(lit(&[]), 0.2);
         // d = 2, e = 4: 1 / (1 + ½ + 1) = 0.4.
@@ -270,6 +288,7 @@ pub(super) mod tests {
         let sun = Light::Directional { direction: Vec3::new(1.0, -1.0, 0.0), energy: 0.5 };
         assert!((lit(&[sun]) - (0.2 + 0.8 * 0.5 * 0.5_f64.sqrt())).abs() < 1e-7);
         assert_eq!(lit(&[sun, sun, sun, point(0.1, 100.0)]), 1.0);
+        assert_eq!([lit_with(0.5, &[]), lit_with(1.0, &[])], [0.6, 1.0], "what is emitted needs no light");
     }
 
     #[test]

@@ -209,6 +209,12 @@ impl WorldReference<'_> {
                 hash.numbers(&[map.map_or(u64::MAX, |i| i as u64)]);
             }
             hash.numbers(&[u64::from(m.surface == Surface::Sky)]);
+            // What few materials have adds nothing for the others, for the reason below.
+            if m.roughness_map.is_some() || m.emission > 0.0 || m.single_sided {
+                hash.block(b"roughness map, emission, sides");
+                hash.numbers(&[m.roughness_map.map_or(u64::MAX, |i| i as u64), u64::from(m.single_sided)]);
+                hash.floats(&[m.emission]);
+            }
         }
         for light in &self.world.scene.lights {
             let (kind, place, energy) = match *light {

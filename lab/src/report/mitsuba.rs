@@ -183,7 +183,8 @@ fn description(what: &Export, materials: &[Material]) -> Value {
     let material = |m: &Material| {
         json!({
             "name": m.name, "albedo": m.albedo.to_array(), "albedo_map": m.albedo_map, "normal_map": m.normal_map,
-            "alpha_mask": m.alpha_mask, "normal_deviation": m.normal_deviation,
+            "alpha_mask": m.alpha_mask, "normal_deviation": m.normal_deviation, "emission": m.emission,
+            "single_sided": m.single_sided,
         })
     };
     let texture = |i: usize| {

@@ -1,6 +1,7 @@
 //! Limits on what a file may cost: how many bytes of it are read, and how much it may claim to unpack to.
 
 use crate::error::{Error, Result};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Read;
 use std::path::Path;
 
@@ -31,4 +32,18 @@ pub(super) fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
 /// short, may take `free` bytes.
 pub(super) fn may_unpack(length: usize, unpacked: u64, free: u64) -> bool {
     unpacked <= free.saturating_add(MOST_UNPACKED_PER_BYTE.saturating_mul(length as u64))
+}
+
+/// A bar over the images of a scene, for scenes that have many; silent where standard error is no terminal.
+pub(super) fn image_bar(images: usize) -> ProgressBar {
+    /// Fewer images are decoded before anybody wonders.
+    const FEW: usize = 16;
+    if images < FEW {
+        return ProgressBar::hidden();
+    }
+    let bar = ProgressBar::new(images as u64).with_message("images");
+    match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }

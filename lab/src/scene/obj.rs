@@ -2,24 +2,19 @@
 //!
 //! [`load`] reads one or more OBJ files, with their MTL files and images, into a [`Scene`]. The submodules are
 //! the stages: `text` checks and normalises the statements (with line numbers), tobj sorts them into groups,
-//! `polygons` makes triangles with normals, `tangents` adds tangent frames, `assemble` welds and splits meshes,
-//! `mtl` reads materials, `images` reads their textures, and `viewpoint` chooses a default view.
+//! `polygons` makes triangles with normals, `mtl` reads materials, and `images` reads their textures. Tangents, meshes and
+//! the default view are made as for other files.
 
-mod assemble;
 mod images;
 mod mtl;
 mod polygons;
-mod tangents;
 mod text;
-mod viewpoint;
 
-use super::{Light, Probe, Scene, Surface, bounded};
+use super::{LoadOptions, Probe, Scene, Surface, assemble, bounded, viewpoint};
 use crate::error::{Error, Result};
-use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 pub(super) use images::resolve;
-pub(super) use viewpoint::default_view;
 
 /// The largest OBJ file that is read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -36,18 +31,12 @@ pub enum Handedness {
 }
 
 /// Options for loading OBJ files.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ObjOptions {
     /// The files' handedness.
     pub handedness: Handedness,
-    /// Metres per unit of length in the files; finite and > 0.
-    pub scale: f32,
-}
-
-impl Default for ObjOptions {
-    fn default() -> Self {
-        Self { handedness: Handedness::Right, scale: 1.0 }
-    }
+    /// The rest; `scale` is in metres per unit of length in the files.
+    pub load: LoadOptions,
 }
 
 /// One OBJ file of a scene.
@@ -83,11 +72,11 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 /// # Errors
 /// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements,
 /// numbers that are not finite, indices that are out of range, files without any triangle and files larger than
-/// [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given or the scale is not > 0.
+/// [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
     let mut scene = load_unlit(files, options)?;
     scene.views = vec![viewpoint::default_view(&scene)];
-    scene.lights = vec![default_light()];
+    scene.lights = vec![viewpoint::default_light()];
     scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     Ok(scene)
 }
@@ -97,23 +86,15 @@ pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scen
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));
     };
-    if !(options.scale.is_finite() && options.scale > 0.0) {
-        return Err(Error::Usage(format!("the scale must be a positive number, not {}", options.scale)));
-    }
+    options.load.check()?;
     let mut scene = Scene { name: stem(&first.path), ..Scene::default() };
     let mut sources = Vec::new();
     for file in files {
         load_file(file, options, &mut scene, &mut sources)?;
     }
-    images::attach(&mut scene, sources);
+    images::attach(&mut scene, sources, options.load.texture_side);
     scene.lens = viewpoint::lens(scene.bounds());
     Ok(scene)
-}
-
-/// The light of a scene that has none. It comes from above and behind, over the left shoulder of the default
-/// view.
-pub(super) fn default_light() -> Light {
-    Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
 /// Reads one file and appends its meshes, the materials that they use, and the images of these materials.
@@ -155,7 +136,7 @@ fn load_file(
             sources.push(definition.map(mtl::Definition::images).unwrap_or_default());
         }
     }
-    let material_of = |part: &polygons::GroupPart| scene_index[part.material].unwrap_or_default();
+    let material_of = |part: &assemble::MeshPart| scene_index[part.material].unwrap_or_default();
     scene.meshes.extend(assemble::meshes(parts, material_of));
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! Scene files (`NAME.scene.toml`): they list the OBJ files of a scene and add what OBJ files cannot express,
-//! such as reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
+//! Scene files (`NAME.scene.toml`): they list the OBJ and glTF files of a scene and add what these do not say, such as
+//! reflectivities, lights, lenses and named views (docs/definitions.md, "Scene files").
 
 pub(super) mod captures;
 mod proxies;
@@ -8,7 +8,10 @@ pub use captures::with_captures;
 
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
-use super::{Camera, Lens, Light, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, bounded};
+use super::{
+    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, bounded,
+    gltf, viewpoint,
+};
 use crate::error::{Error, Result};
 use glam::Vec3;
 use serde::Deserialize;
@@ -22,25 +25,24 @@ const DEFAULT: &str = "default";
 /// The largest scene file that can be read, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Loads a scene file and the OBJ files that it names; their paths are relative to it.
+/// Loads a scene file and the files that it names; their paths are relative to it.
 ///
-/// `extra_scale` (finite and > 0; 1 for none) enlarges the whole scene: it multiplies the file's `scale` and
+/// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and
 /// everything that the file places in metres (views, point lights, probes, impostors, area lights, captures). Lenses and
 /// energies are unchanged.
 ///
-/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of a bare OBJ
-/// file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
+/// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of its glTF files, or else
+/// those of a bare OBJ file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
 /// `[[path.NAME.key]]` tables is a camera path ([`super::path`]). A material's section overrides the MTL file;
 /// `[material.default]` applies to all materials without a section of their own. A section for a material that
 /// no mesh has adds a warning.
 ///
 /// # Errors
-/// The errors of [`obj::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
+/// The errors of [`obj::load`] and [`gltf::load`], and [`Error::Malformed`] with file and line for wrong syntax, unknown keys and
 /// numbers out of range.
-pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
-    if !(extra_scale.is_finite() && extra_scale > 0.0) {
-        return Err(Error::Usage(format!("the scale must be a positive number, not {extra_scale}")));
-    }
+pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
+    options.check()?;
+    let extra_scale = options.scale;
     let text = read(path, "a scene file")?;
     let source = SourceText { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
@@ -61,13 +63,26 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     let images = sections.impostor.iter().map(|i| source.impostor(i)).collect::<Result<Vec<_>>>()?;
 
     let scale = scale * extra_scale;
-    let mut scene = obj::load_unlit(&files, &ObjOptions { handedness: sections.handedness, scale })?;
+    let load = LoadOptions { scale, ..*options };
+    let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|f| gltf::is_named(&f.path));
+    let mut scene = match obj_files[..] {
+        [] => Scene::default(),
+        _ => obj::load_unlit(&obj_files, &ObjOptions { handedness: sections.handedness, load })?,
+    };
+    for file in &gltf_files {
+        append(&mut scene, gltf::load_plain(&file.path, &load)?, file.surface);
+    }
+    scene.lens = viewpoint::lens(scene.bounds());
     scene.name = sections.name.unwrap_or_else(|| stem(path));
     if sections.camera != LensSection::default() || !views.is_empty() {
         scene.lens = lens;
     }
-    scene.lights = if lights.is_empty() { vec![obj::default_light()] } else { lights };
-    scene.views = if views.is_empty() { vec![obj::default_view(&scene)] } else { views };
+    if !lights.is_empty() || scene.lights.is_empty() {
+        scene.lights = if lights.is_empty() { vec![viewpoint::default_light()] } else { lights };
+    }
+    if !views.is_empty() || scene.views.is_empty() {
+        scene.views = if views.is_empty() { vec![viewpoint::default_view(&scene)] } else { views };
+    }
     scene.paths = paths;
     if probes.is_empty() {
         scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
@@ -85,6 +100,24 @@ pub fn load(path: &Path, extra_scale: f32) -> Result<Scene> {
     }
     apply_changes(path, &changes, &mut scene);
     Ok(scene)
+}
+
+/// Adds what a glTF file holds to a scene.
+fn append(scene: &mut Scene, mut other: Scene, surface: Surface) {
+    let (materials, textures) = (scene.materials.len(), scene.textures.len());
+    other.meshes.iter_mut().for_each(|m| m.material += materials);
+    for m in &mut other.materials {
+        m.surface = surface;
+        let maps =
+            [&mut m.albedo_map, &mut m.normal_map, &mut m.alpha_mask, &mut m.reflectivity_map, &mut m.roughness_map];
+        maps.into_iter().flatten().for_each(|map| *map += textures);
+    }
+    scene.meshes.append(&mut other.meshes);
+    scene.materials.append(&mut other.materials);
+    scene.textures.append(&mut other.textures);
+    scene.lights.append(&mut other.lights);
+    scene.views.append(&mut other.views);
+    scene.warnings.append(&mut other.warnings);
 }
 
 #[derive(Deserialize)]

@@ -5,6 +5,7 @@ use super::bounded;
 use crate::error::{Error, Result};
 use crate::math;
 use glam::{DVec2, DVec4, Vec2, Vec3};
+use image::imageops::FilterType;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::io::Cursor;
 use std::path::Path;
@@ -14,6 +15,9 @@ pub use ssct::scene::texture::{Encoding, Texture};
 
 /// The greatest width and height of an image, in texels; every desktop Vulkan device supports it.
 pub const MAX_EXTENT: u32 = 16384;
+
+/// The most texels that all images of a scene may have together: 4 GiB.
+pub(super) const MAX_TEXELS: u64 = 1 << 30;
 
 /// The largest image file that can be read, in bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -76,6 +80,44 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
     Ok(Texture { name, width, height, rgba, encoding })
 }
 
+/// The texels of an image of this size once [`within`] a side.
+pub(super) fn texels_within(width: u32, height: u32, side: u32) -> u64 {
+    let [width, height] = size_within(width, height, side);
+    u64::from(width) * u64::from(height)
+}
+
+/// The size of an image whose greater side is at most `side`, with its shape kept.
+fn size_within(width: u32, height: u32, side: u32) -> [u32; 2] {
+    let greatest = u64::from(width.max(height));
+    let scaled =
+        |v: u32| if greatest <= u64::from(side) { v } else { (u64::from(v) * u64::from(side) / greatest) as u32 };
+    [width, height].map(|v| scaled(v).max(1))
+}
+
+/// Makes an image smaller so that no side is above `side`, by a triangle filter over decoded texels, so that light is
+/// what is averaged. An image that is small enough stays as it is.
+pub fn within(texture: Texture, side: u32) -> Texture {
+    let [width, height] = size_within(texture.width, texture.height, side);
+    if [width, height] == [texture.width, texture.height] {
+        return texture;
+    }
+    let srgb = texture.encoding == Encoding::Srgb;
+    let unpacked = |(k, &byte): (usize, &u8)| {
+        if srgb && k % 4 != 3 { DECODED[usize::from(byte)] as f32 } else { f32::from(byte) / 255.0 }
+    };
+    let texels: Vec<f32> = texture.rgba.iter().enumerate().map(unpacked).collect();
+    let Some(image) = image::Rgba32FImage::from_raw(texture.width, texture.height, texels) else { return texture };
+    let small = image::imageops::resize(&image, width, height, FilterType::Triangle);
+    let packed =
+        |(k, &value): (usize, &f32)| to_byte(if srgb && k % 4 != 3 { math::linear_to_srgb(value) } else { value });
+    Texture { rgba: small.as_raw().iter().enumerate().map(packed).collect(), width, height, ..texture }
+}
+
+/// Width and height of an encoded image; none if the bytes are no image of a supported format.
+pub(super) fn dimensions(bytes: &[u8]) -> Option<(u32, u32)> {
+    ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok()?.into_dimensions().ok()
+}
+
 /// Samples the image, bilinear, repeating and decoded, as Vulkan's "Texel Filtering" defines VK_FILTER_LINEAR.
 /// (0, 0) is the top left corner, (1, 1) the lower right one.
 pub fn bilinear(texture: &Texture, uv: DVec2) -> DVec4 {
@@ -135,6 +177,17 @@ pub fn into_normal_map(mut texture: Texture, tilt: f32) -> Texture {
             let scaled = Vec3::new(vector.x * tilt, vector.y * green, vector.z.max(1e-3));
             texel[..3].copy_from_slice(&encode_vector(scaled.normalize()));
         }
+    }
+    texture.encoding = Encoding::Linear;
+    texture
+}
+
+/// Multiplies the slopes of a normal map, green up, by a factor.
+pub fn scale_normal_map(mut texture: Texture, factor: f32) -> Texture {
+    for texel in texture.rgba.chunks_exact_mut(4).filter(|_| factor != 1.0) {
+        let vector = decode_vector(texel);
+        let scaled = Vec3::new(vector.x * factor, vector.y * factor, vector.z.max(1e-3));
+        texel[..3].copy_from_slice(&encode_vector(scaled.normalize_or(Vec3::Z)));
     }
     texture.encoding = Encoding::Linear;
     texture

@@ -1,5 +1,5 @@
 //! All triangles of a scene, ready for rays: the hierarchy of [`super::bvh`], where each triangle comes from, and the
-//! holes that alpha masks cut.
+//! holes that alpha masks cut; single-sided materials are not there from behind.
 
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
@@ -37,14 +37,15 @@ impl<'a> Triangles<'a> {
         Self { scene, materials, origins, bvh: TriangleBvh::new(corners) }
     }
 
-    /// The closest hit of a ray. The ray passes where an alpha mask is below ½.
+    /// The closest hit of a ray. The ray passes where an alpha mask is below ½, and through single-sided materials from
+    /// behind.
     pub fn closest(&self, ray: &WorldRay) -> Option<TriangleHit> {
-        self.bvh.closest(ray, &|hit| self.covers(hit))
+        self.bvh.closest(ray, &|hit| self.covers(ray, hit))
     }
 
     /// Whether a ray hits anything in its range.
     pub fn any(&self, ray: &WorldRay) -> bool {
-        self.bvh.any(ray, &|hit| self.covers(hit))
+        self.bvh.any(ray, &|hit| self.covers(ray, hit))
     }
 
     /// Where the triangle that was hit comes from.
@@ -70,10 +71,17 @@ impl<'a> Triangles<'a> {
         (&self.materials[mesh.material], [0, 1, 2].map(|k| &mesh.vertices[mesh.indices[first + k] as usize]))
     }
 
-    /// Whether the surface has no hole there: an alpha mask below ½ is a hole.
-    fn covers(&self, hit: &TriangleHit) -> bool {
+    /// Whether the surface stops the ray there: an alpha mask below ½ is a hole.
+    fn covers(&self, ray: &WorldRay, hit: &TriangleHit) -> bool {
         let mesh = &self.scene.meshes[self.origin(hit).mesh as usize];
-        let Some(mask) = self.materials[mesh.material].alpha_mask else { return true };
+        let material = &self.materials[mesh.material];
+        if material.single_sided {
+            let [a, b, c] = self.corners(hit).map(|p| p.as_dvec3());
+            if (b - a).cross(c - a).dot(ray.direction) > 0.0 {
+                return false;
+            }
+        }
+        let Some(mask) = material.alpha_mask else { return true };
         let (_, vertices) = self.surface(hit);
         bilinear(&self.scene.textures[mask], interpolate_uv(&vertices, hit)).x >= 0.5
     }

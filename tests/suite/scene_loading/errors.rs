@@ -55,7 +55,7 @@ fn missing_empty_and_huge_files_are_refused() {
 fn wrong_arguments_are_usage_errors() {
     let folder = square("f 1 2 3\n");
     for scale in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let error = folder.load("a.obj", &ObjOptions { scale, ..LEFT }).unwrap_err();
+        let error = folder.load("a.obj", &ObjOptions { load: scaled(scale), ..LEFT }).unwrap_err();
         assert!(matches!(error, ssct::error::Error::Usage(_)), "{error}");
         assert_eq!(error.to_string(), format!("the scale must be a positive number, not {scale}"));
     }

@@ -53,7 +53,7 @@ fn texture_coordinates_start_at_the_top_left() {
 #[test]
 fn right_handed_files_are_mirrored_with_their_winding() {
     let folder = square("vn 0 0 1\nf 1//1 2//1 3//1\nf 1 3 4\n");
-    let scene = folder.load("a.obj", &ObjOptions { scale: 2.0, ..ObjOptions::default() }).unwrap();
+    let scene = folder.load("a.obj", &ObjOptions { load: scaled(2.0), ..ObjOptions::default() }).unwrap();
     assert_sound(&scene);
     assert!(scene.meshes[0].vertices.iter().all(|v| (normal(v) + Vec3::Z).length() < 1e-6));
     assert_eq!(scene.bounds().max, Vec3::new(2.0, 2.0, 0.0));
@@ -132,7 +132,7 @@ fn tangents_run_along_u_and_bitangents_up_in_the_image() {
         ("f 1/1 2/2 3/3 4/4\n", Handedness::Right),
         (mirrored, Handedness::Right),
     ] {
-        let scene = square(face).load("a.obj", &ObjOptions { handedness, scale: 1.0 }).unwrap();
+        let scene = square(face).load("a.obj", &ObjOptions { handedness, ..LEFT }).unwrap();
         assert_sound(&scene);
         for [a, b, c] in triangles(&scene.meshes[0]) {
             // Solve the edges for the directions in which u and −v grow.
@@ -232,7 +232,7 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
     let eye = room.views[0].eye;
     assert!(eye.x.abs() < 3.0 && eye.y.abs() < 1.0 && eye.z.abs() < 2.0 && eye.length() > 1.0, "{eye}");
     assert_eq!(room.lights.len(), 1);
-    let huge = folder.load("a.obj", &ObjOptions { scale: 1000.0, ..LEFT }).unwrap();
+    let huge = folder.load("a.obj", &ObjOptions { load: scaled(1000.0), ..LEFT }).unwrap();
     assert!(huge.lens.far_m > huge.views[0].eye.length() + 7000.0);
 }
 

@@ -1,8 +1,9 @@
-//! Loading scenes: every quirk of OBJ, MTL and scene files that is promised to be handled, every
+//! Loading scenes: every quirk of OBJ, MTL, glTF and scene files that is promised to be handled, every
 //! error with its sentence, the shared scenes where they are there, and mutated files.
 
 mod errors;
 mod geometry;
+mod gltf;
 mod materials;
 mod mutations;
 mod scene_files;
@@ -10,7 +11,8 @@ mod shared_scenes;
 
 use glam::{Vec2, Vec3};
 use ssct_lab::scene::obj::{Handedness, ObjFile, ObjOptions};
-use ssct_lab::scene::{Mesh, Scene, Vertex, obj};
+use ssct_lab::scene::texture::MAX_EXTENT;
+use ssct_lab::scene::{LoadOptions, Material, Mesh, Scene, Vertex, obj};
 use std::path::PathBuf;
 use tempfile::TempDir;
 
@@ -66,7 +68,12 @@ impl Folder {
     }
 }
 
-const LEFT: ObjOptions = ObjOptions { handedness: Handedness::Left, scale: 1.0 };
+const LEFT: ObjOptions = ObjOptions { handedness: Handedness::Left, load: scaled(1.0) };
+
+/// Coordinates that are multiplied by a factor, and nothing else.
+const fn scaled(scale: f32) -> LoadOptions {
+    LoadOptions { scale, texture_side: MAX_EXTENT }
+}
 
 /// A unit square in the xy plane, its normal along +z by winding, textured upright.
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
@@ -115,8 +122,10 @@ fn assert_sound(scene: &Scene) {
         }
     }
     for material in &scene.materials {
-        let maps = [material.albedo_map, material.normal_map, material.alpha_mask, material.reflectivity_map];
+        let Material { albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map, .. } = *material;
+        let maps = [albedo_map, normal_map, alpha_mask, reflectivity_map, roughness_map];
         assert!(maps.into_iter().flatten().all(|i| i < scene.textures.len()));
-        assert!((0.0..=1.0).contains(&material.reflectivity) && (0.0..=1.0).contains(&material.roughness));
+        let shares = [material.reflectivity, material.roughness, material.emission];
+        assert!(shares.iter().all(|share| (0.0..=1.0).contains(share)), "{material:?}");
     }
 }

@@ -20,10 +20,14 @@ const SCENE: &str = "name = \"n\"\nscale = 0.5\n[[mesh]]\nfile = \"a.obj\"\nsurf
     near = 0.1\n[[capture]]\nplace = [0, 1, 0]\nresolution = 64\n";
 
 /// A place as a share of the text, what to do there, and a byte for it.
-type Mutation = (prop::sample::Index, u8, u8);
+pub type Mutation = (prop::sample::Index, u8, u8);
 
-fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
-    let mut bytes = text.as_bytes().to_vec();
+pub fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
+    mutate_bytes(text.as_bytes(), mutations)
+}
+
+pub fn mutate_bytes(bytes: &[u8], mutations: &[Mutation]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
     for (place, action, byte) in mutations {
         let at = place.index(bytes.len());
         // Mostly bytes that numbers and statements are made of, so that much still parses.
@@ -42,7 +46,7 @@ fn mutate(text: &str, mutations: &[Mutation]) -> Vec<u8> {
     bytes
 }
 
-fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
+pub fn mutations() -> impl Strategy<Value = Vec<Mutation>> {
     prop::collection::vec(any::<Mutation>(), 0..6)
 }
 
@@ -59,7 +63,7 @@ proptest! {
         if let Ok(scene) = folder.load("a.obj", &ObjOptions::default()) {
             assert_sound(&scene);
         }
-        if let Ok(scene) = scene_file::load(&folder.path("a.scene.toml"), 1.0) {
+        if let Ok(scene) = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()) {
             assert_sound(&scene);
         }
     }
@@ -86,7 +90,7 @@ proptest! {
 fn the_files_are_sound_before_they_are_damaged() {
     let folder = Folder::new(&[("a.obj", OBJ), ("a.mtl", MTL), ("a.scene.toml", SCENE)]);
     folder.image("x.png", 4, 4, |x, y| [x as u8 * 60, y as u8 * 60, 255, 255]);
-    let scene = scene_file::load(&folder.path("a.scene.toml"), 1.0).unwrap();
+    let scene = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();
     assert_eq!((scene.warnings.len(), scene.triangle_count(), scene.textures.len()), (0, 7, 5));
     assert_sound(&scene);
 }

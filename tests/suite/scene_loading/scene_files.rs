@@ -15,7 +15,7 @@ fn folder(text: &str) -> Folder {
 }
 
 fn load(folder: &Folder, extra_scale: f32) -> Result<Scene> {
-    scene_file::load(&folder.path("test.scene.toml"), extra_scale)
+    scene_file::load(&folder.path("test.scene.toml"), &scaled(extra_scale))
 }
 
 const FULL: &str = r#"

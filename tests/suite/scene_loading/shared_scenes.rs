@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::common::repository;
-use ssct_lab::scene::{Light, Surface, scene_file, texture};
+use ssct_lab::scene::{Light, LoadOptions, Surface, scene_file, texture};
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -30,7 +30,7 @@ fn missing(scene: &Scene) -> Vec<&str> {
 fn sponza_loads_as_its_scene_file_says() {
     let Some(folder) = shared() else { return };
     let start = Instant::now();
-    let scene = scene_file::load(&folder.join("sponza/sponza.scene.toml"), 1.0).unwrap();
+    let scene = scene_file::load(&folder.join("sponza/sponza.scene.toml"), &LoadOptions::default()).unwrap();
     println!("sponza.scene.toml loaded in {:.2} s", start.elapsed().as_secs_f32());
     assert_sound(&scene);
     // 8521 triangles and 135,321 quads, less one triangle without area.
@@ -59,7 +59,7 @@ fn sponza_loads_as_its_scene_file_says() {
 #[test]
 fn the_rooms_load_as_their_scene_file_says() {
     let Some(folder) = shared() else { return };
-    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), 1.0).unwrap();
+    let scene = scene_file::load(&folder.join("ssct-rooms/rooms.scene.toml"), &LoadOptions::default()).unwrap();
     assert_sound(&scene);
     assert_eq!((scene.name.as_str(), scene.triangle_count(), scene.materials.len()), ("ssct-rooms", 1542, 7));
     assert_near(scene.bounds().min, Vec3::new(-6.0, -1.0, -5.0));

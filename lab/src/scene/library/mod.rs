@@ -175,6 +175,7 @@ fn materials(finishes: &[Finish]) -> (Vec<Material>, Vec<Texture>) {
             roughness: finish.roughness,
             normal_deviation: finish.normal_deviation,
             surface: if finish.look == Look::Window { Surface::Sky } else { Surface::Lit },
+            ..Material::default()
         }
     };
     (finishes.iter().map(material).collect(), textures)

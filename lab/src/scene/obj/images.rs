@@ -1,15 +1,13 @@
 //! Loads the images of materials: finds the files, decodes them in parallel, and replaces those that are
 //! missing.
 
-use crate::error::Result;
-use crate::scene::pattern;
+use crate::error::{Error, Result};
+use crate::scene::texture::MAX_TEXELS;
 use crate::scene::{Encoding, Scene, Texture, texture};
+use crate::scene::{bounded, pattern};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-
-/// The most texels that all images of a scene may have together: 4 GiB.
-const MAX_TEXELS: u64 = 1 << 30;
 
 /// An image as an MTL file names it.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,7 +58,7 @@ struct Request {
 /// Each image that is missing or cannot be read adds one warning. A generated image replaces it if its file
 /// name suggests one. Otherwise the material has its plain colour, no normal map, no mask, or a reflectivity of
 /// `Ks` alone.
-pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>) {
+pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>, side: u32) {
     let mut requests = Requests::default();
     let wanted: Vec<[Option<usize>; 4]> = sources
         .iter()
@@ -75,7 +73,17 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>) {
         })
         .collect();
 
-    let loaded: Vec<Loaded> = requests.within_budget().into_par_iter().map(load).collect();
+    let bar = bounded::image_bar(requests.list.len());
+    let loaded: Vec<Loaded> = requests
+        .within_budget(side)
+        .into_par_iter()
+        .map(|(request, fits)| {
+            let loaded = load(request, fits, side);
+            bar.inc(1);
+            loaded
+        })
+        .collect();
+    bar.finish_and_clear();
     let mut warned = Vec::new();
     let mut index_of = Vec::with_capacity(loaded.len());
     for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
@@ -138,12 +146,12 @@ impl Requests {
         })
     }
 
-    /// The requests, each with a flag that says whether it still fits into [`MAX_TEXELS`].
-    fn within_budget(&self) -> Vec<(&Request, bool)> {
+    /// The requests, each with a flag that says whether it still fits into [`MAX_TEXELS`] with sides of at most `side`.
+    fn within_budget(&self, side: u32) -> Vec<(&Request, bool)> {
         let mut texels = 0;
         let with_size = self.list.iter().map(|request| {
             if let Ok((width, height)) = image::image_dimensions(&request.path) {
-                texels += u64::from(width) * u64::from(height);
+                texels += texture::texels_within(width, height, side);
             }
             (request, texels <= MAX_TEXELS)
         });
@@ -160,14 +168,14 @@ struct Loaded {
     instead: &'static str,
 }
 
-fn load((request, fits): (&Request, bool)) -> Loaded {
+fn load(request: &Request, fits: bool, side: u32) -> Loaded {
     let Request { path, role } = request.clone();
     let problem = if !path.is_file() {
         "is missing".to_owned()
     } else if !fits {
         format!("would exceed the {MAX_TEXELS} texels of a scene")
     } else {
-        match decode(&path, role) {
+        match decode(&path, role, side) {
             Ok(texture) => return Loaded { path, texture: Some(texture), problem: None, instead: "" },
             Err(error) => format!("cannot be used ({error})"),
         }
@@ -188,12 +196,13 @@ fn load((request, fits): (&Request, bool)) -> Loaded {
     Loaded { path, texture, problem: Some(problem), instead }
 }
 
-fn decode(path: &Path, role: Use) -> Result<Texture> {
+fn decode(path: &Path, role: Use, side: u32) -> Result<Texture> {
+    let decode = |encoding| Ok::<_, Error>(texture::within(texture::decode(path, encoding)?, side));
     Ok(match role {
-        Use::Albedo => texture::decode(path, Encoding::Srgb)?,
-        Use::Mask => texture::into_mask(texture::decode(path, Encoding::Linear)?),
-        Use::Reflectivity => texture::into_reflectivity(texture::decode(path, Encoding::Linear)?),
-        Use::Normal(bits) => texture::into_normal_map(texture::decode(path, Encoding::Linear)?, f32::from_bits(bits)),
+        Use::Albedo => decode(Encoding::Srgb)?,
+        Use::Mask => texture::into_mask(decode(Encoding::Linear)?),
+        Use::Reflectivity => texture::into_reflectivity(decode(Encoding::Linear)?),
+        Use::Normal(bits) => texture::into_normal_map(decode(Encoding::Linear)?, f32::from_bits(bits)),
     })
 }
 

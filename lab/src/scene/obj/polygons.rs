@@ -3,24 +3,16 @@
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
 use crate::error::{Error, Result};
+use crate::scene::assemble::{MeshPart, Triangle};
 use crate::scene::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// The corners of a triangle. A normal of zero is not known yet.
-pub(super) type Triangle = [Vertex; 3];
-
-/// The triangles of one group that have one material.
-#[derive(Debug)]
-pub(super) struct GroupPart {
-    /// Name of the group or object.
-    pub name: String,
-    /// Index into the file's material names.
-    pub material: usize,
-    /// Triangles with unit normals and matching winding; they have no tangents yet.
-    pub triangles: Vec<Triangle>,
+/// A part that is being built: a normal of zero is not known yet.
+struct GroupPart {
+    part: MeshPart,
     /// Smoothing group of each triangle.
     smoothing: Vec<u32>,
 }
@@ -31,7 +23,7 @@ pub(super) fn build(
     statements: Statements,
     options: &ObjOptions,
     warnings: &mut Vec<String>,
-) -> Result<Vec<GroupPart>> {
+) -> Result<Vec<MeshPart>> {
     let Statements { vertices, faces, material_names, smoothing, .. } = statements;
     let materials: Vec<_> =
         (0..material_names.len()).map(|i| tobj::Material { name: i.to_string(), ..Default::default() }).collect();
@@ -48,7 +40,8 @@ pub(super) fn build(
     for tobj::Model { mesh, name } in models.into_iter().filter(|m| !m.mesh.indices.is_empty()) {
         let corners = world_vertices(path, &mesh, options)?;
         let material = mesh.material_id.unwrap_or_default();
-        let mut part = GroupPart { name, material, triangles: Vec::new(), smoothing: Vec::new() };
+        let part = MeshPart { name, material, triangles: Vec::new(), has_tangents: false };
+        let mut part = GroupPart { part, smoothing: Vec::new() };
         let mut start = 0;
         let uniform = mesh.face_arities.is_empty().then_some(3);
         let arities = mesh.face_arities.iter().map(|&n| n as usize);
@@ -61,16 +54,16 @@ pub(super) fn build(
         }
         parts.push(part);
     }
-    if parts.iter().all(|p| p.triangles.is_empty()) {
+    if parts.iter().all(|p| p.part.triangles.is_empty()) {
         return Err(Error::malformed(path, None, "no face of this file has an area"));
     }
     if without_area > 0 {
         let (plural, were) = if without_area == 1 { ("triangle", "was") } else { ("triangles", "were") };
         warnings.push(format!("{}: {without_area} {plural} without area {were} left out", path.display()));
     }
-    parts.retain(|p| !p.triangles.is_empty());
+    parts.retain(|p| !p.part.triangles.is_empty());
     fill_normals(&mut parts);
-    Ok(parts)
+    Ok(parts.into_iter().map(|p| p.part).collect())
 }
 
 /// The vertices of a group in world space. A normal that is missing or has no length becomes zero.
@@ -84,7 +77,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
     let positions = mesh.positions.chunks_exact(3);
     let attributes = mesh.normals.chunks_exact(3).zip(mesh.texcoords.chunks_exact(2));
     let vertices = positions.zip(attributes).map(|(position, (normal, uv))| {
-        let position = to_world(position, mirror * options.scale);
+        let position = to_world(position, mirror * options.load.scale);
         if position.abs().max_element() > MAX_COORDINATE_M {
             let message = format!("a vertex lies more than {MAX_COORDINATE_M:e} m from the origin");
             return Err(Error::malformed(path, None, message));
@@ -118,7 +111,7 @@ impl GroupPart {
             if stated.dot(cross) < 0.0 {
                 triangle.swap(1, 2);
             }
-            self.triangles.push(triangle);
+            self.part.triangles.push(triangle);
             self.smoothing.push(smoothing);
         }
         without_area
@@ -133,7 +126,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
     let key = |v: &Vertex, group: u32| (v.position.map(f32::to_bits), group);
     let mut smooth: HashMap<([u32; 3], u32), DVec3> = HashMap::new();
     for part in parts.iter() {
-        for (triangle, &group) in part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
+        for (triangle, &group) in part.part.triangles.iter().zip(&part.smoothing).filter(|(_, g)| **g != 0) {
             let face = twice_area(triangle).normalize();
             for (i, vertex) in triangle.iter().enumerate().filter(|(_, v)| v.normal == [0.0; 3]) {
                 *smooth.entry(key(vertex, group)).or_default() += angle(triangle, i) * face;
@@ -141,7 +134,7 @@ fn fill_normals(parts: &mut [GroupPart]) {
         }
     }
     for part in parts {
-        for (triangle, &group) in part.triangles.iter_mut().zip(&part.smoothing) {
+        for (triangle, &group) in part.part.triangles.iter_mut().zip(&part.smoothing) {
             let face = twice_area(triangle).normalize();
             for vertex in triangle.iter_mut().filter(|v| v.normal == [0.0; 3]) {
                 let mean = smooth.get(&key(vertex, group)).map_or(face, |n| n.normalize_or_zero());
@@ -159,7 +152,7 @@ fn position(vertex: &Vertex) -> DVec3 {
 }
 
 /// (b − a) × (c − a): the face's normal, scaled to twice the triangle's area.
-pub(super) fn twice_area(triangle: &Triangle) -> DVec3 {
+fn twice_area(triangle: &Triangle) -> DVec3 {
     let [a, b, c] = triangle.each_ref().map(position);
     (b - a).cross(c - a)
 }

@@ -1,23 +1,27 @@
 //! Computes tangents with MikkTSpace, the convention for which normal maps are baked.
 
-use super::polygons::Triangle;
+use super::assemble::Triangle;
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::Vec3;
 
-/// Sets the tangents of triangles that have normals and matching winding. Where the texture coordinates are
-/// degenerate, the tangent is any unit vector orthogonal to the normal.
+/// Sets the tangents of triangles that have normals and matching winding.
 pub(super) fn generate(triangles: &mut [Triangle]) {
-    let textured = triangles.iter().flatten().any(|v| v.uv != [0.0; 2]);
-    // The call returns no reason for a failure.
-    if textured && generate_tangents(&mut Triangles(triangles)).is_err() {
-        return;
+    if triangles.iter().flatten().any(|v| v.uv != [0.0; 2]) {
+        // A failure, for which the call gives no reason, leaves no tangents, and `settle` chooses some.
+        generate_tangents(&mut Triangles(triangles)).unwrap_or_default();
     }
+    settle(triangles);
+}
+
+/// Makes tangents unit vectors orthogonal to the normals. Where there is none, as with degenerate texture coordinates, it
+/// is any such vector.
+pub(super) fn settle(triangles: &mut [Triangle]) {
     for vertex in triangles.iter_mut().flatten() {
         let normal = Vec3::from(vertex.normal);
         let [x, y, z, sign] = vertex.tangent;
         let along = Vec3::new(x, y, z).reject_from_normalized(normal);
         // A tangent almost parallel to the normal is mostly rounding error, so it is discarded.
-        let unit = along.try_normalize().filter(|_| along.length() > 1e-2);
+        let unit = along.try_normalize().filter(|unit| along.length() > 1e-2 && unit.is_finite());
         let tangent = unit.unwrap_or_else(|| normal.any_orthonormal_vector());
         // Adding zero turns −0 into 0, so that welding finds equal bits.
         vertex.tangent = (tangent + Vec3::ZERO).extend(if sign < 0.0 { -1.0 } else { 1.0 }).to_array();

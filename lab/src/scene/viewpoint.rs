@@ -1,6 +1,6 @@
-//! Chooses a lens and a view for a scene that defines none.
+//! Chooses a lens, a view and a light for a scene that defines none.
 
-use crate::scene::{Aabb, Lens, Scene, Vertex, View};
+use super::{Aabb, Lens, Light, Scene, Vertex, View};
 use glam::Vec3;
 
 /// The number of horizontal directions that are examined.
@@ -22,7 +22,7 @@ pub(super) fn lens(bounds: Aabb) -> Lens {
 /// the scene is an interior: the eye is placed where the free horizontal path from the centre is longest.
 /// Otherwise the eye is outside, in front and slightly above, far enough away for the bounding sphere to fit
 /// into the image.
-pub(in crate::scene) fn default_view(scene: &Scene) -> View {
+pub(super) fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
     let directions: Vec<Vec3> = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height)).collect();
@@ -41,6 +41,11 @@ pub(in crate::scene) fn default_view(scene: &Scene) -> View {
         centre + distance * Vec3::new(0.35, 0.35, -1.0).normalize()
     });
     View { name: "default".into(), eye, look_at: centre, ..View::default() }
+}
+
+/// The light of a scene that has none. It comes from above and behind, over the left shoulder of the default view.
+pub(super) fn default_light() -> Light {
+    Light::Directional { direction: Vec3::new(-0.3, -1.0, 0.25).normalize(), energy: 1.0 }
 }
 
 fn round(height: f32) -> impl Iterator<Item = Vec3> {

@@ -1,11 +1,26 @@
-//! Makes meshes from triangles: adds tangents, splits large groups in space, and welds equal vertices.
+//! Makes meshes from the triangles that a loader reads: adds tangents, splits large groups in space, and welds equal
+//! vertices.
 
-use super::polygons::{GroupPart, Triangle};
-use super::tangents;
-use crate::scene::{Aabb, Mesh};
+use super::{Aabb, Mesh, Vertex, tangents};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
+
+/// The corners of a triangle.
+pub(super) type Triangle = [Vertex; 3];
+
+/// The triangles of one group that have one material.
+#[derive(Debug)]
+pub(super) struct MeshPart {
+    /// Name of the group or object.
+    pub name: String,
+    /// Index into the file's materials.
+    pub material: usize,
+    /// Triangles with unit normals and matching winding.
+    pub triangles: Vec<Triangle>,
+    /// Whether the file gives the tangents; else they are made here.
+    pub has_tangents: bool,
+}
 
 /// The most triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.
 const MAX_TRIANGLES: usize = 8192;
@@ -15,14 +30,17 @@ const MAX_TRIANGLES: usize = 8192;
 const MAX_PARTS: usize = 2048;
 
 /// Makes the meshes of a file's parts. `material_of` gives the scene's material index of a part.
-pub(super) fn meshes(mut parts: Vec<GroupPart>, material_of: impl Fn(&GroupPart) -> usize + Sync) -> Vec<Mesh> {
+pub(super) fn meshes(mut parts: Vec<MeshPart>, material_of: impl Fn(&MeshPart) -> usize + Sync) -> Vec<Mesh> {
     if parts.len() > MAX_PARTS {
         parts = pool(parts);
     }
-    let meshes_of = |part: GroupPart| {
+    let meshes_of = |part: MeshPart| {
         let material = material_of(&part);
-        let GroupPart { name, mut triangles, .. } = part;
-        tangents::generate(&mut triangles);
+        let MeshPart { name, mut triangles, has_tangents, .. } = part;
+        match has_tangents {
+            true => tangents::settle(&mut triangles),
+            false => tangents::generate(&mut triangles),
+        }
         let mut chunks = Vec::new();
         split(&mut triangles, &mut chunks);
         let count = chunks.len();
@@ -33,14 +51,14 @@ pub(super) fn meshes(mut parts: Vec<GroupPart>, material_of: impl Fn(&GroupPart)
 }
 
 /// Merges the parts of each material into one.
-fn pool(parts: Vec<GroupPart>) -> Vec<GroupPart> {
-    let mut pooled: Vec<GroupPart> = Vec::new();
-    let mut place: HashMap<usize, usize> = HashMap::new();
+fn pool(parts: Vec<MeshPart>) -> Vec<MeshPart> {
+    let mut pooled: Vec<MeshPart> = Vec::new();
+    let mut place: HashMap<(usize, bool), usize> = HashMap::new();
     for part in parts {
-        match place.get(&part.material) {
+        match place.get(&(part.material, part.has_tangents)) {
             Some(&at) => pooled[at].triangles.extend(part.triangles),
             None => {
-                place.insert(part.material, pooled.len());
+                place.insert((part.material, part.has_tangents), pooled.len());
                 pooled.push(part);
             }
         }

@@ -1,0 +1,451 @@
+//! Turns metallic-roughness materials into those of the scene, and bakes their images.
+//!
+//! | glTF | here |
+//! |---|---|
+//! | base colour · (1 − metallic) | albedo |
+//! | luminance of mix(F0, base colour, metallic), F0 of the index of refraction (0.04 without one) | reflectivity |
+//! | roughness | ϱ of [`super::roughness`] |
+//! | emission e, or the whole albedo of an unlit material | albedo + e, of which the share of e in the luminance is emission |
+//! | alpha below the cutoff | a hole |
+//!
+//! Where an image takes part, the results are baked texel by texel into images of the size of the largest.
+
+use super::data::{Data, ImageBytes};
+use super::{Notes, roughness};
+use crate::error::Result;
+use crate::math;
+use crate::scene::texture::{self, MAX_TEXELS, luminance};
+use crate::scene::{Encoding, Material, Scene, Texture, bounded};
+use glam::{DVec2, DVec4, Vec3};
+use gltf::material::AlphaMode;
+use gltf::texture::{Info, WrappingMode};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Mutex, PoisonError};
+
+/// The reflection at normal incidence of a material that states no index of refraction (1.5).
+const F0: f32 = 0.04;
+
+/// Which texture coordinates a material uses, and how it changes them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Coordinates {
+    /// The set, as in `TEXCOORD_0`.
+    pub(super) set: u32,
+    offset: [f32; 2],
+    rotation: f32,
+    scale: [f32; 2],
+    /// Whether an image of the material is not repeated beyond its borders.
+    pub(super) clamps: bool,
+}
+
+impl Coordinates {
+    /// Texture coordinates of a vertex. The rotation is counter-clockwise as seen with v downwards, which is what the
+    /// extension's words and its test model say; the signs of the program in its text are those of the other direction.
+    pub(super) fn place(&self, [u, v]: [f32; 2]) -> [f32; 2] {
+        let (sin, cos) = self.rotation.sin_cos();
+        let [u, v] = [u * self.scale[0], v * self.scale[1]];
+        [cos * u + sin * v + self.offset[0] + 0.0, cos * v - sin * u + self.offset[1] + 0.0]
+    }
+}
+
+/// How a material uses one of its images.
+struct Use<'a> {
+    texture: gltf::Texture<'a>,
+    coordinates: Coordinates,
+}
+
+impl<'a> Use<'a> {
+    fn of(info: &Info<'a>) -> Self {
+        let (set, offset, rotation, scale) = match info.texture_transform() {
+            Some(t) => (t.tex_coord().unwrap_or(info.tex_coord()), t.offset(), t.rotation(), t.scale()),
+            None => (info.tex_coord(), [0.0; 2], 0.0, [1.0; 2]),
+        };
+        Self::new(info.texture(), set, offset, rotation, scale)
+    }
+
+    /// The same of a normal map, whose extension the crate leaves as JSON.
+    fn of_normals(normals: &gltf::material::NormalTexture<'a>) -> Self {
+        let transform = normals.extension_value("KHR_texture_transform");
+        let pair = |key: &str, default: f32| {
+            let number = |k: usize| transform.and_then(|t| t.get(key)?.get(k)?.as_f64()).map_or(default, |v| v as f32);
+            [number(0), number(1)]
+        };
+        let rotation = transform.and_then(|t| t.get("rotation")?.as_f64()).map_or(0.0, |v| v as f32);
+        let set = transform.and_then(|t| t.get("texCoord")?.as_u64()).and_then(|v| u32::try_from(v).ok());
+        let set = set.unwrap_or(normals.tex_coord());
+        Self::new(normals.texture(), set, pair("offset", 0.0), rotation, pair("scale", 1.0))
+    }
+
+    fn new(texture: gltf::Texture<'a>, set: u32, offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> Self {
+        let sampler = texture.sampler();
+        let clamps = [sampler.wrap_s(), sampler.wrap_t()].iter().any(|w| *w != WrappingMode::Repeat);
+        Self { texture, coordinates: Coordinates { set, offset, rotation, scale, clamps } }
+    }
+
+    /// The index of its image; none if the file gives it only in a format that is not read.
+    fn image(&self, notes: &mut Notes) -> Option<usize> {
+        let image = self.texture.source().map(|image| image.index());
+        if image.is_none() {
+            let what = "images that are given neither as PNG nor as JPEG (KTX2, for example) are not supported";
+            notes.add("formats", format!("{what} and were left out"));
+        }
+        image
+    }
+}
+
+/// The coordinates that all images of a material share: those of the first in the order base colour,
+/// metallic-roughness, normals, emission.
+pub(super) fn coordinates(material: &gltf::Material, notes: &mut Notes) -> Coordinates {
+    let pbr = material.pbr_metallic_roughness();
+    let images = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
+    let [base, metallic, emissive] = images.map(|info| info.map(|i| Use::of(&i).coordinates));
+    let normals = material.normal_texture().map(|n| Use::of_normals(&n).coordinates);
+    let mut all = [base, metallic, normals, emissive].into_iter().flatten();
+    let none = Coordinates { set: 0, offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], clamps: false };
+    let Some(first) = all.next() else { return none };
+    let mut clamps = first.clamps;
+    for other in all {
+        clamps |= other.clamps;
+        if (Coordinates { clamps: first.clamps, ..other }) != first {
+            let what = "a material's images share one set of texture coordinates and one transform";
+            notes.add("coordinates", format!("{what}; where they differ, those of the base colour count"));
+        }
+    }
+    Coordinates { clamps, ..first }
+}
+
+/// What an image of the scene is baked from. Materials that ask for the same share it.
+#[derive(Debug, Clone, PartialEq)]
+enum Baked {
+    /// The base colour as it is.
+    Plain {
+        base: Image,
+    },
+    /// Albedo and, in alpha, the share of it that is emission.
+    Albedo {
+        base: Option<Image>,
+        metallic: Option<Image>,
+        emission: Option<Image>,
+        of: Factors,
+    },
+    /// In red.
+    Reflectivity {
+        base: Option<Image>,
+        metallic: Option<Image>,
+        of: Factors,
+    },
+    /// ϱ, in green.
+    Roughness {
+        metallic: Image,
+        factor: f32,
+    },
+    /// One half where alpha times the factor is the cutoff.
+    Mask {
+        base: Option<Image>,
+        factor: f32,
+        cutoff: f32,
+    },
+    Normals {
+        normals: Image,
+        scale: f32,
+    },
+}
+
+/// The index of an image in the file.
+type Image = usize;
+
+impl Baked {
+    /// The images that it reads.
+    fn images(&self) -> Vec<Image> {
+        match self {
+            Self::Plain { base } => vec![*base],
+            Self::Albedo { base, metallic, emission, .. } => {
+                [base, metallic, emission].into_iter().copied().flatten().collect()
+            }
+            Self::Reflectivity { base, metallic, .. } => [base, metallic].into_iter().copied().flatten().collect(),
+            Self::Roughness { metallic, .. } => vec![*metallic],
+            Self::Mask { base, .. } => base.iter().copied().collect(),
+            Self::Normals { normals, .. } => vec![*normals],
+        }
+    }
+}
+
+/// The factors of a material on which its colours depend.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Factors {
+    base: Vec3,
+    metallic: f32,
+    emission: Vec3,
+    f0: f32,
+    unlit: bool,
+}
+
+impl Factors {
+    fn of(material: &gltf::Material) -> Self {
+        let pbr = material.pbr_metallic_roughness();
+        let [r, g, b, _] = pbr.base_color_factor();
+        let ior = material.ior().filter(|ior| ior.is_finite() && *ior > 0.0);
+        let strength = material.emissive_strength().unwrap_or(1.0).max(0.0);
+        Self {
+            base: Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE),
+            metallic: pbr.metallic_factor().clamp(0.0, 1.0),
+            emission: (Vec3::from(material.emissive_factor()) * strength).clamp(Vec3::ZERO, Vec3::splat(1e6)),
+            f0: ior.map_or(F0, |ior| ((ior - 1.0) / (ior + 1.0)).powi(2)),
+            unlit: material.unlit(),
+        }
+    }
+
+    /// Albedo and emission together, at most 1, and the share of the luminance that is emission.
+    fn colour(&self, base: Vec3, metallic: f32, emission: Vec3) -> (Vec3, f32) {
+        if self.unlit {
+            return (base * self.base, 1.0);
+        }
+        let lit = base * self.base * (1.0 - metallic * self.metallic);
+        let emitted = emission * self.emission;
+        let share = luminance(emitted) / luminance(lit + emitted);
+        ((lit + emitted).min(Vec3::ONE), if share.is_finite() { share } else { 0.0 })
+    }
+
+    fn reflectivity(&self, base: Vec3, metallic: f32) -> f32 {
+        luminance(Vec3::splat(self.f0).lerp(base * self.base, metallic * self.metallic)).clamp(0.0, 1.0)
+    }
+}
+
+/// Adds the materials in use, in this order, and the images that they need.
+pub(super) fn attach(
+    data: &Data,
+    used: &[Option<usize>],
+    side: u32,
+    scene: &mut Scene,
+    notes: &mut Notes,
+) -> Result<()> {
+    let mut baked: Vec<Baked> = Vec::new();
+    for index in used {
+        let material = match index {
+            Some(index) => data.document.materials().nth(*index),
+            None => None,
+        };
+        scene.materials.push(match material {
+            Some(material) => convert(&material, &mut baked, notes),
+            None => default_material(),
+        });
+    }
+    let baker = Baker::new(data, side, &baked)?;
+    let bar = bounded::image_bar(baked.len());
+    let made = baked.par_iter().map(|b| {
+        let texture = baker.bake(b);
+        bar.inc(1);
+        texture
+    });
+    scene.textures = made.collect();
+    bar.finish_and_clear();
+    for (image, sentence) in baker.problems.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        notes.add(&format!("image {image}"), sentence);
+    }
+    Ok(())
+}
+
+/// The material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
+fn default_material() -> Material {
+    Material { name: "default".into(), albedo: Vec3::ZERO, roughness: roughness::of(1.0), ..Material::default() }
+}
+
+/// The scene's material, whose maps are indices into `baked`.
+fn convert(material: &gltf::Material, baked: &mut Vec<Baked>, notes: &mut Notes) -> Material {
+    let pbr = material.pbr_metallic_roughness();
+    let of = Factors::of(material);
+    let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(notes));
+    let base = image(pbr.base_color_texture());
+    let rough = image(pbr.metallic_roughness_texture());
+    let metallic = rough.filter(|_| of.metallic > 0.0 && !of.unlit);
+    let emission = image(material.emissive_texture()).filter(|_| of.emission != Vec3::ZERO && !of.unlit);
+    let emits = of.unlit || of.emission != Vec3::ZERO;
+    if of.emission.max_element() > 1.0 {
+        notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
+    }
+    let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
+    if !of.unlit && roughness::of(roughness_factor) >= 1.0 {
+        notes.add("rough", "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that".to_owned());
+    }
+    let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(notes)?, n.scale())));
+    if material.alpha_mode() == AlphaMode::Blend {
+        notes.add(
+            "blend",
+            "transparency is not supported; such materials have holes where alpha is below one half".to_owned(),
+        );
+    }
+    let cutoff = match material.alpha_mode() {
+        AlphaMode::Opaque => None,
+        AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
+        AlphaMode::Blend => Some(0.5),
+    };
+    let mut add = |wanted: Baked| {
+        baked.iter().position(|b| *b == wanted).unwrap_or_else(|| {
+            baked.push(wanted);
+            baked.len() - 1
+        })
+    };
+    let (colour, share) = of.colour(Vec3::ONE, 1.0, Vec3::ONE);
+    let mut made = Material {
+        name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
+        albedo: colour,
+        emission: share,
+        reflectivity: if of.unlit { 0.0 } else { of.reflectivity(Vec3::ONE, 1.0) },
+        roughness: roughness::of(roughness_factor),
+        single_sided: !material.double_sided(),
+        ..Material::default()
+    };
+    match base {
+        Some(base) if metallic.is_none() && !emits => {
+            made.albedo = of.base * (1.0 - of.metallic);
+            made.albedo_map = Some(add(Baked::Plain { base }));
+        }
+        _ if base.is_some() || metallic.is_some() || emission.is_some() => {
+            made.albedo = Vec3::ONE;
+            made.emission = if emits { 1.0 } else { 0.0 };
+            made.albedo_map = Some(add(Baked::Albedo { base, metallic, emission, of }));
+        }
+        _ => {}
+    }
+    if of.metallic > 0.0 && !of.unlit && (base.is_some() || metallic.is_some()) {
+        made.reflectivity = 1.0;
+        made.reflectivity_map = Some(add(Baked::Reflectivity { base, metallic, of }));
+    }
+    if let Some(metallic) = rough.filter(|_| !of.unlit && roughness_factor > 0.0) {
+        made.roughness = 1.0;
+        made.roughness_map = Some(add(Baked::Roughness { metallic, factor: roughness_factor }));
+    }
+    let factor = pbr.base_color_factor()[3].clamp(0.0, 1.0);
+    made.alpha_mask = cutoff
+        .filter(|cutoff| base.is_some() || factor < *cutoff)
+        .map(|cutoff| add(Baked::Mask { base, factor, cutoff: cutoff.max(1e-3) }));
+    made.normal_map = normals.map(|(normals, scale)| add(Baked::Normals { normals, scale }));
+    made
+}
+
+/// Decodes images and bakes what materials need of them.
+struct Baker<'a> {
+    data: &'a Data<'a>,
+    side: u32,
+    /// Images that would exceed the texels of a scene.
+    too_much: Vec<Image>,
+    /// What was wrong with an image, one sentence each.
+    problems: Mutex<BTreeMap<Image, String>>,
+}
+
+impl<'a> Baker<'a> {
+    fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Result<Self> {
+        let mut texels = 0;
+        let mut too_much = Vec::new();
+        for image in baked.iter().flat_map(Baked::images) {
+            let (_, source) = data.image(image)?;
+            let dimensions = match &source {
+                ImageBytes::Here(bytes) => texture::dimensions(bytes),
+                ImageBytes::File(path) => image::image_dimensions(path).ok(),
+            };
+            let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
+            texels += texture::texels_within(width, height, side);
+            if texels > MAX_TEXELS && !too_much.contains(&image) {
+                too_much.push(image);
+            }
+        }
+        Ok(Self { data, side, too_much, problems: Mutex::default() })
+    }
+
+    /// Decodes an image; without one, whoever asks takes white, and a sentence says so.
+    fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
+        let problem = match self.data.image(index) {
+            Err(error) => error.to_string(),
+            Ok((name, _)) if self.too_much.contains(&index) => {
+                format!("image {name} would exceed the {MAX_TEXELS} texels of a scene")
+            }
+            Ok((name, ImageBytes::File(path))) if !path.is_file() => format!("image {name} is missing"),
+            Ok((name, source)) => {
+                let decoded = match source {
+                    ImageBytes::Here(bytes) => texture::from_bytes(&bytes, Path::new(&name), encoding),
+                    ImageBytes::File(path) => texture::decode(&path, encoding),
+                };
+                match decoded {
+                    Ok(texture) => return Some(texture::within(texture, self.side)),
+                    Err(error) => format!("image {name} cannot be used ({error})"),
+                }
+            }
+        };
+        let mut problems = self.problems.lock().unwrap_or_else(PoisonError::into_inner);
+        problems.entry(index).or_insert_with(|| format!("{problem}; the material's factor takes its place"));
+        None
+    }
+
+    fn bake(&self, baked: &Baked) -> Texture {
+        let image = |index: &Option<Image>, encoding| index.and_then(|i| self.image(i, encoding));
+        match baked {
+            Baked::Plain { base } => self.image(*base, Encoding::Srgb).unwrap_or_else(white),
+            Baked::Albedo { base, metallic, emission, of } => {
+                let inputs =
+                    [image(base, Encoding::Srgb), image(metallic, Encoding::Linear), image(emission, Encoding::Srgb)];
+                texels(&inputs, Encoding::Srgb, |[base, metallic, emission]| {
+                    let (colour, share) = of.colour(rgb(base), metallic.z as f32, rgb(emission));
+                    let [r, g, b] = colour.to_array().map(math::display_byte);
+                    [r, g, b, byte(share)]
+                })
+            }
+            Baked::Reflectivity { base, metallic, of } => {
+                let inputs = [image(base, Encoding::Srgb), image(metallic, Encoding::Linear)];
+                texels(&inputs, Encoding::Linear, |[base, metallic]| {
+                    grey(of.reflectivity(rgb(base), metallic.z as f32))
+                })
+            }
+            Baked::Roughness { metallic, factor } => {
+                let inputs = [self.image(*metallic, Encoding::Linear)];
+                texels(&inputs, Encoding::Linear, |[rough]| grey(roughness::of(factor * rough.y as f32)))
+            }
+            Baked::Mask { base, factor, cutoff } => {
+                let inputs = [image(base, Encoding::Linear)];
+                texels(&inputs, Encoding::Linear, |[base]| grey(0.5 * factor * base.w as f32 / cutoff))
+            }
+            Baked::Normals { normals, scale } => match self.image(*normals, Encoding::Linear) {
+                Some(texture) => texture::scale_normal_map(texture, *scale),
+                None => Texture { rgba: vec![128, 128, 255, 255], encoding: Encoding::Linear, ..white() },
+            },
+        }
+    }
+}
+
+/// An image of the size of the largest input, of which each texel is made of those of all inputs there. An input that is
+/// missing is white.
+fn texels<const N: usize>(
+    inputs: &[Option<Texture>; N],
+    encoding: Encoding,
+    of: impl Fn([DVec4; N]) -> [u8; 4],
+) -> Texture {
+    let there = || inputs.iter().flatten();
+    let [width, height] = [there().map(|t| t.width).max(), there().map(|t| t.height).max()].map(|v| v.unwrap_or(1));
+    let name = there().next().map_or_else(String::new, |t| t.name.clone());
+    let mut rgba = Vec::with_capacity(4 * width as usize * height as usize);
+    for y in 0..height {
+        for x in 0..width {
+            let uv = DVec2::new((f64::from(x) + 0.5) / f64::from(width), (f64::from(y) + 0.5) / f64::from(height));
+            let texel = inputs.each_ref().map(|t| t.as_ref().map_or(DVec4::ONE, |t| texture::bilinear(t, uv)));
+            rgba.extend(of(texel));
+        }
+    }
+    Texture { name, width, height, rgba, encoding }
+}
+
+fn white() -> Texture {
+    Texture { name: "white".into(), width: 1, height: 1, rgba: vec![255; 4], encoding: Encoding::Srgb }
+}
+
+fn rgb(texel: DVec4) -> Vec3 {
+    texel.truncate().as_vec3()
+}
+
+fn byte(unit: f32) -> u8 {
+    (unit.clamp(0.0, 1.0) * 255.0).round() as u8
+}
+
+fn grey(unit: f32) -> [u8; 4] {
+    let value = byte(unit);
+    [value, value, value, 255]
+}
