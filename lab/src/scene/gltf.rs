@@ -61,7 +61,7 @@ pub fn is_named(path: &Path) -> bool {
 /// What is not supported adds one sentence to [`Scene::warnings`], however often it occurs.
 ///
 /// # Errors
-/// [`Error::Io`] if a file cannot be read. [`Error::Malformed`] for what is not glTF 2.0, for extensions that the file
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] for buffers that cannot, for what is not glTF 2.0, for extensions that the file
 /// requires and this loader lacks, for accessors that leave their buffers, numbers that are not finite, files without a
 /// triangle, more than [`MAX_TRIANGLES`] and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] for options out of range.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {

@@ -43,7 +43,8 @@ impl<'a> Data<'a> {
             let bytes = match &buffer.uri {
                 Some(uri) => match inline(uri) {
                     Some(bytes) => bytes.ok_or_else(|| malformed(path, format!("buffer {i} is not valid base64")))?,
-                    None => bounded::read(&beside(path, uri), "a buffer", MAX_FILE_BYTES)?,
+                    None => bounded::read(&beside(path, uri), "a buffer", MAX_FILE_BYTES)
+                        .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?,
                 },
                 None => blob.take().filter(|_| i == 0).ok_or_else(|| {
                     malformed(path, format!("buffer {i} has no address, and the file has no binary chunk for it"))
