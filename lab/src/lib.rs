@@ -1,6 +1,7 @@
 #![doc = include_str!("../../src/ARCHITECTURE.md")]
 
 pub mod app;
+pub mod custom;
 pub mod metrics;
 pub mod reference;
 pub mod report;

@@ -93,6 +93,21 @@ const int MAX_LIGHTS = 16;        // The most lights that a scene can have.
 const int MAX_AREA_LIGHTS = 16;   // The most area lights that `area-light` takes.
 const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ibr` take.
 
+const int CONVERT_LINEAR_DEPTH = 0;    // View-space z in metres; the far plane's where nothing stands.
+const int CONVERT_REVERSED_DEPTH = 1;  // Reversed depth, as a colour.
+const int CONVERT_MOTION = 2;          // Texture coordinates now less those in the frame before.
+const int CONVERT_VIEW_NORMAL = 3;     // As it is; 4: 0 to 1; 5: octahedral; 6: octahedral, 0 to 1.
+const int CONVERT_WORLD_NORMAL = 7;    // The same in world space, up to 10.
+
+const int ALPHA_FADE = 0;              // What is in a of a user's reflection: its fade.
+const int ALPHA_PREMULTIPLIED = 1;     // Its fade, which the colour is multiplied by already.
+const int ALPHA_NONE = 2;              // Nothing that counts.
+
+const int HITS_UV = 0;                 // A user's hits: texture coordinates, below 0 for none.
+const int HITS_UV_MASKED = 1;          // Texture coordinates, and a above 0 for a hit.
+const int HITS_PIXEL = 2;              // Pixels, below 0 for none.
+const int HITS_VIEW = 3;               // Places in view space, and a above 0 for a hit.
+
 const uint NORMAL_MAP = 1u;       // The bit of a material with a normal map.
 const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.
 const uint ROUGHNESS_MAP = 4u;    // The bit of a material with a roughness map.

@@ -464,6 +464,10 @@ impl<'a> Reflection<'a> {
             Op::TypeVector | Op::TypeMatrix => {
                 let (inner, size, align) = self.rust_type(self.operand_id(id, 0)?)?;
                 let Some(Operand::LiteralBit32(n)) = d.operands.get(1) else { return Err(wrong()) };
+                // The columns of a matrix with three rows lie 16 bytes apart.
+                if d.class.opcode == Op::TypeMatrix && size == 12 {
+                    return Ok((format!("[[f32; 4]; {n}]"), 16 * n, 16));
+                }
                 if d.class.opcode == Op::TypeMatrix && size != 16 {
                     return Err(wrong());
                 }

@@ -11,6 +11,8 @@ pub mod frame;
 pub mod glsl;
 pub mod image;
 mod limits;
+#[cfg(feature = "reload")]
+pub mod loose;
 pub mod memory;
 pub mod pipeline;
 mod pipelines;

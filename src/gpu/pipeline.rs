@@ -338,8 +338,14 @@ impl SharedPipeline {
         Ok(Self { layout, handle, name: fragment.name, local_size: [0; 3], settled: Arc::default() })
     }
 
+    /// Stages that no type ties together, over whole targets.
+    #[cfg(feature = "reload")]
+    pub(super) fn whole_targets(gpu: &Gpu, stages: &Stages, targets: &[vk::Format]) -> Result<Arc<Self>> {
+        Self::graphics(gpu, stages, &Geometry::Triangles(None), targets, None)
+    }
+
     /// The one that the device keeps, or a new one.
-    fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
+    pub(super) fn compute(gpu: &Gpu, shader: &'static Shader, constants: Vec<(u32, u32)>) -> Result<Arc<Self>> {
         let key = Key { shaders: [Some(shader.name), None], constants, ..Key::default() };
         let constants = key.constants.clone();
         gpu.kept_pipeline(key, || Self::new_compute(gpu, shader, &constants))

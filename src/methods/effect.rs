@@ -216,7 +216,7 @@ impl Effect {
                 captures: face,
                 behind: true,
             };
-            Ok(((behind.create)(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
+            Ok((behind.make(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
         });
         let history = effect.history == HistoryUse::On && info.is_screen_space();
         let bounces = (effect.bounces > 1)
@@ -239,7 +239,7 @@ impl Effect {
             scaled = Some((DownsamplePass::new(&gpu, extent, divisor)?, UpsamplePass::new(&gpu, extent, divisor)?));
         }
         let effect = Self {
-            method: (info.create)(&gpu, &inner)?,
+            method: info.make(&gpu, &inner)?,
             trace_normals: other_normals
                 .then(|| -> Result<_> {
                     let bump = is_bumped.then(|| BumpPass::new(&gpu, extent, effect.bump_after)).transpose()?;

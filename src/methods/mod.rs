@@ -36,6 +36,7 @@ use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output, Prepared};
 use layers::LayerParams;
 pub use setup::{EffectParams, Fallback, Setup, Wants};
+use std::sync::{PoisonError, RwLock};
 
 /// What a method reads in a frame. What it makes may borrow the G-buffer (`'a`), not the scene (`'s`).
 #[derive(Clone, Copy)]
@@ -178,6 +179,18 @@ pub struct Making {
     pub behind: bool,
 }
 
+/// What a method is that is not of the table but was added while the program runs.
+pub trait Added: Send + Sync {
+    /// Its own parameters.
+    fn parameters(&self) -> Vec<Parameter>;
+
+    /// Makes it.
+    ///
+    /// # Errors
+    /// Those of the device, and a sentence on what of it does not fit together.
+    fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>>;
+}
+
 /// Makes a method.
 pub type Create = fn(&Gpu, &Making) -> Result<Box<dyn Method>>;
 
@@ -199,12 +212,14 @@ pub struct MethodInfo {
     pub takes_captures: bool,
     /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
-    /// Its own parameters.
+    /// Its own parameters, if it is of the table.
     pub parameters: fn() -> Vec<Parameter>,
     /// Setups that the study of run time against error tries beside a base and the sweeps of single parameters.
     pub combinations: fn(&Setup) -> Vec<Setup>,
-    /// Makes it.
+    /// Makes it, if it is of the table.
     pub create: Create,
+    /// What it is, if it was added.
+    pub added: Option<&'static dyn Added>,
 }
 
 impl MethodInfo {
@@ -222,6 +237,7 @@ impl MethodInfo {
             parameters: Vec::new,
             combinations: |_| Vec::new(),
             create,
+            added: None,
         }
     }
 
@@ -236,7 +252,30 @@ impl MethodInfo {
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection, composite } = wants;
-        (self.create)(gpu, &Making { setup: setup.clone(), hits, reflection, composite, captures: None, behind: false })
+        let making = Making { setup: setup.clone(), hits, reflection, composite, captures: None, behind: false };
+        self.make(gpu, &making)
+    }
+
+    /// A screen-space method that is not of the table. Its strings live as long as the program.
+    pub fn added(name: &'static str, summary: &'static str, source: &'static str, added: &'static dyn Added) -> Self {
+        let none: Create = |_, _| Err(Error::Usage("this method is made by what added it".into()));
+        Self { added: Some(added), ..Self::screen(name, summary, source, none) }
+    }
+
+    /// The method of one size on one device.
+    ///
+    /// # Errors
+    /// Those of the device, and what of the method does not fit the setup.
+    pub fn make(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
+        match self.added {
+            Some(added) => added.create(gpu, making),
+            None => (self.create)(gpu, making),
+        }
+    }
+
+    /// Its own parameters.
+    pub fn own_parameters(&self) -> Vec<Parameter> {
+        self.added.map_or_else(self.parameters, |added| added.parameters())
     }
 
     /// Whether the method works on a G-buffer of any origin.
@@ -246,7 +285,7 @@ impl MethodInfo {
 
     /// Whether it is set up for a second layer of depth.
     pub fn takes_second_layer(&self, setup: &Setup) -> bool {
-        (self.parameters)().iter().any(|p| p.name == "layers") && setup.of::<LayerParams>().has_second()
+        self.own_parameters().iter().any(|p| p.name == "layers") && setup.of::<LayerParams>().has_second()
     }
 
     /// Every parameter that it reads: those of the effect around it, and its own.
@@ -258,7 +297,7 @@ impl MethodInfo {
             "definitions" => true,
             _ => self.is_screen_space(),
         };
-        EffectParams::table().into_iter().filter(reads).chain((self.parameters)()).collect()
+        EffectParams::table().into_iter().filter(reads).chain(self.own_parameters()).collect()
     }
 
     /// The setups that the study of run time against error runs, around a base: the base as published, each of its
@@ -308,6 +347,29 @@ pub const METHODS: &[MethodInfo] = &[
     unified::INFO,
 ];
 
+/// Methods that were added while the program runs.
+static ADDED: RwLock<Vec<&'static MethodInfo>> = RwLock::new(Vec::new());
+
+/// Every method: those of the table, then those that were added.
+pub fn all() -> Vec<&'static MethodInfo> {
+    let added = ADDED.read().unwrap_or_else(PoisonError::into_inner);
+    METHODS.iter().chain(added.iter().copied()).collect()
+}
+
+/// Adds a method, which stays as long as the program runs.
+///
+/// # Errors
+/// [`Error::Usage`] if there is one of its name.
+pub fn add(info: MethodInfo) -> Result<&'static MethodInfo> {
+    let mut added = ADDED.write().unwrap_or_else(PoisonError::into_inner);
+    if METHODS.iter().chain(added.iter().copied()).any(|m| m.name == info.name) {
+        return Err(Error::Usage(format!("there is a method {} already", info.name)));
+    }
+    let info: &'static MethodInfo = Box::leak(Box::new(info));
+    added.push(info);
+    Ok(info)
+}
+
 /// The methods of some names; without names, every method that can be set up so.
 ///
 /// # Errors
@@ -334,12 +396,12 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
     // What surrounds every method has a say even where a method does not read it: the oracle judges all of them, and
     // a fallback or a smaller resolution that a method cannot have is refused where it is made.
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
-    let has = |m: &MethodInfo, name: &str| (m.parameters)().iter().any(|p| p.name == name);
+    let has = |m: &MethodInfo, name: &str| m.own_parameters().iter().any(|p| p.name == name);
     for name in setup.values.given().filter(|name| !around.contains(name)) {
         if !methods.iter().any(|m| has(m, name)) {
             let typed = name.replace('_', "-");
             let chosen: Vec<_> = methods.iter().map(|m| m.name).collect();
-            let others: Vec<_> = METHODS.iter().filter(|m| has(m, name)).map(|m| m.name).collect();
+            let others: Vec<_> = all().into_iter().filter(|m| has(m, name)).map(|m| m.name).collect();
             return Err(Error::Usage(format!(
                 "{typed} is no parameter of {}; it is one of {}",
                 chosen.join(", "),
@@ -352,8 +414,9 @@ pub fn check_read(methods: &[&MethodInfo], setup: &Setup) -> Result<()> {
 
 /// The method of a name, or an error that lists the names there are.
 pub fn find(name: &str) -> Result<&'static MethodInfo> {
-    METHODS.iter().find(|m| m.name == name).ok_or_else(|| {
-        let names: Vec<_> = METHODS.iter().map(|m| m.name).collect();
+    let all = all();
+    all.iter().find(|m| m.name == name).copied().ok_or_else(|| {
+        let names: Vec<_> = all.iter().map(|m| m.name).collect();
         Error::Usage(format!("no method {name:?}; there is: {}", names.join(", ")))
     })
 }
@@ -363,7 +426,7 @@ pub fn find(name: &str) -> Result<&'static MethodInfo> {
 pub fn parameters() -> Vec<(Parameter, Vec<&'static MethodInfo>)> {
     let mut all: Vec<(Parameter, Vec<&'static MethodInfo>)> =
         EffectParams::table().into_iter().map(|p| (p, Vec::new())).collect();
-    for method in METHODS {
+    for method in self::all() {
         for parameter in method.reads() {
             match all.iter_mut().find(|(p, _)| *p == parameter) {
                 Some((_, methods)) => methods.push(method),

@@ -211,7 +211,7 @@ impl Setup {
 
     /// As records keep it: size, preset, and the value of every parameter of the effect and of a method.
     pub fn recorded(&self, method: Option<&MethodInfo>) -> BTreeMap<&'static str, Value> {
-        let own = method.map(|m| (m.parameters)()).unwrap_or_default();
+        let own = method.map(MethodInfo::own_parameters).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);
         let [width, height] = self.extent;
         let size = [("width", width.value()), ("height", height.value()), ("preset", self.values.preset.value())];

@@ -21,6 +21,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("passes", &["error", "parameter", "math", "scene", "gpu"]),
     ("methods", &["error", "parameter", "math", "scene", "gpu", "passes"]),
     ("embed", &["error", "parameter", "math", "scene", "gpu", "passes", "methods"]),
+    ("custom", &["error", "parameter", "math", "scene", "gpu", "passes", "methods"]),
     ("study", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods"]),
     ("report", &["error", "parameter", "math", "scene", "gpu", "reference", "metrics", "passes", "methods", "study"]),
     ("window", &["error", "parameter", "gpu"]),
@@ -39,6 +40,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "study",
             "report",
             "window",
+            "custom",
         ],
     ),
     ("main", &["app"]),
@@ -49,7 +51,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 /// one, and what loads and generates scenes is in the other.
 const PACKAGES: &[(&str, &[&str])] = &[
     ("src", &["error", "parameter", "math", "scene", "gpu", "passes", "methods", "embed", "lib"]),
-    ("lab/src", &["scene", "reference", "metrics", "study", "report", "window", "app", "main", "lib"]),
+    ("lab/src", &["scene", "reference", "metrics", "study", "report", "window", "custom", "app", "main", "lib"]),
 ];
 
 /// The most direct dependencies of the package that others embed, those of optional features included.

@@ -4,6 +4,7 @@ mod captures;
 mod cli;
 mod command;
 mod compare;
+mod custom_methods;
 mod devices;
 mod error;
 mod error_age;
@@ -41,7 +42,15 @@ use std::process::ExitCode;
 /// Runs the command line; returns the exit status: 0 done, 1 the run failed or a bar was missed,
 /// 2 the arguments are wrong.
 pub fn run() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    // Methods from folders have flags of their own, so that they are known before the command line is read.
+    let arguments = match custom_methods::added(std::env::args_os()) {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            eprintln!("ssct: {error}");
+            return ExitCode::from(exit_status(&error));
+        }
+    };
+    let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(e) => {
             let status = u8::try_from(e.exit_code()).unwrap_or(2);

@@ -3,12 +3,18 @@
 
 use super::bind::Given;
 use super::target::View;
+#[cfg(feature = "reload")]
+use super::Resource;
 use super::{Frame, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;
+#[cfg(feature = "reload")]
+use crate::gpu::loose::Reach;
 use crate::gpu::memory::Buffer;
 use crate::gpu::pipeline::{ComputePipeline, GraphicsPipeline, SharedPipeline};
 use crate::gpu::program::{Compute, Fragment, VertexProgram};
+#[cfg(feature = "reload")]
+use crate::gpu::shader::Binding;
 use crate::gpu::sync::Access;
 use ash::vk;
 use std::marker::PhantomData;
@@ -169,6 +175,36 @@ impl Frame<'_> {
             }
             Ok(())
         })
+    }
+
+    /// A fragment program over whole targets, whose bindings no type ties to what they are given.
+    #[cfg(feature = "reload")]
+    pub(in crate::gpu) fn shade_loose(
+        &mut self,
+        name: &str,
+        pipeline: &SharedPipeline,
+        targets: &[Target],
+        (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
+    ) -> Result<()> {
+        let given = Given { resources: bindings.iter().copied().zip(resources).collect(), push };
+        self.shade(name, pipeline, (targets, None), &given, Vertices::Triangle)
+    }
+
+    /// A compute program, the same.
+    #[cfg(feature = "reload")]
+    pub(in crate::gpu) fn compute_loose(
+        &mut self,
+        name: &str,
+        pipeline: &SharedPipeline,
+        (bindings, resources, push): (&[Binding], Vec<Resource>, &[u8]),
+        reach: Reach,
+    ) -> Result<()> {
+        let given = Given { resources: bindings.iter().copied().zip(resources).collect(), push };
+        let workgroups = match reach {
+            Reach::Threads(counts) | Reach::Workgroups(counts) => Workgroups::Counted(counts),
+            Reach::Said(buffer) => Workgroups::Said(buffer),
+        };
+        self.dispatch(name, pipeline, &given, workgroups)
     }
 
     /// Draws over what a target holds, by commands that `draw` records into dynamic rendering; what

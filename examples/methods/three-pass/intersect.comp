@@ -1,0 +1,84 @@
+#version 460
+// One ray a pixel of the listed tiles, within the lobe, over a chain of least depths (near 1, far 0: the least is the
+// farthest); each frame draws another ray.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 0) uniform sampler2D colour;
+layout(binding = 1) uniform sampler2D depth;      // chain of greatest reversed depths: the nearest
+layout(binding = 2) uniform sampler2D normals;    // view space
+layout(binding = 3) uniform sampler2D material;
+layout(binding = 4) uniform sampler2D noise;
+layout(binding = 5, rgba16f) uniform writeonly image2D rays;
+layout(binding = 6, rgba32f) uniform writeonly image2D ends;
+layout(std430, binding = 7) readonly buffer Tiles { uint tiles[]; } list;
+
+layout(std140, binding = 8) uniform Frame {
+    mat4 view_to_clip;    // reversed depth
+    mat4 clip_to_view;
+    vec2 size;
+    int frame;
+    int steps;
+    float thickness;      // of reversed depth, as a part of it
+} f;
+
+vec3 View(vec2 uv, float z) {
+    vec4 h = f.clip_to_view * vec4(uv * vec2(2.0, -2.0) + vec2(-1.0, 1.0), z, 1.0);
+    return h.xyz / h.w;
+}
+
+vec3 Screen(vec4 clip) {
+    vec3 ndc = clip.xyz / clip.w;
+    return vec3(ndc.xy * vec2(0.5, -0.5) + 0.5, ndc.z);
+}
+
+void main() {
+    uint tile = list.tiles[gl_WorkGroupID.x];
+    ivec2 pixel = ivec2(tile & 0xffffu, tile >> 16) * 8 + ivec2(gl_LocalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, ivec2(f.size))))
+        return;
+    imageStore(rays, pixel, vec4(0.0));
+    imageStore(ends, pixel, vec4(-1.0));
+    vec2 surface = texelFetch(material, pixel, 0).rg;
+    vec3 normal = texelFetch(normals, pixel, 0).xyz;
+    if (surface.r <= 1e-4 || dot(normal, normal) < 0.5)
+        return;
+
+    vec2 uv = (vec2(pixel) + 0.5) / f.size;
+    vec3 place = View(uv, texelFetch(depth, pixel, 0).r);
+    vec3 along = reflect(normalize(place), normalize(normal));
+    // Within the cone of the roughness, by blue noise that golden-ratio steps move from frame to frame.
+    vec2 u = fract(texture(noise, (vec2(pixel) + 0.5) / 64.0).rg + float(f.frame) * vec2(0.618034, 0.754878));
+    float c = mix(1.0, cos(0.5 * surface.g), u.x), s = sqrt(max(0.0, 1.0 - c * c));
+    vec3 t = normalize(abs(along.y) < 0.9 ? cross(along, vec3(0, 1, 0)) : cross(along, vec3(1, 0, 0)));
+    along = along * c + (t * cos(6.2831853 * u.y) + cross(along, t) * sin(6.2831853 * u.y)) * s;
+    place += along * 0.01;
+
+    // A straight line in texture coordinates and depth.
+    vec3 from = Screen(f.view_to_clip * vec4(place, 1.0));
+    float reach = along.z < 0.0 ? min(1.0, 0.9 * place.z / -along.z) : 1.0;
+    vec3 line = Screen(f.view_to_clip * vec4(place + along * reach, 1.0)) - from;
+    line /= max(abs(line.x) * f.size.x, abs(line.y) * f.size.y); // a pixel a step
+    int level = 0, most = min(textureQueryLevels(depth) - 1, 6);
+    float at = 1.0;
+    for (int i = 0; i < f.steps; ++i) {
+        vec3 p = from + line * at;
+        if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
+            return;
+        ivec2 cell = min(ivec2(p.xy * f.size) >> level, textureSize(depth, level) - 1);
+        float nearest = texelFetch(depth, cell, level).r;
+        if (p.z >= nearest) {
+            // In front of all that is there: on, by the whole cell.
+            at += float(1 << level);
+            level = min(level + 1, most);
+        } else if (level > 0) {
+            --level;
+        } else {
+            if (nearest > 0.0 && p.z > nearest * (1.0 - f.thickness)) {
+                imageStore(rays, pixel, vec4(textureLod(colour, p.xy, 0.0).rgb, 1.0));
+                imageStore(ends, pixel, vec4(p.xy, p.z, 1.0));
+                return;
+            }
+            at += 1.0;
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Methods from folders on the command line: `--method path/to/folder` adds the method, and stands for its name.
+
+use crate::custom;
+use crate::error::Result;
+use std::collections::HashMap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// The flags whose values name methods: several, with commas between them, or one and its own flags.
+const METHOD: &str = "--method";
+const VARIANT: &str = "--variant";
+
+/// Adds the methods of all folders that arguments name; gives the arguments with the methods' names instead.
+pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
+    let mut known = HashMap::new();
+    let mut replaced = Vec::new();
+    let mut flag: Option<&str> = None;
+    for argument in arguments {
+        let Some(text) = argument.to_str() else {
+            replaced.push(argument);
+            flag = None;
+            continue;
+        };
+        if let Some(of) = flag.take() {
+            replaced.push(names(of, text, &mut known)?.into());
+            continue;
+        }
+        match text.split_once('=') {
+            Some((of, value)) if [METHOD, VARIANT].contains(&of) => {
+                replaced.push(format!("{of}={}", names(of, value, &mut known)?).into());
+            }
+            _ => {
+                flag = [METHOD, VARIANT].into_iter().find(|of| *of == text);
+                replaced.push(argument);
+            }
+        }
+    }
+    Ok(replaced)
+}
+
+/// The value of a flag with names in place of folders.
+fn names(flag: &str, value: &str, known: &mut HashMap<PathBuf, &'static str>) -> Result<String> {
+    let mut name = |text: &str| -> Result<String> {
+        let Some(folder) = custom::folder(text) else { return Ok(text.to_owned()) };
+        // Two ways of writing a path are one folder.
+        let place = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+        if let Some(name) = known.get(&place) {
+            return Ok((*name).to_owned());
+        }
+        let info = custom::add(&folder)?;
+        known.insert(place, info.name);
+        Ok(info.name.to_owned())
+    };
+    if flag == VARIANT {
+        let (method, flags) = value.split_once(char::is_whitespace).unwrap_or((value, ""));
+        return Ok(format!("{} {flags}", name(method)?).trim_end().to_owned());
+    }
+    let all: Vec<String> = value.split(',').map(name).collect::<Result<_>>()?;
+    Ok(all.join(","))
+}

@@ -1,0 +1,292 @@
+//! Makes what a shader reads of the G-buffer: each thing once a frame, whoever reads it, and only what is read.
+
+use super::manifest::{Conventions, Hand, SamplerName};
+use super::noise;
+use super::source::{CapturePart, Depth, HiZ, Normal, Source};
+use crate::error::{Error, Result};
+use crate::gpu::memory::{Buffer, MemoryPlace};
+use crate::gpu::program::Sampled;
+use crate::gpu::programs::{Convert, Reduce, ReduceConstants};
+use crate::gpu::shader::ConvertBlock;
+use crate::gpu::{ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, Target, image};
+use crate::math::constants::{CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_WORLD_NORMAL};
+use crate::methods::{Input, unified};
+use crate::passes::color_chain::{ChainFilter, ColorChainPass};
+use crate::passes::hi_z::HiZPass;
+use crate::passes::pyramid::PyramidPass;
+use crate::passes::visibility::VisibilityPass;
+use crate::passes::{GBuffer, HiZ as ThesisHiZ, LIT_COLOR, camera_block};
+use crate::scene::Camera;
+use ash::vk;
+
+/// What makes the sources that a method reads.
+pub struct Inputs {
+    made: Vec<(Source, Made)>,
+}
+
+/// What makes a source, and where it then is.
+enum Made {
+    /// Nothing needs to be made: it is in the G-buffer, or comes with the input.
+    There,
+    Chain(ColorChainPass),
+    /// The thesis's depth, alone or with its chain.
+    Thesis(HiZPass),
+    Visibility(VisibilityPass),
+    Pyramid(PyramidPass),
+    Converted { pipeline: GraphicsPipeline<Convert<'static>>, image: Image, what: i32, turn: [f32; 4] },
+    Reduced { copy: ComputePipeline<Reduce<'static>>, reduce: ComputePipeline<Reduce<'static>>, chain: Image, of: Source },
+    Noise(Image),
+    /// What a source was in the frame before, and what it is now, in turn.
+    Kept { of: Source, images: [Image; 2] },
+}
+
+impl Inputs {
+    /// For a size in pixels. Sources that others are made of are added.
+    pub fn new(gpu: &Gpu, extent: [u32; 2], sources: &[Source], conventions: Conventions) -> Result<Self> {
+        let mut inputs = Self { made: Vec::new() };
+        for source in sources {
+            inputs.add(gpu, extent, source, conventions)?;
+        }
+        Ok(inputs)
+    }
+
+    fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &Source, conventions: Conventions) -> Result<()> {
+        if self.made.iter().any(|(known, _)| known == source) {
+            return Ok(());
+        }
+        let converted = |what: i32, turn: [f32; 4], format: vk::Format| -> Result<Made> {
+            Ok(Made::Converted {
+                pipeline: GraphicsPipeline::fullscreen(gpu, [format])?,
+                image: Image::target(gpu, &source.to_string(), format, extent)?,
+                what,
+                turn,
+            })
+        };
+        let float = vk::Format::R32_SFLOAT;
+        let made = match source {
+            Source::LitColour | Source::Material | Source::Sky | Source::Captures(_) | Source::Own(_) => Made::There,
+            Source::LitColourChain { gaussian } => {
+                let filter = if *gaussian { ChainFilter::Gaussian } else { ChainFilter::Hardware };
+                Made::Chain(ColorChainPass::new(gpu, extent, LIT_COLOR, filter)?)
+            }
+            Source::Depth(Depth::Reversed) => Made::There,
+            Source::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
+            Source::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, [0.0; 4], float)?,
+            Source::Normal(Normal { world, encoding }) => {
+                let hand = if *world { conventions.world } else { conventions.view };
+                let turn = [1.0, 1.0, if hand == Hand::Right { -1.0 } else { 1.0 }, 0.0];
+                if !world && *encoding == 0 && hand == Hand::Left {
+                    Made::There
+                } else {
+                    let first = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
+                    converted(first + i32::from(*encoding), turn, vk::Format::R16G16B16A16_SFLOAT)?
+                }
+            }
+            Source::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
+            Source::Visibility => {
+                self.add(gpu, extent, &Source::ThesisHiZ, conventions)?;
+                Made::Visibility(VisibilityPass::new(gpu, extent)?)
+            }
+            Source::Pyramid => Made::Pyramid(PyramidPass::new(gpu, extent)?),
+            Source::Motion => converted(CONVERT_MOTION, [0.0; 4], vk::Format::R32G32_SFLOAT)?,
+            Source::BlueNoise => Made::Noise(blue_noise(gpu)?),
+            Source::HiZ(HiZ { maximum, depth, padded }) => {
+                let of = Source::Depth(*depth);
+                self.add(gpu, extent, &of, conventions)?;
+                let size = if *padded { extent.map(u32::next_power_of_two) } else { extent };
+                use vk::ImageUsageFlags as U;
+                let name = source.to_string();
+                let levels = image::full_chain(size);
+                let usage = U::STORAGE | U::SAMPLED | U::TRANSFER_SRC;
+                let desc = ImageDesc { name: &name, format: float, extent: size, levels, layers: 1, usage };
+                Made::Reduced {
+                    copy: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: true })?,
+                    reduce: ComputePipeline::with(gpu, &ReduceConstants { maximum: *maximum, copy: false })?,
+                    chain: Image::new(gpu, &desc)?,
+                    of,
+                }
+            }
+            Source::Previous(of) => {
+                if let Source::Own(_) = **of {
+                    // The method keeps its own images.
+                    Made::There
+                } else {
+                    if **of == Source::Depth(Depth::Reversed) {
+                        // A depth buffer is kept as a colour, and then read as that.
+                        let as_color = converted(CONVERT_REVERSED_DEPTH, [0.0; 4], float)?;
+                        self.made.retain(|(known, _)| known != &**of);
+                        self.made.push(((**of).clone(), as_color));
+                    }
+                    self.add(gpu, extent, of, conventions)?;
+                    let (name, format) = (source.to_string(), self.kept_format(of));
+                    let image = || Image::target(gpu, &name, format, extent);
+                    Made::Kept { of: (**of).clone(), images: [image()?, image()?] }
+                }
+            }
+        };
+        self.made.push((source.clone(), made));
+        Ok(())
+    }
+
+    /// The format of what is kept of a source.
+    fn kept_format(&self, of: &Source) -> vk::Format {
+        match self.made.iter().find(|(known, _)| known == of) {
+            Some((_, Made::Converted { image, .. })) => image.format(),
+            Some((_, Made::Thesis(_))) => vk::Format::R32G32_SFLOAT,
+            _ => match of {
+                Source::Depth(_) => vk::Format::R32_SFLOAT,
+                Source::Material => vk::Format::R16G16_SFLOAT,
+                _ => LIT_COLOR,
+            },
+        }
+    }
+
+    /// Records the passes that make the sources of this frame, in the order in which they need each other.
+    pub fn record(&self, frame: &mut Frame, input: &Input, before: &Camera) -> Result<()> {
+        let gbuffer = &input.gbuffer;
+        let extent = gbuffer.depth.extent();
+        for (source, made) in &self.made {
+            let name = source.to_string();
+            match made {
+                Made::There | Made::Noise(_) | Made::Kept { .. } => {}
+                Made::Chain(pass) => {
+                    pass.record(frame, gbuffer)?;
+                }
+                Made::Thesis(pass) => {
+                    pass.record(frame, gbuffer)?;
+                }
+                Made::Visibility(pass) => {
+                    let hi_z = ThesisHiZ(self.image(&Source::ThesisHiZ, input, 0)?);
+                    pass.record(frame, hi_z, &input.camera.lens)?;
+                }
+                Made::Pyramid(pass) => {
+                    pass.record(frame, gbuffer, &unified::parameters(input.camera, extent, false))?;
+                }
+                Made::Converted { pipeline, image, what, turn } => {
+                    let program = Convert {
+                        camera: &camera_block(input.camera, extent),
+                        depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                        normal_buffer: Sampled::nearest(gbuffer.normal.all()),
+                        convert: &convert_block(input.camera, before, *what, *turn),
+                    };
+                    frame.fullscreen(&name, pipeline, [Target::overwrite(image.all())], &program)?;
+                }
+                Made::Reduced { copy, reduce, chain, of } => {
+                    let depth = self.slice(of, input, 0)?;
+                    for level in 0..chain.levels() {
+                        let below = if level == 0 { depth } else { chain.level(level - 1) };
+                        let program = Reduce { below: Sampled::nearest(below), level: chain.level(level) };
+                        let pipeline = if level == 0 { copy } else { reduce };
+                        let [width, height] = chain.level(level).extent();
+                        frame.compute(&format!("{name}/{level}"), pipeline, &program, [width, height, 1])?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps what the next frame reads of this one.
+    pub fn keep(&self, frame: &mut Frame, input: &Input, turn: usize) -> Result<()> {
+        for (source, made) in &self.made {
+            if let Made::Kept { of, images } = made {
+                frame.blit(&format!("keep {source}"), self.slice(of, input, turn)?, images[turn].all())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Clears what the first frame reads of the one before.
+    pub fn begin(&self, frame: &mut Frame) -> Result<()> {
+        for (source, made) in &self.made {
+            if let Made::Kept { images, .. } = made {
+                for image in images {
+                    frame.clear(&format!("clear {source}"), image.all(), [0.0; 4])?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The image of a source, in a frame of this turn.
+    fn image<'i>(&'i self, source: &Source, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
+        let GBuffer { depth, normal, material, color, .. } = input.gbuffer;
+        let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
+        let made = self.made.iter().find(|(known, _)| known == source).map(|(_, made)| made);
+        Ok(match (made, source) {
+            (Some(Made::Thesis(pass)), _) => pass.made().0,
+            (Some(Made::Visibility(pass)), _) => pass.made().0,
+            (Some(Made::Pyramid(pass)), _) => pass.made().0,
+            (Some(Made::Converted { image, .. }), _) | (Some(Made::Noise(image)), _) => image,
+            (Some(Made::Reduced { chain, .. }), _) => chain,
+            (Some(Made::Kept { images, .. }), _) => &images[1 - turn],
+            (_, Source::LitColour | Source::LitColourChain { .. }) => color,
+            (_, Source::Depth(_)) => depth,
+            (_, Source::Normal(_)) => normal,
+            (_, Source::Material) => material,
+            (_, Source::Captures(part)) => {
+                let captures = input.captures.ok_or_else(|| lacks("are no captures: give --captures"))?;
+                match part {
+                    CapturePart::Colour => captures.color,
+                    CapturePart::Pyramid => captures.pyramid,
+                    CapturePart::Normal => captures.normal,
+                }
+            }
+            _ => return Err(lacks("is none")),
+        })
+    }
+
+    /// What a shader binds of a source.
+    pub fn slice<'i>(&'i self, source: &Source, input: &Input<'i, '_>, turn: usize) -> Result<ImageSlice<'i>> {
+        if *source == Source::Sky {
+            return Err(Error::Usage("the method reads the sky, which is bound apart".into()));
+        }
+        let image = self.image(source, input, turn)?;
+        let alone = matches!(source, Source::LitColour);
+        Ok(if alone { image.level(0) } else { image.all() })
+    }
+}
+
+/// The sampler of a source, if its manifest does not say.
+pub fn sampler(source: &Source, named: Option<SamplerName>) -> Sampler {
+    match named {
+        Some(SamplerName::Nearest) => Sampler::NearestClamp,
+        Some(SamplerName::Linear) => Sampler::TrilinearClamp,
+        Some(SamplerName::Repeat) => Sampler::Material,
+        None if *source == Source::BlueNoise => Sampler::Material,
+        None if source.is_smooth() => Sampler::TrilinearClamp,
+        None => Sampler::NearestClamp,
+    }
+}
+
+fn convert_block(camera: &Camera, before: &Camera, what: i32, turn: [f32; 4]) -> ConvertBlock {
+    let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
+    ConvertBlock {
+        clip_to_clip_before: (clip(before) * clip(camera).inverse()).as_mat4().to_cols_array_2d(),
+        turn,
+        what,
+        ..ConvertBlock::default()
+    }
+}
+
+/// The tile of blue noise: red, and in green the same moved by a third of its side.
+fn blue_noise(gpu: &Gpu) -> Result<Image> {
+    use vk::ImageUsageFlags as U;
+    let side = noise::SIDE;
+    let tile = noise::tile();
+    let texel = |k: usize| {
+        let (x, y) = (k % side, k / side);
+        [tile[k], tile[(y + side / 3) % side * side + (x + side / 3) % side]]
+    };
+    let bytes: Vec<u8> = (0..side * side).flat_map(texel).collect();
+    let extent = [side as u32; 2];
+    let format = vk::Format::R8G8_UNORM;
+    let desc =
+        ImageDesc { name: "blue noise", format, extent, levels: 1, layers: 1, usage: U::SAMPLED | U::TRANSFER_DST };
+    let made = Image::new(gpu, &desc)?;
+    let mut staging =
+        Buffer::new(gpu, "staging", bytes.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC, MemoryPlace::Upload)?;
+    staging.bytes_mut()?[..bytes.len()].copy_from_slice(&bytes);
+    FrameContext::new(gpu)?.once(|frame| frame.upload("blue noise", &staging, made.level(0)))?;
+    Ok(made)
+}

@@ -1,0 +1,78 @@
+//! Methods from folders: a manifest (`method.toml`) and shaders, which become a method as any other
+//! (docs/custom-methods.md).
+//!
+//! `manifest` reads what the folder says, `shader` compiles and reflects the stages, `source` names what a shader may
+//! read, `inputs` makes it of the G-buffer, `values` fills uniform blocks, and `method` records the passes.
+
+mod inputs;
+mod manifest;
+mod method;
+mod noise;
+mod shader;
+mod source;
+mod values;
+
+use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::methods::{self, Added, Making, Method, MethodInfo};
+use crate::parameter::Parameter;
+use manifest::Manifest;
+use method::CustomMethod;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// The name of the manifest in its folder.
+pub const MANIFEST: &str = "method.toml";
+
+/// Whether methods look for changes of their files while they run.
+static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// Lets methods from folders look, before each frame, whether their files have changed: for the window.
+pub fn watch() {
+    WATCHED.store(true, Ordering::Relaxed);
+}
+
+/// The folder of a method, if the name of a method names one: a path with a separator, or a folder that has a manifest.
+pub fn folder(name: &str) -> Option<PathBuf> {
+    let path = Path::new(name);
+    let is_path = name.contains(['/', '\\']);
+    (is_path || path.join(MANIFEST).is_file()).then(|| path.to_path_buf())
+}
+
+/// Reads a folder's manifest, compiles its shaders, and adds the method to those that there are; gives its name.
+///
+/// # Errors
+/// [`Error::Io`], and [`Error::Malformed`] with file and line for what is wrong in the manifest or in a shader.
+/// [`Error::Usage`] if there is a method of its name.
+pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
+    let manifest = Manifest::read(folder)?;
+    let parameters = manifest.parameters()?;
+    // Compiled once here, so that what is wrong is said before a device is opened.
+    method::check(&manifest)?;
+    let leak = |text: &str| -> &'static str { text.to_owned().leak() };
+    let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
+    let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);
+    let added: &'static FromFolder = Box::leak(Box::new(FromFolder { manifest, parameters }));
+    let info = MethodInfo { fades, takes_captures, ..MethodInfo::added(name, summary, source, added) };
+    methods::add(info).map_err(|e| match e {
+        Error::Usage(message) => Error::malformed(folder.join(MANIFEST), None, message),
+        other => other,
+    })
+}
+
+/// A method that was read from a folder.
+struct FromFolder {
+    manifest: Manifest,
+    parameters: Vec<Parameter>,
+}
+
+impl Added for FromFolder {
+    fn parameters(&self) -> Vec<Parameter> {
+        self.parameters.clone()
+    }
+
+    fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
+        let watched = WATCHED.load(Ordering::Relaxed);
+        Ok(Box::new(CustomMethod::new(gpu, &self.manifest, &self.parameters, making, watched)?))
+    }
+}

@@ -1,0 +1,107 @@
+//! Blue noise, by void and cluster (Ulichney 1993): a tile of ranks whose every threshold is spread evenly.
+
+use crate::math::random::Stream;
+
+/// Texels along a side of the tile.
+pub const SIDE: usize = 64;
+
+/// Standard deviation of the Gaussian that says how crowded a place is, in texels.
+const SIGMA: f64 = 1.9;
+
+/// A tile of ranks as bytes, 0…255, each as often as any other; it repeats without seams.
+pub fn tile() -> Vec<u8> {
+    let all = SIDE * SIDE;
+    let kernel: Vec<f64> = (0..all)
+        .map(|k| {
+            let wrapped = |d: usize| d.min(SIDE - d) as f64;
+            let (x, y) = (wrapped(k % SIDE), wrapped(k / SIDE));
+            (-(x * x + y * y) / (2.0 * SIGMA * SIGMA)).exp()
+        })
+        .collect();
+    let mut tile = Tile { kernel, set: vec![false; all], energy: vec![0.0; all] };
+    let (random, mut drawn) = (Stream::new(1, 0), 0);
+    while tile.count() < all / 10 {
+        tile.change((random.uniform(drawn) * all as f64) as usize % all, true);
+        drawn += 1;
+    }
+    // The most crowded goes where there is most room, until it would come back to where it was.
+    loop {
+        let crowded = tile.extreme(true);
+        tile.change(crowded, false);
+        let void = tile.extreme(false);
+        tile.change(void, true);
+        if void == crowded {
+            break;
+        }
+    }
+    let mut rank = vec![0_usize; all];
+    let first = tile.count();
+    let mut thinned = Tile { kernel: tile.kernel.clone(), set: tile.set.clone(), energy: tile.energy.clone() };
+    for n in (0..first).rev() {
+        let crowded = thinned.extreme(true);
+        thinned.change(crowded, false);
+        rank[crowded] = n;
+    }
+    for n in first..all {
+        let void = tile.extreme(false);
+        tile.change(void, true);
+        rank[void] = n;
+    }
+    rank.into_iter().map(|n| (n * 256 / all) as u8).collect()
+}
+
+/// Which texels are set, and how crowded each place is by them.
+struct Tile {
+    kernel: Vec<f64>,
+    set: Vec<bool>,
+    energy: Vec<f64>,
+}
+
+impl Tile {
+    fn count(&self) -> usize {
+        self.set.iter().filter(|set| **set).count()
+    }
+
+    fn change(&mut self, at: usize, set: bool) {
+        if self.set[at] == set {
+            return;
+        }
+        self.set[at] = set;
+        let sign = if set { 1.0 } else { -1.0 };
+        for (k, energy) in self.energy.iter_mut().enumerate() {
+            let dx = (k % SIDE + SIDE - at % SIDE) % SIDE;
+            let dy = (k / SIDE + SIDE - at / SIDE) % SIDE;
+            *energy += sign * self.kernel[dy * SIDE + dx];
+        }
+    }
+
+    /// The most crowded of those that are set, or the emptiest of those that are not.
+    fn extreme(&self, set: bool) -> usize {
+        let places = (0..self.set.len()).filter(|k| self.set[*k] == set);
+        let energy = |k: &usize| if set { -self.energy[*k] } else { self.energy[*k] };
+        places.min_by(|a, b| energy(a).total_cmp(&energy(b))).unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_differ_more_than_by_chance_and_every_byte_is_as_frequent() {
+        let tile = tile();
+        let mut count = [0; 256];
+        tile.iter().for_each(|v| count[usize::from(*v)] += 1);
+        assert!(count.iter().all(|n| *n == SIDE * SIDE / 256), "{count:?}");
+        // The mean of four neighbours of white noise has a quarter of its variance; of blue noise far less.
+        let variance = |side: usize| {
+            let mean = |x: usize, y: usize| {
+                let of = (0..side * side).map(|k| f64::from(tile[(y + k / side) % SIDE * SIDE + (x + k % side) % SIDE]));
+                of.sum::<f64>() / (side * side) as f64
+            };
+            let all: Vec<f64> = (0..SIDE * SIDE).map(|k| mean(k % SIDE, k / SIDE)).collect();
+            all.iter().map(|v| (v - 127.5) * (v - 127.5)).sum::<f64>() / all.len() as f64
+        };
+        assert!(variance(4) < 0.2 * variance(1) / 16.0, "{} of {}", variance(4), variance(1));
+    }
+}

@@ -1,0 +1,234 @@
+//! What a shader of a user may read: the names that a manifest has for it.
+
+use std::fmt;
+
+/// Which depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Depth {
+    /// Near 1, far 0.
+    Reversed,
+    /// Near 0, far 1.
+    Standard,
+    /// View-space z in metres.
+    Linear,
+}
+
+/// In which space a normal is, and how it is encoded: as it is, 0 to 1, octahedral, octahedral from 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Normal {
+    /// World space, else view space.
+    pub world: bool,
+    /// 0 to 3, in the order of `ENCODINGS`.
+    pub encoding: u8,
+}
+
+/// A chain of minima or maxima of depth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct HiZ {
+    /// Maxima, else minima.
+    pub maximum: bool,
+    /// Of which depth.
+    pub depth: Depth,
+    /// Whether sizes are rounded up to powers of two; else each is half of the one before, rounded down.
+    pub padded: bool,
+}
+
+/// Which part of the captures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum CapturePart {
+    /// Lit colour, cubes.
+    Colour,
+    /// Front and back depths.
+    Pyramid,
+    /// Normals.
+    Normal,
+}
+
+/// An image that a shader reads.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub enum Source {
+    /// Lit colour, level 0 alone.
+    LitColour,
+    /// Lit colour with its chain, by the Gaussian or by halving.
+    LitColourChain {
+        /// By the Gaussian.
+        gaussian: bool,
+    },
+    /// A depth.
+    Depth(Depth),
+    /// A normal.
+    Normal(Normal),
+    /// Reflectivity and roughness.
+    Material,
+    /// A chain of depths.
+    HiZ(HiZ),
+    /// The thesis's: standard depth, minimum and maximum.
+    ThesisHiZ,
+    /// The thesis's visibility.
+    Visibility,
+    /// That of `unified`.
+    Pyramid,
+    /// Blue noise.
+    BlueNoise,
+    /// Motion on the screen.
+    Motion,
+    /// The environment.
+    Sky,
+    /// Captures.
+    Captures(CapturePart),
+    /// An image of the method's own.
+    Own(String),
+    /// What a source was in the frame before.
+    Previous(Box<Source>),
+}
+
+/// Encodings of normals, in the order of their numbers in the shader.
+const ENCODINGS: [&str; 4] = ["float", "unorm", "octahedral", "octahedral-unorm"];
+
+impl Depth {
+    fn of(name: &str) -> Option<Self> {
+        [("reversed", Self::Reversed), ("standard", Self::Standard), ("linear", Self::Linear)]
+            .into_iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, depth)| depth)
+    }
+}
+
+impl Source {
+    /// The source of a name.
+    ///
+    /// # Errors
+    /// A clause that says what is wrong with it.
+    pub fn parse(text: &str, own: impl Fn(&str) -> bool + Copy) -> Result<Self, String> {
+        let words: Vec<&str> = text.split(':').collect();
+        let unknown = || {
+            format!(
+                "{text:?} is no image that there is: lit-colour, lit-colour-chain, depth:reversed, normal:view, material, \
+                 hi-z:min:reversed, thesis-hi-z, visibility, pyramid, blue-noise, motion, sky, captures:colour, previous:… \
+                 or an image of this method"
+            )
+        };
+        Ok(match words[..] {
+            ["previous", ref rest @ ..] if !rest.is_empty() => {
+                let of = Self::parse(&rest.join(":"), own)?;
+                if !of.can_be_kept() {
+                    return Err(format!("what {of} was in the frame before is not kept"));
+                }
+                Self::Previous(Box::new(of))
+            }
+            [name] if own(name) => Self::Own(name.to_owned()),
+            ["lit-colour"] => Self::LitColour,
+            ["lit-colour-chain"] => Self::LitColourChain { gaussian: false },
+            ["lit-colour-chain", "gaussian"] => Self::LitColourChain { gaussian: true },
+            ["depth", which] => Self::Depth(Depth::of(which).ok_or_else(unknown)?),
+            ["normal", space @ ("view" | "world"), ref rest @ ..] if rest.len() < 2 => {
+                let encoding = rest.first().map_or(Some(0), |name| ENCODINGS.iter().position(|e| e == name));
+                Self::Normal(Normal { world: space == "world", encoding: encoding.ok_or_else(unknown)? as u8 })
+            }
+            ["material"] => Self::Material,
+            ["hi-z", which @ ("min" | "max"), depth, ref rest @ ..] if matches!(rest, [] | ["padded"]) => {
+                let depth = Depth::of(depth).ok_or_else(unknown)?;
+                Self::HiZ(HiZ { maximum: which == "max", depth, padded: !rest.is_empty() })
+            }
+            ["thesis-hi-z"] => Self::ThesisHiZ,
+            ["visibility"] => Self::Visibility,
+            ["pyramid"] => Self::Pyramid,
+            ["blue-noise"] => Self::BlueNoise,
+            ["motion"] => Self::Motion,
+            ["sky"] => Self::Sky,
+            ["captures", "colour"] => Self::Captures(CapturePart::Colour),
+            ["captures", "pyramid"] => Self::Captures(CapturePart::Pyramid),
+            ["captures", "normal"] => Self::Captures(CapturePart::Normal),
+            _ => return Err(unknown()),
+        })
+    }
+
+    /// Whether it is an image of one level that frames leave for the next.
+    fn can_be_kept(&self) -> bool {
+        matches!(self, Self::LitColour | Self::Depth(_) | Self::Normal(_) | Self::Material | Self::Own(_))
+    }
+
+    /// Whether it has several levels, or is read between texels.
+    pub fn is_smooth(&self) -> bool {
+        match self {
+            Self::LitColour | Self::LitColourChain { .. } | Self::Sky | Self::Visibility => true,
+            Self::Captures(part) => *part == CapturePart::Colour,
+            Self::Previous(of) => of.is_smooth(),
+            _ => false,
+        }
+    }
+}
+
+/// As a manifest names it.
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let depth = |d: &Depth| match d {
+            Depth::Reversed => "reversed",
+            Depth::Standard => "standard",
+            Depth::Linear => "linear",
+        };
+        match self {
+            Self::LitColour => write!(f, "lit-colour"),
+            Self::LitColourChain { gaussian: false } => write!(f, "lit-colour-chain"),
+            Self::LitColourChain { gaussian: true } => write!(f, "lit-colour-chain:gaussian"),
+            Self::Depth(d) => write!(f, "depth:{}", depth(d)),
+            Self::Normal(n) => {
+                write!(f, "normal:{}:{}", if n.world { "world" } else { "view" }, ENCODINGS[usize::from(n.encoding)])
+            }
+            Self::Material => write!(f, "material"),
+            Self::HiZ(h) => {
+                let (which, padded) = (if h.maximum { "max" } else { "min" }, if h.padded { ":padded" } else { "" });
+                write!(f, "hi-z:{which}:{}{padded}", depth(&h.depth))
+            }
+            Self::ThesisHiZ => write!(f, "thesis-hi-z"),
+            Self::Visibility => write!(f, "visibility"),
+            Self::Pyramid => write!(f, "pyramid"),
+            Self::BlueNoise => write!(f, "blue-noise"),
+            Self::Motion => write!(f, "motion"),
+            Self::Sky => write!(f, "sky"),
+            Self::Captures(CapturePart::Colour) => write!(f, "captures:colour"),
+            Self::Captures(CapturePart::Pyramid) => write!(f, "captures:pyramid"),
+            Self::Captures(CapturePart::Normal) => write!(f, "captures:normal"),
+            Self::Own(name) => write!(f, "{name}"),
+            Self::Previous(of) => write!(f, "previous:{of}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_source_is_read_as_it_is_written() {
+        let own = |name: &str| name == "result";
+        for text in [
+            "lit-colour",
+            "lit-colour-chain",
+            "lit-colour-chain:gaussian",
+            "depth:reversed",
+            "depth:standard",
+            "depth:linear",
+            "normal:view:float",
+            "normal:world:octahedral-unorm",
+            "material",
+            "hi-z:min:reversed",
+            "hi-z:max:linear:padded",
+            "thesis-hi-z",
+            "visibility",
+            "pyramid",
+            "blue-noise",
+            "motion",
+            "sky",
+            "captures:colour",
+            "result",
+            "previous:result",
+            "previous:depth:linear",
+        ] {
+            assert_eq!(Source::parse(text, own).map(|s| s.to_string()).as_deref(), Ok(text));
+        }
+        for wrong in ["", "depth", "depth:other", "normal:view:half", "hi-z:min", "previous", "previous:sky", "other"] {
+            assert!(Source::parse(wrong, own).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,377 @@
+//! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
+
+use super::manifest::{ClipDepth, ClipY, Conventions, Hand, Layout};
+use crate::parameter::{Domain, Parameter, Value, Values};
+use crate::scene::Camera;
+use glam::{DMat4, DVec3, Vec3};
+
+/// What a manifest gives to a field: numbers, or the name of something that changes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Given {
+    /// Numbers, as many as the field has.
+    Numbers(Vec<f64>),
+    /// A name of [`NAMES`].
+    Named(&'static str),
+    /// A parameter of the method.
+    Parameter(String),
+}
+
+/// The names, and what they stand for.
+pub const NAMES: [(&str, &str); 28] = [
+    ("view-to-clip", "matrix: view space to clip space"),
+    ("clip-to-view", "matrix: its inverse"),
+    ("world-to-view", "matrix: world space to view space"),
+    ("view-to-world", "matrix: its inverse"),
+    ("world-to-clip", "matrix: world space to clip space"),
+    ("clip-to-world", "matrix: its inverse"),
+    ("previous-world-to-view", "matrix: the same of the frame before"),
+    ("previous-view-to-world", "matrix: its inverse"),
+    ("previous-world-to-clip", "matrix: the same of the frame before"),
+    ("previous-clip-to-world", "matrix: its inverse"),
+    ("view-to-pixels", "matrix: view space to pixels; x and y after division by w, from the upper left corner"),
+    ("eye", "3 numbers: the camera in world space, in metres"),
+    ("size", "2 numbers: width and height of the frame in pixels; 4: and one over each"),
+    ("inverse-size", "2 numbers: one over width and height"),
+    ("pass-size", "2 or 4 numbers: the same of what the pass writes"),
+    ("near", "near plane, metres"),
+    ("far", "far plane, metres"),
+    ("fov-y", "vertical field of view, radians"),
+    ("aspect", "width over height"),
+    ("half-view", "2 numbers: tangents of half the horizontal and half the vertical field of view"),
+    ("frame", "frames since the first"),
+    ("is-first-frame", "1 in the first frame, whose history is empty, else 0"),
+    ("level", "the level that the pass is recorded for"),
+    ("greatest-roughness", "the greatest roughness of the scene's materials; 1 where they are not known"),
+    ("fade", "1 if reflections fade at the screen's border (--fade), else 0"),
+    ("hits", "1 if hits are wanted, else 0"),
+    ("capture-count", "how many captures there are"),
+    ("capture-places", "4 numbers a capture: its place in world space, and 0; those that are not there are 0"),
+];
+
+impl Given {
+    /// Reads a value of the manifest.
+    pub fn parse(value: &toml::Value, parameters: &[String]) -> Result<Self, String> {
+        let number = |v: &toml::Value| match v {
+            toml::Value::Integer(n) => Some(*n as f64),
+            toml::Value::Float(n) => Some(*n),
+            toml::Value::Boolean(on) => Some(f64::from(u8::from(*on))),
+            _ => None,
+        };
+        match value {
+            toml::Value::String(name) => match name.strip_prefix("parameter:") {
+                Some(of) if parameters.iter().any(|p| p == of) => Ok(Self::Parameter(of.replace('-', "_"))),
+                Some(of) => Err(format!("there is no [parameter.{of}]")),
+                None => NAMES.iter().find(|(known, _)| known == name).map(|(name, _)| Self::Named(name)).ok_or_else(|| {
+                    let names = NAMES.map(|(name, _)| name).join(", ");
+                    format!("{name:?} is no value that there is: {names}, or parameter:…")
+                }),
+            },
+            toml::Value::Array(all) => {
+                let all: Option<Vec<f64>> = all.iter().map(number).collect();
+                all.map(Self::Numbers).ok_or_else(|| "an array must have numbers alone".to_owned())
+            }
+            other => number(other)
+                .map(|n| Self::Numbers(vec![n]))
+                .ok_or_else(|| "a value is a number, an array of numbers, or a name".to_owned()),
+        }
+    }
+
+    /// Whether it is this name.
+    pub fn is_named(&self, wanted: &str) -> bool {
+        *self == Self::Named(NAMES.iter().find(|(name, _)| *name == wanted).map_or("", |(name, _)| name))
+    }
+}
+
+/// All that values are made of in a frame.
+pub struct State<'a> {
+    pub camera: &'a Camera,
+    pub before: &'a Camera,
+    pub extent: [u32; 2],
+    pub pass_extent: [u32; 2],
+    pub level: u32,
+    pub frame: u32,
+    pub is_first: bool,
+    pub roughness: f32,
+    pub fade: bool,
+    pub hits: bool,
+    pub captures: &'a [Vec3],
+    pub conventions: Conventions,
+    pub values: &'a Values,
+    pub parameters: &'a [Parameter],
+}
+
+/// A field of a block, and what fills it.
+#[derive(Debug, Clone)]
+pub struct Filled {
+    offset: usize,
+    kind: Scalar,
+    numbers: usize,
+    given: Given,
+}
+
+/// What numbers a field has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Scalar {
+    F32,
+    I32,
+    U32,
+}
+
+impl Filled {
+    /// Reads a field: its offset, its type in Rust as the reflection spells it, and its bytes.
+    pub fn new(offset: u32, rust: &str, size: u32, given: Given) -> Result<Self, String> {
+        let kind = if rust.contains("f32") {
+            Scalar::F32
+        } else if rust.contains("i32") {
+            Scalar::I32
+        } else if rust.contains("u32") {
+            Scalar::U32
+        } else {
+            return Err(format!("a field of type {rust} cannot be filled; take its members out of their struct"));
+        };
+        let filled = Self { offset: offset as usize, kind, numbers: size as usize / 4, given };
+        filled.check()?;
+        Ok(filled)
+    }
+
+    /// Whether the field has as many numbers as what fills it.
+    fn check(&self) -> Result<(), String> {
+        let fits = match &self.given {
+            Given::Numbers(all) => all.len() == self.numbers,
+            Given::Parameter(_) => self.numbers == 1,
+            Given::Named(name) => match *name {
+                "eye" => self.numbers == 3 || self.numbers == 4,
+                "size" | "pass-size" => self.numbers == 2 || self.numbers == 4,
+                "inverse-size" | "half-view" => self.numbers == 2,
+                "capture-places" => self.numbers.is_multiple_of(4),
+                name if is_matrix(name) => self.numbers == 16 || self.numbers == 12,
+                _ => self.numbers == 1,
+            },
+        };
+        if fits { Ok(()) } else { Err(format!("the field has {} numbers, and what feeds it has others", self.numbers)) }
+    }
+
+    /// Writes the field into its block.
+    pub fn write(&self, bytes: &mut [u8], state: &State) {
+        let mut numbers = self.given.numbers(state, self.numbers);
+        numbers.resize(self.numbers, 0.0);
+        for (word, number) in bytes[self.offset..].chunks_exact_mut(4).zip(numbers) {
+            word.copy_from_slice(&match self.kind {
+                Scalar::F32 => (number as f32).to_le_bytes(),
+                Scalar::I32 => (number as i32).to_le_bytes(),
+                Scalar::U32 => (number as u32).to_le_bytes(),
+            });
+        }
+    }
+}
+
+fn is_matrix(name: &str) -> bool {
+    NAMES.iter().any(|(known, help)| *known == name && help.starts_with("matrix"))
+}
+
+impl Given {
+    /// The numbers for a field of so many.
+    pub fn numbers(&self, state: &State, wanted: usize) -> Vec<f64> {
+        let [width, height] = state.extent.map(f64::from);
+        let [pass_width, pass_height] = state.pass_extent.map(f64::from);
+        let flag = |on: bool| vec![f64::from(u8::from(on))];
+        match self {
+            Self::Numbers(all) => all.clone(),
+            Self::Parameter(name) => vec![state.parameter(name)],
+            Self::Named(name) => match *name {
+                "eye" => state.eye().to_array().to_vec(),
+                "size" => vec![width, height, 1.0 / width, 1.0 / height],
+                "inverse-size" => vec![1.0 / width, 1.0 / height],
+                "pass-size" => vec![pass_width, pass_height, 1.0 / pass_width, 1.0 / pass_height],
+                "near" => vec![f64::from(state.camera.lens.near_m)],
+                "far" => vec![f64::from(state.camera.lens.far_m)],
+                "fov-y" => vec![f64::from(state.camera.lens.fov_y_radians)],
+                "aspect" => vec![width / height],
+                "half-view" => {
+                    let projection = self::scale(state.camera);
+                    vec![1.0 / projection[0], 1.0 / projection[1]]
+                }
+                "frame" => vec![f64::from(state.frame)],
+                "is-first-frame" => flag(state.is_first),
+                "level" => vec![f64::from(state.level)],
+                "greatest-roughness" => vec![f64::from(state.roughness)],
+                "fade" => flag(state.fade),
+                "hits" => flag(state.hits),
+                "capture-count" => vec![state.captures.len() as f64],
+                "capture-places" => {
+                    let place = |p: &Vec3| state.world(p.as_dvec3()).extend(0.0).to_array();
+                    state.captures.iter().flat_map(place).take(wanted).collect()
+                }
+                matrix => state.matrix(matrix, wanted),
+            },
+        }
+    }
+}
+
+impl State<'_> {
+    fn parameter(&self, name: &str) -> f64 {
+        let Some(row) = self.parameters.iter().find(|p| p.name == name) else { return 0.0 };
+        match self.values.of(row) {
+            Value::Switch(on) => f64::from(u8::from(on)),
+            Value::Count(n) => f64::from(n),
+            Value::Number(n) => f64::from(n),
+            // A choice is told by its number.
+            Value::Choice(chosen) => match &row.domain {
+                Domain::Choices(all) => all.iter().position(|c| c.name == chosen).unwrap_or(0) as f64,
+                _ => 0.0,
+            },
+        }
+    }
+
+    /// A place of the world in the shader's world space.
+    fn world(&self, place: DVec3) -> DVec3 {
+        if self.conventions.world == Hand::Right { place * DVec3::new(1.0, 1.0, -1.0) } else { place }
+    }
+
+    fn eye(&self) -> DVec3 {
+        self.world(self.camera.eye().as_dvec3())
+    }
+
+    /// World to view space of a camera, in the shader's spaces.
+    fn world_to_view(&self, camera: &Camera) -> DMat4 {
+        let turned = |hand: Hand| if hand == Hand::Right { mirror_z() } else { DMat4::IDENTITY };
+        turned(self.conventions.view) * camera.world_to_view.as_dmat4() * turned(self.conventions.world)
+    }
+
+    /// View to clip space of a camera, in the shader's spaces.
+    pub fn view_to_clip(&self, camera: &Camera) -> DMat4 {
+        let of = match self.conventions.clip_depth {
+            ClipDepth::Reversed => camera.view_to_clip_reversed().as_dmat4(),
+            ClipDepth::Standard => camera.view_to_clip().as_dmat4(),
+            // z' = 2 z − w
+            ClipDepth::MinusOneToOne => {
+                let mut stretched = DMat4::from_scale(DVec3::new(1.0, 1.0, 2.0));
+                stretched.w_axis.z = -1.0;
+                stretched * camera.view_to_clip().as_dmat4()
+            }
+        };
+        let of = if self.conventions.view == Hand::Right { of * mirror_z() } else { of };
+        match self.conventions.clip_y {
+            ClipY::Up => of,
+            ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
+        }
+    }
+
+    fn matrix(&self, name: &str, wanted: usize) -> Vec<f64> {
+        let camera = if name.starts_with("previous-") { self.before } else { self.camera };
+        let (view, clip) = (self.world_to_view(camera), self.view_to_clip(camera));
+        let matrix = match name.trim_start_matches("previous-") {
+            "view-to-clip" => clip,
+            "clip-to-view" => clip.inverse(),
+            "world-to-view" => view,
+            "view-to-world" => view.inverse(),
+            "world-to-clip" => clip * view,
+            "clip-to-world" => (clip * view).inverse(),
+            _ => {
+                let [width, height] = self.extent.map(|v| 0.5 * f64::from(v));
+                let down = if self.conventions.clip_y == ClipY::Up { -height } else { height };
+                let mut to_pixels = DMat4::from_scale(DVec3::new(width, down, 1.0));
+                (to_pixels.w_axis.x, to_pixels.w_axis.y) = (width, height);
+                to_pixels * clip
+            }
+        };
+        let matrix = if self.conventions.matrices == Layout::Rows { matrix.transpose() } else { matrix };
+        // A matrix of three columns has the first three rows and columns.
+        let mut all = matrix.to_cols_array().to_vec();
+        if wanted == 12 {
+            all.truncate(12);
+        }
+        all
+    }
+}
+
+/// M_00 and M_11 of a camera's projection.
+fn scale(camera: &Camera) -> [f64; 2] {
+    let projection = camera.view_to_clip().as_dmat4();
+    [projection.x_axis.x, projection.y_axis.y]
+}
+
+fn mirror_z() -> DMat4 {
+    DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Lens;
+
+    fn state<'a>(camera: &'a Camera, values: &'a Values, conventions: Conventions) -> State<'a> {
+        State {
+            camera,
+            before: camera,
+            extent: [200, 100],
+            pass_extent: [100, 50],
+            level: 3,
+            frame: 7,
+            is_first: false,
+            roughness: 0.25,
+            fade: true,
+            hits: false,
+            captures: &[],
+            conventions,
+            values,
+            parameters: &[],
+        }
+    }
+
+    fn matrix(state: &State, name: &'static str) -> DMat4 {
+        let numbers = Given::Named(name).numbers(state, 16);
+        DMat4::from_cols_slice(&numbers)
+    }
+
+    #[test]
+    fn matrices_agree_in_every_convention() {
+        let camera = Camera::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(0.5, 0.5, 4.0), Lens::default(), 2.0);
+        let values = Values::default();
+        let ours = state(&camera, &values, Conventions::default());
+        let place = DVec3::new(0.3, 1.0, 2.0);
+        let seen = matrix(&ours, "world-to-clip").project_point3(place);
+        let right = Conventions { view: Hand::Right, world: Hand::Right, ..Conventions::default() };
+        let theirs = state(&camera, &values, right);
+        let mirrored = place * DVec3::new(1.0, 1.0, -1.0);
+        assert!(matrix(&theirs, "world-to-clip").project_point3(mirrored).distance(seen) < 1e-9);
+        assert!(matrix(&theirs, "world-to-view").transform_point3(mirrored).z < 0.0, "it looks along −z");
+        let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipY::Down, ..right };
+        let in_gl = matrix(&state(&camera, &values, gl), "world-to-clip").project_point3(mirrored);
+        assert!(in_gl.distance(DVec3::new(seen.x, -seen.y, 2.0 * seen.z - 1.0)) < 1e-9, "{in_gl} {seen}");
+        let rows = state(&camera, &values, Conventions { matrices: Layout::Rows, ..Conventions::default() });
+        assert_eq!(matrix(&rows, "view-to-clip"), matrix(&ours, "view-to-clip").transpose());
+        let pixel = matrix(&ours, "view-to-pixels").project_point3(matrix(&ours, "world-to-view").transform_point3(place));
+        let wanted = (0.5 + 0.5 * seen.x) * 200.0;
+        assert!((pixel.x - wanted).abs() < 1e-9 && (pixel.y - (0.5 - 0.5 * seen.y) * 100.0).abs() < 1e-9, "{pixel}");
+        for name in NAMES.map(|(name, _)| name).into_iter().filter(|name| is_matrix(name)) {
+            assert!(matrix(&ours, name).determinant() != 0.0, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_field_takes_as_many_numbers_as_it_has() {
+        let filled = |rust: &str, size: u32, given: Given| Filled::new(4, rust, size, given);
+        assert!(filled("[f32; 3]", 12, Given::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
+        assert!(filled("[f32; 3]", 12, Given::Numbers(vec![1.0])).is_err());
+        assert!(filled("f32", 4, Given::Named("size")).is_err());
+        assert!(filled("Light", 16, Given::Numbers(vec![0.0; 4])).is_err());
+        let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);
+        let mut bytes = [0; 12];
+        let values = Values::default();
+        filled("[i32; 2]", 8, Given::Named("pass-size")).unwrap().write(&mut bytes, &state(&camera, &values, Conventions::default()));
+        assert_eq!(bytes, [0, 0, 0, 0, 100, 0, 0, 0, 50, 0, 0, 0]);
+    }
+
+    #[test]
+    fn values_are_read_and_refused() {
+        let parse = |text: &str| Given::parse(&toml::from_str::<toml::Table>(&format!("v = {text}")).unwrap()["v"], &["a-b".into()]);
+        assert_eq!(parse("[1, 2.5]"), Ok(Given::Numbers(vec![1.0, 2.5])));
+        assert_eq!(parse("true"), Ok(Given::Numbers(vec![1.0])));
+        assert_eq!(parse("\"near\""), Ok(Given::Named("near")));
+        assert_eq!(parse("\"parameter:a-b\""), Ok(Given::Parameter("a_b".into())));
+        assert!(parse("\"parameter:c\"").unwrap_err().contains("[parameter.c]"));
+        assert!(parse("\"nearer\"").unwrap_err().contains("no value"));
+        assert!(parse("[\"near\"]").is_err() && parse("{ a = 1 }").is_err());
+    }
+}

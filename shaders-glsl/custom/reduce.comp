@@ -1,0 +1,36 @@
+#version 460
+#pragma program(Reduce)
+// One level of a chain of minima or maxima of depth, for a user's shader. A texel covers the texels of the level below
+// that lie on it: two by two, and where a side has one too many for that, three (sizes are rounded down); or two by two
+// where sizes were rounded up to powers of two, beyond the borders the last ones again.
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 0) uniform sampler2D below;
+layout(binding = 1) uniform writeonly image2D level;
+
+layout(constant_id = 0) const bool MAXIMUM = false;
+layout(constant_id = 1) const bool COPY = false;    // the finest level: nothing is reduced
+
+void main() {
+    ivec2 at = ivec2(gl_GlobalInvocationID.xy);
+    ivec2 size = imageSize(level);
+    if (any(greaterThanEqual(at, size)))
+        return;
+    ivec2 most = textureSize(below, 0) - 1;
+    float found;
+    if (COPY) {
+        found = texelFetch(below, min(at, most), 0).r;
+    } else {
+        found = texelFetch(below, min(2 * at, most), 0).r;
+        // The last texel takes what no other covers.
+        ivec2 last = mix(min(2 * at + 1, most), most, equal(at, size - 1));
+        for (int y = 2 * at.y; y <= last.y; ++y) {
+            for (int x = 2 * at.x; x <= last.x; ++x) {
+                float depth = texelFetch(below, ivec2(x, y), 0).r;
+                found = MAXIMUM ? max(found, depth) : min(found, depth);
+            }
+        }
+    }
+    imageStore(level, at, vec4(found));
+}

@@ -1,0 +1,133 @@
+//! Programs that are known at run time alone: a user's shaders. What they bind is checked against their reflection when
+//! they are recorded, and not by the compiler.
+
+use super::device::Gpu;
+use super::frame::{Frame, Resource, Target};
+use super::glsl::Interface;
+use super::memory::Buffer;
+use super::pipeline::{SharedPipeline, Stages};
+use super::program::Program;
+use super::programs::FullscreenUv;
+use super::shader::{Binding, BindingKind, Shader};
+use crate::error::{Error, Result};
+use ash::vk;
+use std::sync::Arc;
+
+/// A compute or fragment program, and its pipeline.
+pub struct LooseProgram {
+    shader: &'static Shader,
+    pipeline: Arc<SharedPipeline>,
+    /// Keeps the device until the pipeline is gone.
+    _gpu: Gpu,
+}
+
+/// How much a program is dispatched over.
+#[derive(Clone, Copy)]
+pub enum Reach<'a> {
+    /// So many threads along each axis, rounded up to whole workgroups.
+    Threads([u32; 3]),
+    /// So many workgroups.
+    Workgroups([u32; 3]),
+    /// As many workgroups as the first three words of a buffer say.
+    Said(&'a Buffer),
+}
+
+/// Makes a shader of code that lives as long as the program runs; so does what is made here. `name` is for labels and
+/// errors, and tells its code from all other code.
+///
+/// # Errors
+/// [`Error::Usage`] for a kind of binding that there is none of.
+pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'static Shader> {
+    let name: &'static str = name.leak();
+    let kind = |kind: &str| match kind {
+        "SampledImage" => Ok(BindingKind::SampledImage),
+        "StorageImage" => Ok(BindingKind::StorageImage),
+        "UniformBuffer" => Ok(BindingKind::UniformBuffer),
+        "StorageBuffer" => Ok(BindingKind::StorageBuffer),
+        other => Err(Error::Usage(format!("{name}: a binding of kind {other}"))),
+    };
+    let bindings = interface.bindings.iter().map(|b| {
+        let name: &'static str = b.name.clone().leak();
+        Ok(Binding { name, binding: b.binding, kind: kind(b.kind)?, count: b.count })
+    });
+    let bindings = bindings.collect::<Result<Vec<_>>>()?.leak();
+    Ok(Box::leak(Box::new(Shader {
+        name,
+        file: name,
+        defines: &[],
+        spirv: spirv.leak(),
+        push_constant_size: interface.push.as_ref().map_or(0, |p| p.size),
+        local_size: interface.local_size,
+        bindings,
+    })))
+}
+
+impl LooseProgram {
+    /// A fragment program over whole targets of some formats, which gets texture coordinates at location 0.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn fragment(
+        gpu: &Gpu,
+        shader: &'static Shader,
+        constants: &[(u32, u32)],
+        targets: &[vk::Format],
+    ) -> Result<Self> {
+        let stages = Stages { vertex: FullscreenUv::SHADER, fragment: shader, constants };
+        let pipeline = SharedPipeline::whole_targets(gpu, &stages, targets)?;
+        Ok(Self { shader, pipeline, _gpu: gpu.clone() })
+    }
+
+    /// A compute program.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
+        let pipeline = SharedPipeline::compute(gpu, shader, constants.to_vec())?;
+        Ok(Self { shader, pipeline, _gpu: gpu.clone() })
+    }
+
+    /// What it binds; what it is given is in this order.
+    pub fn bindings(&self) -> &'static [Binding] {
+        self.shader.bindings
+    }
+}
+
+impl Frame<'_> {
+    /// A fragment program over whole targets, all of one size.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn draw_loose(
+        &mut self,
+        name: &str,
+        program: &LooseProgram,
+        targets: &[Target],
+        resources: Vec<Resource>,
+        push: &[u8],
+    ) -> Result<()> {
+        self.shade_loose(name, &program.pipeline, targets, (program.shader.bindings, resources, push))
+    }
+
+    /// A compute program.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub fn dispatch_loose(
+        &mut self,
+        name: &str,
+        program: &LooseProgram,
+        resources: Vec<Resource>,
+        push: &[u8],
+        reach: Reach,
+    ) -> Result<()> {
+        let size = program.pipeline.local_size;
+        let reach = match reach {
+            Reach::Threads(threads) => {
+                Reach::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1))))
+            }
+            other => other,
+        };
+        self.compute_loose(name, &program.pipeline, (program.shader.bindings, resources, push), reach)
+    }
+}
