@@ -107,6 +107,7 @@ const int HITS_UV = 0;                 // A user's hits: texture coordinates, be
 const int HITS_UV_MASKED = 1;          // Texture coordinates, and a above 0 for a hit.
 const int HITS_PIXEL = 2;              // Pixels, below 0 for none.
 const int HITS_VIEW = 3;               // Places in view space, and a above 0 for a hit.
+const int HITS_UV_DEPTH = 4;           // Texture coordinates, and standard depth, below 0 for none.
 
 const uint NORMAL_MAP = 1u;       // The bit of a material with a normal map.
 const uint ALPHA_MASK = 2u;       // The bit of a material with an alpha mask.

@@ -33,9 +33,13 @@ void main() {
     } else if (given.encoding == HITS_UV_MASKED) {
         found = value.w > 0.0;
     }
-    found = found && all(lessThanEqual(uv, vec2(1.0)));
+    if (given.encoding == HITS_UV_DEPTH)
+        found = value.z >= 0.0;
+    else
+        found = found && all(lessThanEqual(uv, vec2(1.0)));
+    ivec2 there = min(ivec2(uv * given.resolution), ivec2(given.resolution) - 1);
     if (found)
-        hit = vec4(uv, texelFetch(depth_buffer, min(ivec2(uv * given.resolution), ivec2(given.resolution) - 1), 0).r, PATH_LINEAR);
+        hit = vec4(uv, given.encoding == HITS_UV_DEPTH ? value.z : texelFetch(depth_buffer, there, 0).r, PATH_LINEAR);
     else
         hit.w = PATH_LINEAR_MISS;
 }

@@ -15,7 +15,8 @@ use open::{create_instance, list, open_device};
 use std::ffi::{CStr, CString};
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
+use std::time::Duration;
 
 /// Which device to open, and how.
 #[derive(Debug, Clone, Default)]
@@ -119,6 +120,8 @@ pub struct Shared {
     /// Whether instance and device go with the last handle, or are somebody else's.
     owned: bool,
     submissions: AtomicU64,
+    /// How long a frame may take, and who is told if one takes longer.
+    pub(crate) patience: OnceLock<Patience>,
     /// Code that stands for shaders that changed.
     #[cfg(feature = "reload")]
     pub replaced_shaders: super::shader::Replaced,
@@ -129,6 +132,9 @@ pub struct Shared {
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
 }
+
+/// How long a frame may take, and what is called with a sentence if one takes longer.
+pub(crate) type Patience = (Duration, fn(&str));
 
 struct Debug {
     loader: ash::ext::debug_utils::Instance,
@@ -258,6 +264,13 @@ impl Gpu {
 
     pub(crate) fn sampler(&self, sampler: Sampler) -> vk::Sampler {
         self.shared.samplers.get(sampler)
+    }
+
+    /// Calls a function with a sentence if a frame is not done in some time: for shaders that may run forever. What the
+    /// device was at work on cannot be freed, so that the function does not return, but ends the program. The first call
+    /// counts.
+    pub fn wait_at_most(&self, limit: Duration, give_up: fn(&str)) {
+        self.shared.patience.get_or_init(|| (limit, give_up));
     }
 
     /// Bytes of device memory now allocated through this handle.

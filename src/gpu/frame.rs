@@ -218,7 +218,24 @@ impl Frame<'_> {
             device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
             self.undo.0.clear();
             self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
-            let waited = device.wait_for_fences(&fences, true, u64::MAX);
+            let waited = match self.context.gpu.shared().patience.get() {
+                None => device.wait_for_fences(&fences, true, u64::MAX),
+                Some((limit, give_up)) => {
+                    let nanoseconds = limit.as_nanos().try_into().unwrap_or(u64::MAX);
+                    device.wait_for_fences(&fences, true, nanoseconds).or_else(|result| {
+                        if result != vk::Result::TIMEOUT {
+                            return Err(result);
+                        }
+                        let passes: Vec<&str> = self.passes.iter().map(|(name, _)| name.as_str()).collect();
+                        give_up(&format!(
+                            "a frame was not done in {} s, so that a shader of it may run forever; its passes: {}",
+                            limit.as_secs_f64(),
+                            passes.join(", ")
+                        ));
+                        device.wait_for_fences(&fences, true, u64::MAX)
+                    })
+                }
+            };
             if waited.is_err() {
                 // A lost device is idle; any other must be before what it uses goes.
                 let _ = device.device_wait_idle();

@@ -123,9 +123,7 @@ impl Frame<'_> {
     ) -> Result<()> {
         let size = program.pipeline.local_size;
         let reach = match reach {
-            Reach::Threads(threads) => {
-                Reach::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1))))
-            }
+            Reach::Threads(threads) => Reach::Workgroups([0, 1, 2].map(|i| threads[i].div_ceil(size[i].max(1)))),
             other => other,
         };
         self.compute_loose(name, &program.pipeline, (program.shader.bindings, resources, push), reach)

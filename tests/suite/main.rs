@@ -20,6 +20,7 @@ mod cli;
 mod compare;
 mod cone;
 mod cube_maps;
+mod custom_methods;
 mod dda;
 mod docs;
 mod embed;

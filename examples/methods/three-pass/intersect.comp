@@ -51,34 +51,42 @@ void main() {
     float c = mix(1.0, cos(0.5 * surface.g), u.x), s = sqrt(max(0.0, 1.0 - c * c));
     vec3 t = normalize(abs(along.y) < 0.9 ? cross(along, vec3(0, 1, 0)) : cross(along, vec3(1, 0, 0)));
     along = along * c + (t * cos(6.2831853 * u.y) + cross(along, t) * sin(6.2831853 * u.y)) * s;
-    place += along * 0.01;
+    // Off the surface by a part of its distance, so that the ray does not meet the pixels that it comes from.
+    place += normalize(normal) * place.z * 0.003;
 
-    // A straight line in texture coordinates and depth.
+    // A straight line in texture coordinates and depth, one pixel of its longer side for each unit.
     vec3 from = Screen(f.view_to_clip * vec4(place, 1.0));
     float reach = along.z < 0.0 ? min(1.0, 0.9 * place.z / -along.z) : 1.0;
     vec3 line = Screen(f.view_to_clip * vec4(place + along * reach, 1.0)) - from;
-    line /= max(abs(line.x) * f.size.x, abs(line.y) * f.size.y); // a pixel a step
+    line /= max(max(abs(line.x) * f.size.x, abs(line.y) * f.size.y), 1e-6);
+    vec2 pixels = line.xy * f.size;
     int level = 0, most = min(textureQueryLevels(depth) - 1, 6);
     float at = 1.0;
     for (int i = 0; i < f.steps; ++i) {
         vec3 p = from + line * at;
         if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
             return;
-        ivec2 cell = min(ivec2(p.xy * f.size) >> level, textureSize(depth, level) - 1);
-        float nearest = texelFetch(depth, cell, level).r;
-        if (p.z >= nearest) {
-            // In front of all that is there: on, by the whole cell.
-            at += float(1 << level);
+        // As far as the side of the cell that the ray leaves by.
+        vec2 q = p.xy * f.size;
+        ivec2 cell = ivec2(q) >> level;
+        vec2 side = (vec2(cell) + step(vec2(0.0), pixels)) * float(1 << level);
+        vec2 to_side = (side - q) / mix(pixels, vec2(1e-6), lessThan(abs(pixels), vec2(1e-6)));
+        float way = max(min(to_side.x, to_side.y), 0.0) + 0.01;
+        float nearest = texelFetch(depth, min(cell, textureSize(depth, level) - 1), level).r;
+        float farthest_of_ray = min(p.z, p.z + line.z * way);
+        if (farthest_of_ray >= nearest) {
+            // In front of all that is there.
+            at += way;
             level = min(level + 1, most);
         } else if (level > 0) {
             --level;
         } else {
-            if (nearest > 0.0 && p.z > nearest * (1.0 - f.thickness)) {
+            if (nearest > 0.0 && max(p.z, p.z + line.z * way) > nearest * (1.0 - f.thickness)) {
                 imageStore(rays, pixel, vec4(textureLod(colour, p.xy, 0.0).rgb, 1.0));
-                imageStore(ends, pixel, vec4(p.xy, p.z, 1.0));
+                imageStore(ends, pixel, vec4(p.xy, nearest, 1.0));
                 return;
             }
-            at += 1.0;
+            at += way;
         }
     }
 }

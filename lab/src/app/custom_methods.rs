@@ -8,10 +8,18 @@ use std::path::PathBuf;
 
 /// The flags whose values name methods: several, with commas between them, or one and its own flags.
 const METHOD: &str = "--method";
+const AGAINST: &str = "--against";
 const VARIANT: &str = "--variant";
+
+/// Ends the program with a sentence: a device at work for ever lets nothing be freed.
+fn give_up(sentence: &str) {
+    eprintln!("ssct: {sentence}");
+    signal_hook::low_level::exit(1);
+}
 
 /// Adds the methods of all folders that arguments name; gives the arguments with the methods' names instead.
 pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>> {
+    custom::give_up_by(give_up);
     let mut known = HashMap::new();
     let mut replaced = Vec::new();
     let mut flag: Option<&str> = None;
@@ -26,11 +34,11 @@ pub fn added(arguments: impl Iterator<Item = OsString>) -> Result<Vec<OsString>>
             continue;
         }
         match text.split_once('=') {
-            Some((of, value)) if [METHOD, VARIANT].contains(&of) => {
+            Some((of, value)) if [METHOD, AGAINST, VARIANT].contains(&of) => {
                 replaced.push(format!("{of}={}", names(of, value, &mut known)?).into());
             }
             _ => {
-                flag = [METHOD, VARIANT].into_iter().find(|of| *of == text);
+                flag = [METHOD, AGAINST, VARIANT].into_iter().find(|of| *of == text);
                 replaced.push(argument);
             }
         }

@@ -2,14 +2,18 @@
 
 use super::manifest::{Conventions, Hand, SamplerName};
 use super::noise;
-use super::source::{CapturePart, Depth, HiZ, Normal, Source};
+use super::source::{CapturePart, Depth, DepthChain, ImageSource, Normal};
 use crate::error::{Error, Result};
 use crate::gpu::memory::{Buffer, MemoryPlace};
 use crate::gpu::program::Sampled;
 use crate::gpu::programs::{Convert, Reduce, ReduceConstants};
 use crate::gpu::shader::ConvertBlock;
-use crate::gpu::{ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, Target, image};
-use crate::math::constants::{CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_WORLD_NORMAL};
+use crate::gpu::{
+    ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, Target, image,
+};
+use crate::math::constants::{
+    CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_WORLD_NORMAL,
+};
 use crate::methods::{Input, unified};
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
 use crate::passes::hi_z::HiZPass;
@@ -21,7 +25,7 @@ use ash::vk;
 
 /// What makes the sources that a method reads.
 pub struct Inputs {
-    made: Vec<(Source, Made)>,
+    made: Vec<(ImageSource, Made)>,
 }
 
 /// What makes a source, and where it then is.
@@ -33,16 +37,29 @@ enum Made {
     Thesis(HiZPass),
     Visibility(VisibilityPass),
     Pyramid(PyramidPass),
-    Converted { pipeline: GraphicsPipeline<Convert<'static>>, image: Image, what: i32, turn: [f32; 4] },
-    Reduced { copy: ComputePipeline<Reduce<'static>>, reduce: ComputePipeline<Reduce<'static>>, chain: Image, of: Source },
+    Converted {
+        pipeline: GraphicsPipeline<Convert<'static>>,
+        image: Image,
+        what: i32,
+        turn: [f32; 4],
+    },
+    Reduced {
+        copy: ComputePipeline<Reduce<'static>>,
+        reduce: ComputePipeline<Reduce<'static>>,
+        chain: Image,
+        of: ImageSource,
+    },
     Noise(Image),
     /// What a source was in the frame before, and what it is now, in turn.
-    Kept { of: Source, images: [Image; 2] },
+    Kept {
+        of: ImageSource,
+        images: [Image; 2],
+    },
 }
 
 impl Inputs {
     /// For a size in pixels. Sources that others are made of are added.
-    pub fn new(gpu: &Gpu, extent: [u32; 2], sources: &[Source], conventions: Conventions) -> Result<Self> {
+    pub fn new(gpu: &Gpu, extent: [u32; 2], sources: &[ImageSource], conventions: Conventions) -> Result<Self> {
         let mut inputs = Self { made: Vec::new() };
         for source in sources {
             inputs.add(gpu, extent, source, conventions)?;
@@ -50,7 +67,7 @@ impl Inputs {
         Ok(inputs)
     }
 
-    fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &Source, conventions: Conventions) -> Result<()> {
+    fn add(&mut self, gpu: &Gpu, extent: [u32; 2], source: &ImageSource, conventions: Conventions) -> Result<()> {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
         }
@@ -64,15 +81,19 @@ impl Inputs {
         };
         let float = vk::Format::R32_SFLOAT;
         let made = match source {
-            Source::LitColour | Source::Material | Source::Sky | Source::Captures(_) | Source::Own(_) => Made::There,
-            Source::LitColourChain { gaussian } => {
+            ImageSource::LitColour
+            | ImageSource::Material
+            | ImageSource::Sky
+            | ImageSource::Captures(_)
+            | ImageSource::Own(_) => Made::There,
+            ImageSource::LitColourChain { gaussian } => {
                 let filter = if *gaussian { ChainFilter::Gaussian } else { ChainFilter::Hardware };
                 Made::Chain(ColorChainPass::new(gpu, extent, LIT_COLOR, filter)?)
             }
-            Source::Depth(Depth::Reversed) => Made::There,
-            Source::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
-            Source::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, [0.0; 4], float)?,
-            Source::Normal(Normal { world, encoding }) => {
+            ImageSource::Depth(Depth::Reversed) => Made::There,
+            ImageSource::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
+            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, [0.0; 4], float)?,
+            ImageSource::Normal(Normal { world, encoding }) => {
                 let hand = if *world { conventions.world } else { conventions.view };
                 let turn = [1.0, 1.0, if hand == Hand::Right { -1.0 } else { 1.0 }, 0.0];
                 if !world && *encoding == 0 && hand == Hand::Left {
@@ -82,16 +103,16 @@ impl Inputs {
                     converted(first + i32::from(*encoding), turn, vk::Format::R16G16B16A16_SFLOAT)?
                 }
             }
-            Source::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
-            Source::Visibility => {
-                self.add(gpu, extent, &Source::ThesisHiZ, conventions)?;
+            ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
+            ImageSource::Visibility => {
+                self.add(gpu, extent, &ImageSource::ThesisHiZ, conventions)?;
                 Made::Visibility(VisibilityPass::new(gpu, extent)?)
             }
-            Source::Pyramid => Made::Pyramid(PyramidPass::new(gpu, extent)?),
-            Source::Motion => converted(CONVERT_MOTION, [0.0; 4], vk::Format::R32G32_SFLOAT)?,
-            Source::BlueNoise => Made::Noise(blue_noise(gpu)?),
-            Source::HiZ(HiZ { maximum, depth, padded }) => {
-                let of = Source::Depth(*depth);
+            ImageSource::Pyramid => Made::Pyramid(PyramidPass::new(gpu, extent)?),
+            ImageSource::Motion => converted(CONVERT_MOTION, [0.0; 4], vk::Format::R32G32_SFLOAT)?,
+            ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
+            ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
+                let of = ImageSource::Depth(*depth);
                 self.add(gpu, extent, &of, conventions)?;
                 let size = if *padded { extent.map(u32::next_power_of_two) } else { extent };
                 use vk::ImageUsageFlags as U;
@@ -106,16 +127,19 @@ impl Inputs {
                     of,
                 }
             }
-            Source::Previous(of) => {
-                if let Source::Own(_) = **of {
+            ImageSource::Previous(of) => {
+                if let ImageSource::Own(_) = **of {
                     // The method keeps its own images.
                     Made::There
                 } else {
-                    if **of == Source::Depth(Depth::Reversed) {
+                    if **of == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour, and then read as that.
-                        let as_color = converted(CONVERT_REVERSED_DEPTH, [0.0; 4], float)?;
-                        self.made.retain(|(known, _)| known != &**of);
-                        self.made.push(((**of).clone(), as_color));
+                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, [0.0; 4], float)?);
+                        // In its place, before what is made of it.
+                        match self.made.iter_mut().find(|(known, _)| known == &**of) {
+                            Some(known) => *known = as_color,
+                            None => self.made.push(as_color),
+                        }
                     }
                     self.add(gpu, extent, of, conventions)?;
                     let (name, format) = (source.to_string(), self.kept_format(of));
@@ -129,13 +153,13 @@ impl Inputs {
     }
 
     /// The format of what is kept of a source.
-    fn kept_format(&self, of: &Source) -> vk::Format {
+    fn kept_format(&self, of: &ImageSource) -> vk::Format {
         match self.made.iter().find(|(known, _)| known == of) {
             Some((_, Made::Converted { image, .. })) => image.format(),
             Some((_, Made::Thesis(_))) => vk::Format::R32G32_SFLOAT,
             _ => match of {
-                Source::Depth(_) => vk::Format::R32_SFLOAT,
-                Source::Material => vk::Format::R16G16_SFLOAT,
+                ImageSource::Depth(_) => vk::Format::R32_SFLOAT,
+                ImageSource::Material => vk::Format::R16G16_SFLOAT,
                 _ => LIT_COLOR,
             },
         }
@@ -156,7 +180,7 @@ impl Inputs {
                     pass.record(frame, gbuffer)?;
                 }
                 Made::Visibility(pass) => {
-                    let hi_z = ThesisHiZ(self.image(&Source::ThesisHiZ, input, 0)?);
+                    let hi_z = ThesisHiZ(self.image(&ImageSource::ThesisHiZ, input, 0)?);
                     pass.record(frame, hi_z, &input.camera.lens)?;
                 }
                 Made::Pyramid(pass) => {
@@ -209,7 +233,7 @@ impl Inputs {
     }
 
     /// The image of a source, in a frame of this turn.
-    fn image<'i>(&'i self, source: &Source, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
+    fn image<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<&'i Image> {
         let GBuffer { depth, normal, material, color, .. } = input.gbuffer;
         let lacks = |what: &str| Error::Usage(format!("the method reads {source}, and there {what}"));
         let made = self.made.iter().find(|(known, _)| known == source).map(|(_, made)| made);
@@ -220,12 +244,12 @@ impl Inputs {
             (Some(Made::Converted { image, .. }), _) | (Some(Made::Noise(image)), _) => image,
             (Some(Made::Reduced { chain, .. }), _) => chain,
             (Some(Made::Kept { images, .. }), _) => &images[1 - turn],
-            (_, Source::LitColour | Source::LitColourChain { .. }) => color,
-            (_, Source::Depth(_)) => depth,
-            (_, Source::Normal(_)) => normal,
-            (_, Source::Material) => material,
-            (_, Source::Captures(part)) => {
-                let captures = input.captures.ok_or_else(|| lacks("are no captures: give --captures"))?;
+            (_, ImageSource::LitColour | ImageSource::LitColourChain { .. }) => color,
+            (_, ImageSource::Depth(_)) => depth,
+            (_, ImageSource::Normal(_)) => normal,
+            (_, ImageSource::Material) => material,
+            (_, ImageSource::Captures(part)) => {
+                let captures = input.captures.ok_or_else(|| lacks("are no captures"))?;
                 match part {
                     CapturePart::Colour => captures.color,
                     CapturePart::Pyramid => captures.pyramid,
@@ -237,23 +261,23 @@ impl Inputs {
     }
 
     /// What a shader binds of a source.
-    pub fn slice<'i>(&'i self, source: &Source, input: &Input<'i, '_>, turn: usize) -> Result<ImageSlice<'i>> {
-        if *source == Source::Sky {
+    pub fn slice<'i>(&'i self, source: &ImageSource, input: &Input<'i, '_>, turn: usize) -> Result<ImageSlice<'i>> {
+        if *source == ImageSource::Sky {
             return Err(Error::Usage("the method reads the sky, which is bound apart".into()));
         }
         let image = self.image(source, input, turn)?;
-        let alone = matches!(source, Source::LitColour);
+        let alone = matches!(source, ImageSource::LitColour);
         Ok(if alone { image.level(0) } else { image.all() })
     }
 }
 
 /// The sampler of a source, if its manifest does not say.
-pub fn sampler(source: &Source, named: Option<SamplerName>) -> Sampler {
+pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     match named {
         Some(SamplerName::Nearest) => Sampler::NearestClamp,
         Some(SamplerName::Linear) => Sampler::TrilinearClamp,
         Some(SamplerName::Repeat) => Sampler::Material,
-        None if *source == Source::BlueNoise => Sampler::Material,
+        None if *source == ImageSource::BlueNoise => Sampler::Material,
         None if source.is_smooth() => Sampler::TrilinearClamp,
         None => Sampler::NearestClamp,
     }
@@ -272,7 +296,7 @@ fn convert_block(camera: &Camera, before: &Camera, what: i32, turn: [f32; 4]) ->
 /// The tile of blue noise: red, and in green the same moved by a third of its side.
 fn blue_noise(gpu: &Gpu) -> Result<Image> {
     use vk::ImageUsageFlags as U;
-    let side = noise::SIDE;
+    let side = noise::RANKS_ACROSS;
     let tile = noise::tile();
     let texel = |k: usize| {
         let (x, y) = (k % side, k / side);

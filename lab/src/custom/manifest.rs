@@ -1,8 +1,8 @@
 //! The manifest of a method's folder, checked.
 
-use super::source::Source;
-use super::values::Given;
 use super::MANIFEST;
+use super::source::ImageSource;
+use super::values::Feed;
 use crate::error::{Error, Result};
 use crate::parameter::{Choice, Domain, Parameter, Preset, Value};
 use ash::vk;
@@ -10,10 +10,14 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use toml::Spanned;
 
 /// The largest manifest, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
+
+/// How long a frame may take, if the manifest does not say.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The most texels of an image's side over those of the frame.
 const MOST_SCALE: f32 = 4.0;
@@ -31,6 +35,8 @@ pub struct Manifest {
     /// Where includes are looked for that do not stand beside the file that includes them.
     pub include: PathBuf,
     pub captures: bool,
+    /// How long a frame may take.
+    pub patience: Duration,
     parameters: Vec<(String, Spanned<ParameterSection>)>,
     pub images: BTreeMap<String, ImageSection>,
     pub buffers: BTreeMap<String, BufferSection>,
@@ -50,10 +56,10 @@ pub struct Conventions {
     pub world: Hand,
     /// How matrices lie in memory.
     #[serde(default)]
-    pub matrices: Layout,
+    pub matrices: MatrixLayout,
     /// Which way y of clip space points.
     #[serde(default)]
-    pub clip_y: ClipY,
+    pub clip_y: ClipAxis,
     /// The depth of clip space that matrices give.
     #[serde(default)]
     pub clip_depth: ClipDepth,
@@ -69,7 +75,7 @@ pub enum Hand {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Layout {
+pub enum MatrixLayout {
     #[default]
     Columns,
     Rows,
@@ -77,7 +83,7 @@ pub enum Layout {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ClipY {
+pub enum ClipAxis {
     #[default]
     Up,
     Down,
@@ -104,6 +110,8 @@ struct Sections {
     include: Option<PathBuf>,
     #[serde(default)]
     captures: bool,
+    #[serde(default)]
+    patience_s: Option<Spanned<f64>>,
     #[serde(default)]
     conventions: Conventions,
     #[serde(default)]
@@ -197,7 +205,7 @@ struct PassSection {
     name: Spanned<String>,
     shader: Spanned<PathBuf>,
     #[serde(default)]
-    stage: Option<Stage>,
+    stage: Option<PassStage>,
     #[serde(default)]
     defines: Vec<String>,
     #[serde(default)]
@@ -218,7 +226,7 @@ struct PassSection {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Stage {
+pub enum PassStage {
     Fragment,
     Compute,
 }
@@ -254,13 +262,14 @@ pub enum HitEncoding {
     #[default]
     Uv,
     UvMasked,
+    UvDepth,
     Pixel,
     ViewPosition,
 }
 
 /// Which level of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Level {
+pub enum LevelOf {
     /// All of them, of an image that is sampled.
     All,
     /// This one.
@@ -271,17 +280,17 @@ pub enum Level {
 
 /// What a name of a shader stands for.
 #[derive(Debug, Clone)]
-pub struct Input {
+pub struct PassInput {
     pub what: InputKind,
     pub sampler: Option<SamplerName>,
-    pub level: Level,
+    pub level: LevelOf,
     at: Range<usize>,
 }
 
 /// An image or a buffer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum InputKind {
-    Image(Source),
+    Image(ImageSource),
     Buffer(String),
 }
 
@@ -290,14 +299,14 @@ pub enum InputKind {
 pub struct Pass {
     pub name: String,
     pub shader: PathBuf,
-    pub stage: Stage,
+    pub stage: PassStage,
     pub defines: Vec<String>,
-    pub targets: Vec<(String, Level)>,
+    pub targets: Vec<(String, LevelOf)>,
     pub reach: PassReach,
     /// The levels that it is recorded for, one after another, both ends included.
     pub levels: Option<[u32; 2]>,
-    pub inputs: BTreeMap<String, Input>,
-    pub values: BTreeMap<String, (Given, Range<usize>)>,
+    pub inputs: BTreeMap<String, PassInput>,
+    pub values: BTreeMap<String, (Feed, Range<usize>)>,
     pub at: Range<usize>,
 }
 
@@ -307,7 +316,7 @@ pub enum PassReach {
     /// A fragment pass: over its targets.
     Targets,
     /// A thread for each texel of an image's level.
-    Threads(String, Level),
+    Threads(String, LevelOf),
     Workgroups([u32; 3]),
     Indirect(String),
 }
@@ -329,13 +338,19 @@ impl Manifest {
 
     fn checked(folder: &Path, text: String, sections: Sections) -> Result<Self> {
         let path = folder.join(MANIFEST);
-        let wrong = |at: Range<usize>, message: String| Error::malformed(&path, Some(line_of(&text, at.start)), message);
+        let wrong =
+            |at: Range<usize>, message: String| Error::malformed(&path, Some(line_of(&text, at.start)), message);
         let name = sections.name.get_ref();
         let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
         if name.is_empty() || !name.chars().all(is_word) {
             let message = format!("the name {name:?} must consist of small letters, digits and hyphens");
             return Err(wrong(sections.name.span(), message));
         }
+        let patience = match &sections.patience_s {
+            None => PATIENCE,
+            Some(s) if *s.get_ref() > 0.0 && *s.get_ref() <= 1e5 => Duration::from_secs_f64(*s.get_ref()),
+            Some(s) => return Err(wrong(s.span(), "patience-s must be above 0 and at most 100000 seconds".into())),
+        };
         for (name, image) in &sections.image {
             let of = image.get_ref();
             if format_of(&of.format).is_none() {
@@ -343,7 +358,10 @@ impl Manifest {
                 return Err(wrong(image.span(), format!("image {name}: no format {:?}; there is: {known}", of.format)));
             }
             if !(of.scale > 0.0 && of.scale <= MOST_SCALE) {
-                return Err(wrong(image.span(), format!("image {name}: the scale must be above 0 and at most {MOST_SCALE}")));
+                return Err(wrong(
+                    image.span(),
+                    format!("image {name}: the scale must be above 0 and at most {MOST_SCALE}"),
+                ));
             }
         }
         let images: BTreeMap<String, ImageSection> =
@@ -385,7 +403,7 @@ impl Manifest {
             }
         }
         for (name, image) in &sections.image {
-            let previous = Source::Previous(Box::new(Source::Own(name.clone())));
+            let previous = ImageSource::Previous(Box::new(ImageSource::Own(name.clone())));
             let reads = |p: &Pass| p.inputs.values().any(|i| i.what == InputKind::Image(previous.clone()));
             if image.get_ref().history != passes.iter().any(reads) {
                 let (has, or) = if image.get_ref().history {
@@ -404,6 +422,7 @@ impl Manifest {
             conventions: sections.conventions,
             include: folder.join(sections.include.unwrap_or_default()),
             captures: sections.captures,
+            patience,
             parameters: ordered,
             images,
             buffers,
@@ -439,12 +458,8 @@ impl Manifest {
         if name.is_empty() || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-') {
             return Err(wrong("the name must consist of small letters, digits and hyphens"));
         }
-        let choices: &'static [Choice] = of
-            .choices
-            .iter()
-            .map(|c| Choice { name: leak(c), help: "" })
-            .collect::<Vec<_>>()
-            .leak();
+        let choices: &'static [Choice] =
+            of.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
         let value = |value: &toml::Value| -> Option<Value> {
             Some(match value {
                 toml::Value::Boolean(on) => Value::Switch(*on),
@@ -511,44 +526,47 @@ impl Known<'_> {
         let of = section.get_ref();
         let shader = folder.join(of.shader.get_ref());
         let by_name = match shader.extension().and_then(|e| e.to_str()) {
-            Some("frag" | "fs" | "fsh" | "glslf") => Some(Stage::Fragment),
-            Some("comp" | "cs" | "glslc") => Some(Stage::Compute),
+            Some("frag" | "fs" | "fsh" | "glslf") => Some(PassStage::Fragment),
+            Some("comp" | "cs" | "glslc") => Some(PassStage::Compute),
             _ => None,
         };
         let Some(stage) = of.stage.or(by_name) else {
             let message = format!("{}: say stage = \"fragment\" or \"compute\"", of.shader.get_ref().display());
             return Err(wrong(of.shader.span(), message));
         };
-        let image = |text: &Spanned<String>| -> Result<(String, Level)> {
+        let image = |text: &Spanned<String>| -> Result<(String, LevelOf)> {
             let (name, level) = level_of(text.get_ref()).map_err(|m| wrong(text.span(), m))?;
             if !self.images.contains_key(name) {
                 return Err(wrong(text.span(), format!("there is no [image.{name}]")));
             }
             // What is written is one level.
-            let level = if level == Level::All { Level::Number(0) } else { level };
+            let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
             Ok((name.to_owned(), level))
         };
         let targets: Vec<_> = of.targets.iter().map(image).collect::<Result<_>>()?;
         let reach = match (stage, &of.threads, of.workgroups, &of.indirect) {
-            (Stage::Fragment, None, None, None) if !targets.is_empty() => PassReach::Targets,
-            (Stage::Fragment, ..) => {
-                return Err(wrong(section.span(), "a fragment pass has targets, and neither threads nor workgroups".into()));
+            (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassReach::Targets,
+            (PassStage::Fragment, ..) => {
+                return Err(wrong(
+                    section.span(),
+                    "a fragment pass has targets, and neither threads nor workgroups".into(),
+                ));
             }
-            (Stage::Compute, ..) if !targets.is_empty() => {
+            (PassStage::Compute, ..) if !targets.is_empty() => {
                 return Err(wrong(section.span(), "a compute pass has no targets; it stores to images".into()));
             }
-            (Stage::Compute, Some(of), None, None) => {
+            (PassStage::Compute, Some(of), None, None) => {
                 let (name, level) = image(of)?;
                 PassReach::Threads(name, level)
             }
-            (Stage::Compute, None, Some(groups), None) => PassReach::Workgroups(groups),
-            (Stage::Compute, None, None, Some(buffer)) => {
+            (PassStage::Compute, None, Some(groups), None) => PassReach::Workgroups(groups),
+            (PassStage::Compute, None, None, Some(buffer)) => {
                 if !self.buffers.contains_key(buffer.get_ref()) {
                     return Err(wrong(buffer.span(), format!("there is no [buffer.{}]", buffer.get_ref())));
                 }
                 PassReach::Indirect(buffer.get_ref().clone())
             }
-            (Stage::Compute, ..) => {
+            (PassStage::Compute, ..) => {
                 let message = "a compute pass says one of threads (an image), workgroups or indirect (a buffer)";
                 return Err(wrong(section.span(), message.into()));
             }
@@ -559,7 +577,8 @@ impl Known<'_> {
         }
         let mut all_values = BTreeMap::new();
         for (name, value) in values.iter().chain(&of.values) {
-            let given = Given::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
+            let given =
+                Feed::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
             all_values.insert(name.clone(), (given, value.span()));
         }
         if of.levels.is_some_and(|[first, last]| first > last || last > 31) {
@@ -579,27 +598,31 @@ impl Known<'_> {
         })
     }
 
-    fn input(&self, section: &Spanned<InputSection>, wrong: &impl Fn(Range<usize>, String) -> Error) -> Result<Input> {
+    fn input(
+        &self,
+        section: &Spanned<InputSection>,
+        wrong: &impl Fn(Range<usize>, String) -> Error,
+    ) -> Result<PassInput> {
         let (text, sampler) = match section.get_ref() {
             InputSection::Plain(text) => (text, None),
             InputSection::With { image, sampler } => (image, Some(*sampler)),
         };
         let at = section.span();
         if self.buffers.contains_key(text) {
-            return Ok(Input { what: InputKind::Buffer(text.clone()), sampler, level: Level::All, at });
+            return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, at });
         }
         let own = |name: &str| self.images.contains_key(name);
         // A level stands behind the name of an image of the method's own.
         let (name, level) = match text.split_once(':') {
             Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(at.clone(), m))?,
-            _ => (text.as_str(), Level::All),
+            _ => (text.as_str(), LevelOf::All),
         };
-        let source = Source::parse(name, own).map_err(|m| wrong(at.clone(), m))?;
-        Ok(Input { what: InputKind::Image(source), sampler, level, at })
+        let source = ImageSource::parse(name, own).map_err(|m| wrong(at.clone(), m))?;
+        Ok(PassInput { what: InputKind::Image(source), sampler, level, at })
     }
 }
 
-impl Input {
+impl PassInput {
     /// Where the manifest says it.
     pub fn at(&self) -> &Range<usize> {
         &self.at
@@ -607,12 +630,12 @@ impl Input {
 }
 
 /// An image and its level: `name`, `name:2`, `name:level`, `name:level-1`.
-fn level_of(text: &str) -> std::result::Result<(&str, Level), String> {
-    let Some((name, level)) = text.split_once(':') else { return Ok((text, Level::All)) };
+fn level_of(text: &str) -> std::result::Result<(&str, LevelOf), String> {
+    let Some((name, level)) = text.split_once(':') else { return Ok((text, LevelOf::All)) };
     let parsed = match level.strip_prefix("level") {
-        Some("") => Some(Level::Current(0)),
-        Some(less) => less.strip_prefix('-').and_then(|n| n.parse().ok()).map(Level::Current),
-        None => level.parse().ok().map(Level::Number),
+        Some("") => Some(LevelOf::Current(0)),
+        Some(less) => less.strip_prefix('-').and_then(|n| n.parse().ok()).map(LevelOf::Current),
+        None => level.parse().ok().map(LevelOf::Number),
     };
     parsed.map(|level| (name, level)).ok_or_else(|| format!("{text:?}: a level is a number, level, or level-1"))
 }
@@ -651,7 +674,11 @@ pub fn read_text(path: &Path, what: &str, most: u64) -> Result<String> {
     let unreadable = |e| Error::io("read", path, e);
     let length = std::fs::metadata(path).map_err(unreadable)?.len();
     if length > most {
-        return Err(Error::malformed(path, None, format!("{what} of {length} bytes is too large; at most {most} are read")));
+        return Err(Error::malformed(
+            path,
+            None,
+            format!("{what} of {length} bytes is too large; at most {most} are read"),
+        ));
     }
     let bytes = std::fs::read(path).map_err(unreadable)?;
     String::from_utf8(bytes).map_err(|_| Error::malformed(path, None, format!("{what} must be UTF-8 text")))

@@ -2,10 +2,12 @@
 
 use super::MANIFEST;
 use super::inputs::{self, Inputs};
-use super::manifest::{Alpha, HitEncoding, ImageSection, InputKind, Level, Manifest, Pass, PassReach, Stage, format_of};
-use super::shader::{self, Compiled};
-use super::source::Source;
-use super::values::{Filled, State};
+use super::manifest::{
+    Alpha, HitEncoding, ImageSection, InputKind, LevelOf, Manifest, Pass, PassReach, PassStage, format_of,
+};
+use super::shader::{self, CompiledPass};
+use super::source::ImageSource;
+use super::values::{Filled, FrameState};
 use crate::error::{Error, Result};
 use crate::gpu::loose::{LooseProgram, Reach};
 use crate::gpu::memory::{Buffer, MemoryPlace};
@@ -13,7 +15,9 @@ use crate::gpu::program::Sampled;
 use crate::gpu::programs::{CustomHits, CustomReflection};
 use crate::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Sampler, Target, image};
-use crate::math::constants::{ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_MASKED, HITS_VIEW};
+use crate::math::constants::{
+    ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_DEPTH, HITS_UV_MASKED, HITS_VIEW,
+};
 use crate::methods::{Input, Intermediate, Making, Method, Setup, Traced};
 use crate::parameter::{Parameter, Values};
 use crate::passes::hi_z::HiZPass;
@@ -179,8 +183,8 @@ struct Plan {
 }
 
 enum Bound {
-    Sampled(Source, Sampler, Level),
-    Stored(String, Level, bool),
+    Sampled(ImageSource, Sampler, LevelOf),
+    Stored(String, LevelOf, bool),
     Buffer(String, bool),
     Uniform(Vec<Filled>, usize),
 }
@@ -192,7 +196,7 @@ struct Finish {
 }
 
 impl Plan {
-    fn new(manifest: &Manifest, pass: &Pass, compiled: &Compiled) -> Result<Self> {
+    fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
         let file = pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let unfed = |what: &str, name: &str| {
             let message = format!(
@@ -205,7 +209,8 @@ impl Plan {
         let mut bound = Vec::new();
         let mut filled = |block: &str| -> Result<(Vec<Filled>, usize)> {
             let Some(layout) = compiled.interface.blocks.get(block) else {
-                return Err(manifest.error(&pass.at, format!("pass {:?}: the block {block} of {file} is not understood", pass.name)));
+                return Err(manifest
+                    .error(&pass.at, format!("pass {:?}: the block {block} of {file} is not understood", pass.name)));
             };
             let mut named = |field: &str| {
                 let full = format!("{block}.{field}");
@@ -228,7 +233,8 @@ impl Plan {
         let mut inputs_read: Vec<&str> = Vec::new();
         for b in &compiled.interface.bindings {
             if b.count > 1 {
-                let message = format!("pass {:?}: {} of {file} is an array of images, which cannot be fed", pass.name, b.name);
+                let message =
+                    format!("pass {:?}: {} of {file} is an array of images, which cannot be fed", pass.name, b.name);
                 return Err(manifest.error(&pass.at, message));
             }
             if b.kind == "UniformBuffer" {
@@ -248,11 +254,13 @@ impl Plan {
                 ("StorageBuffer", InputKind::Buffer(buffer)) => Bound::Buffer(buffer.clone(), b.read_only),
                 ("StorageBuffer", _) => return Err(mismatch("a buffer, and is fed an image")),
                 (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer")),
-                ("StorageImage", InputKind::Image(Source::Own(image))) => {
-                    let level = if input.level == Level::All { Level::Number(0) } else { input.level };
+                ("StorageImage", InputKind::Image(ImageSource::Own(image))) => {
+                    let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
                     Bound::Stored(image.clone(), level, b.read_only)
                 }
-                ("StorageImage", _) => return Err(mismatch("stored to, and is fed an image that is not the method's own")),
+                ("StorageImage", _) => {
+                    return Err(mismatch("stored to, and is fed an image that is not the method's own"));
+                }
                 (_, InputKind::Image(source)) => {
                     Bound::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
                 }
@@ -270,7 +278,7 @@ impl Plan {
 }
 
 /// Id and bits of the specialization constants that the manifest gives.
-fn constants(pass: &Pass, compiled: &Compiled, state: &State) -> Vec<(u32, u32)> {
+fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
     let given = |c: &crate::gpu::glsl::Constant| {
         let (given, _) = pass.values.get(&c.name)?;
         let number = given.numbers(state, 1).first().copied()?;
@@ -288,7 +296,7 @@ fn constants(pass: &Pass, compiled: &Compiled, state: &State) -> Vec<(u32, u32)>
 }
 
 /// Names under `[inputs]` and `[values]` that no shader of the method reads.
-fn unread(manifest: &Manifest, compiled: &[Compiled]) -> Result<()> {
+fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let reads = |pass: usize, name: &str| {
         let interface = &compiled[pass].interface;
         let bound = interface.bindings.iter().any(|b| b.name == name || b.block == name);
@@ -306,7 +314,8 @@ fn unread(manifest: &Manifest, compiled: &[Compiled]) -> Result<()> {
     for pass in &manifest.passes {
         for (name, at) in names(pass) {
             // What stands at the top holds for every pass, and is read if one of them reads it.
-            let of = all.clone().filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == at));
+            let of =
+                all.clone().filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == at));
             if !of.clone().any(|k| reads(k, &name)) {
                 return Err(manifest.error(&at, format!("no shader reads {name}")));
             }
@@ -333,7 +342,7 @@ impl Running {
             buffers.insert(name.clone(), (Buffer::new(gpu, name, bytes, usage, MemoryPlace::Device)?, section.fill));
         }
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Default::default(), 1.0);
-        let still = State {
+        let still = FrameState {
             camera: &camera,
             before: &camera,
             extent,
@@ -356,9 +365,9 @@ impl Running {
             let plan = Plan::new(manifest, pass, &made)?;
             let constants = constants(pass, &made, &still);
             let program = match pass.stage {
-                Stage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
-                Stage::Fragment => {
-                    let format = |(name, _): &(String, Level)| match is_unwanted(manifest, name, hits) {
+                PassStage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
+                PassStage::Fragment => {
+                    let format = |(name, _): &(String, LevelOf)| match is_unwanted(manifest, name, hits) {
                         true => vk::Format::UNDEFINED,
                         false => images[name].images[0].format(),
                     };
@@ -379,7 +388,7 @@ impl Running {
             compiled.push(made);
         }
         unread(manifest, &compiled)?;
-        let mut sources: Vec<Source> = Vec::new();
+        let mut sources: Vec<ImageSource> = Vec::new();
         for bound in passes.iter().flat_map(|p| &p.plan.bound) {
             if let Bound::Sampled(source, ..) = bound {
                 sources.push(source.clone());
@@ -396,7 +405,9 @@ impl Running {
             values: setup.values.clone(),
             fade: effect.fade,
             hits,
-            files: std::iter::once(manifest.folder.join(MANIFEST)).chain(compiled.into_iter().flat_map(|c| c.files)).collect(),
+            files: std::iter::once(manifest.folder.join(MANIFEST))
+                .chain(compiled.into_iter().flat_map(|c| c.files))
+                .collect(),
             names: manifest.images.keys().map(|name| name.clone().leak() as &'static str).collect(),
             frames: Cell::new(0),
             before: Cell::new(None),
@@ -434,7 +445,7 @@ impl Running {
         self.inputs.record(frame, input, &earlier)?;
         let places: Vec<Vec3> = input.captures.map_or(Vec::new(), |c| c.places.iter().map(Cell::get).collect());
         let roughness = input.scene.map_or(1.0, |s| s.materials.iter().map(|m| m.roughness).fold(0.0, f32::max));
-        let state = |pass_extent: [u32; 2], level: u32| State {
+        let state = |pass_extent: [u32; 2], level: u32| FrameState {
             camera: input.camera,
             before: &earlier,
             extent,
@@ -469,14 +480,14 @@ impl Running {
         input: &Input<'a, '_>,
         Recorded { pass, program, plan }: &'a Recorded,
         (level, turn): (u32, usize),
-        state: &impl Fn([u32; 2], u32) -> State<'s>,
+        state: &impl Fn([u32; 2], u32) -> FrameState<'s>,
     ) -> Result<bool> {
-        let slice = |name: &str, of: Level, turn: usize| -> Option<ImageSlice<'a>> {
+        let slice = |name: &str, of: LevelOf, turn: usize| -> Option<ImageSlice<'a>> {
             let image = self.own(name, turn);
             let number = match of {
-                Level::All => return Some(image.all()),
-                Level::Number(n) => n,
-                Level::Current(less) => level.checked_sub(less)?,
+                LevelOf::All => return Some(image.all()),
+                LevelOf::Number(n) => n,
+                LevelOf::Current(less) => level.checked_sub(less)?,
             };
             (number < image.levels()).then(|| image.level(number))
         };
@@ -496,7 +507,8 @@ impl Running {
             PassReach::Indirect(name) => (input.gbuffer.depth.extent(), Some(Reach::Said(&self.buffers[name].0))),
         };
         if let Some(other) = targets.iter().find(|t| t.extent() != pass_extent) {
-            let message = format!("pass {:?}: its targets are {pass_extent:?} and {:?} pixels large", pass.name, other.extent());
+            let message =
+                format!("pass {:?}: its targets are {pass_extent:?} and {:?} pixels large", pass.name, other.extent());
             return Err(self.manifest.error(&pass.at, message));
         }
         let state = state(pass_extent, level);
@@ -522,20 +534,22 @@ impl Running {
                 }
                 Bound::Sampled(source, sampler, of) => {
                     let slice = match source {
-                        Source::Own(name) => match slice(name, *of, turn) {
+                        ImageSource::Own(name) => match slice(name, *of, turn) {
                             Some(slice) => slice,
                             None => return self.has_no_level(pass, name),
                         },
-                        Source::Previous(inner) => match &**inner {
-                            Source::Own(name) => self.own(name, turn + 1).all(),
+                        ImageSource::Previous(inner) => match &**inner {
+                            ImageSource::Own(name) => self.own(name, turn + 1).all(),
                             _ => self.inputs.slice(source, input, turn)?,
                         },
-                        Source::Sky => match input.sky {
+                        ImageSource::Sky => match input.sky {
                             Some(sky) => {
                                 resources.push(Resource::Sampled(Sampled(sky.faces(), *sampler)));
                                 continue;
                             }
-                            None => return Err(Error::Usage("the method reads the sky, which is not known here".into())),
+                            None => {
+                                return Err(Error::Usage("the method reads the sky, which is not known here".into()));
+                            }
                         },
                         _ => self.inputs.slice(source, input, turn)?,
                     };
@@ -547,7 +561,7 @@ impl Running {
         let name = if pass.levels.is_some() { format!("{}/{level}", pass.name) } else { pass.name.clone() };
         match reach {
             None => {
-                let target = |(slice, (image, _)): (ImageSlice<'a>, &(String, Level))| {
+                let target = |(slice, (image, _)): (ImageSlice<'a>, &(String, LevelOf))| {
                     let unwanted = is_unwanted(&self.manifest, image, self.hits);
                     if unwanted { Target::unwanted() } else { Target::overwrite(slice) }
                 };
@@ -567,7 +581,13 @@ impl Running {
         Err(self.manifest.error(&pass.at, format!("pass {:?}: the image {image} has no such level", pass.name)))
     }
 
-    fn finish<'a>(&'a self, frame: &mut Frame, input: &Input<'a, '_>, turn: usize, state: &State) -> Result<Traced<'a>> {
+    fn finish<'a>(
+        &'a self,
+        frame: &mut Frame,
+        input: &Input<'a, '_>,
+        turn: usize,
+        state: &FrameState,
+    ) -> Result<Traced<'a>> {
         let extent = input.gbuffer.depth.extent();
         let resolution = extent.map(|v| v as f32);
         let made = self.own(&self.manifest.output.reflection, turn);
@@ -576,7 +596,11 @@ impl Running {
             None => made,
             Some((pipeline, image, alpha)) => {
                 let block = CustomOutputBlock { resolution, alpha: *alpha, ..CustomOutputBlock::default() };
-                let sampled = if made.extent() == extent { Sampled::nearest(made.level(0)) } else { Sampled::trilinear(made.level(0)) };
+                let sampled = if made.extent() == extent {
+                    Sampled::nearest(made.level(0))
+                } else {
+                    Sampled::trilinear(made.level(0))
+                };
                 let program = CustomReflection { reflection_buffer: sampled, material_buffer: material, given: &block };
                 frame.fullscreen("reflection", pipeline, [Target::overwrite(image.all())], &program)?;
                 image
@@ -614,9 +638,9 @@ impl Running {
 
 /// Whether an image is there for hits alone, and hits are not wanted: then it is drawn to by nobody.
 fn is_unwanted(manifest: &Manifest, image: &str, hits: bool) -> bool {
-    let reads = |source: &Source| match source {
-        Source::Own(name) => name == image,
-        Source::Previous(of) => **of == Source::Own(image.to_owned()),
+    let reads = |source: &ImageSource| match source {
+        ImageSource::Own(name) => name == image,
+        ImageSource::Previous(of) => **of == ImageSource::Own(image.to_owned()),
         _ => false,
     };
     let is_read = manifest.passes.iter().flat_map(|p| p.inputs.values()).any(|i| match &i.what {
@@ -639,8 +663,7 @@ impl OwnImage {
         let format = format_of(&section.format).unwrap_or(LIT_COLOR);
         let all = image::full_chain(extent);
         let levels = if section.levels == 0 { all } else { section.levels.min(all) };
-        let usage =
-            U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
+        let usage = U::COLOR_ATTACHMENT | U::SAMPLED | U::STORAGE | U::TRANSFER_SRC | U::TRANSFER_DST;
         let desc = ImageDesc { name, format, extent, levels, layers: 1, usage };
         let count = if section.history { 2 } else { 1 };
         let images = (0..count).map(|_| Image::new(gpu, &desc)).collect::<Result<_>>()?;
@@ -652,7 +675,8 @@ impl Finish {
     fn new(gpu: &Gpu, manifest: &Manifest, extent: [u32; 2], hits: bool) -> Result<Self> {
         let output = &manifest.output;
         let section = &manifest.images[&output.reflection];
-        let is_ours = output.alpha == Alpha::Fade && section.scale == 1.0 && format_of(&section.format) == Some(LIT_COLOR);
+        let is_ours =
+            output.alpha == Alpha::Fade && section.scale == 1.0 && format_of(&section.format) == Some(LIT_COLOR);
         let alpha = match output.alpha {
             Alpha::Fade => ALPHA_FADE,
             Alpha::Premultiplied => ALPHA_PREMULTIPLIED,
@@ -667,6 +691,7 @@ impl Finish {
         let encoding = match output.hits_are {
             HitEncoding::Uv => HITS_UV,
             HitEncoding::UvMasked => HITS_UV_MASKED,
+            HitEncoding::UvDepth => HITS_UV_DEPTH,
             HitEncoding::Pixel => HITS_PIXEL,
             HitEncoding::ViewPosition => HITS_VIEW,
         };

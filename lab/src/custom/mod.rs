@@ -19,6 +19,7 @@ use crate::parameter::Parameter;
 use manifest::Manifest;
 use method::CustomMethod;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The name of the manifest in its folder.
@@ -26,6 +27,14 @@ pub const MANIFEST: &str = "method.toml";
 
 /// Whether methods look for changes of their files while they run.
 static WATCHED: AtomicBool = AtomicBool::new(false);
+
+/// What is called with a sentence where a shader does not end.
+static GIVE_UP: OnceLock<fn(&str)> = OnceLock::new();
+
+/// Says what is done with a sentence where a shader of a method does not end: it cannot be stopped, so that the program is.
+pub fn give_up_by(give_up: fn(&str)) {
+    GIVE_UP.get_or_init(|| give_up);
+}
 
 /// Lets methods from folders look, before each frame, whether their files have changed: for the window.
 pub fn watch() {
@@ -47,7 +56,7 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let manifest = Manifest::read(folder)?;
     let parameters = manifest.parameters()?;
-    // Compiled once here, so that what is wrong is said before a device is opened.
+    // CompiledPass once here, so that what is wrong is said before a device is opened.
     method::check(&manifest)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
@@ -72,6 +81,9 @@ impl Added for FromFolder {
     }
 
     fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
+        if let Some(give_up) = GIVE_UP.get() {
+            gpu.wait_at_most(self.manifest.patience, *give_up);
+        }
         let watched = WATCHED.load(Ordering::Relaxed);
         Ok(Box::new(CustomMethod::new(gpu, &self.manifest, &self.parameters, making, watched)?))
     }

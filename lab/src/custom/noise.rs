@@ -3,22 +3,22 @@
 use crate::math::random::Stream;
 
 /// Texels along a side of the tile.
-pub const SIDE: usize = 64;
+pub const RANKS_ACROSS: usize = 64;
 
 /// Standard deviation of the Gaussian that says how crowded a place is, in texels.
 const SIGMA: f64 = 1.9;
 
 /// A tile of ranks as bytes, 0…255, each as often as any other; it repeats without seams.
 pub fn tile() -> Vec<u8> {
-    let all = SIDE * SIDE;
+    let all = RANKS_ACROSS * RANKS_ACROSS;
     let kernel: Vec<f64> = (0..all)
         .map(|k| {
-            let wrapped = |d: usize| d.min(SIDE - d) as f64;
-            let (x, y) = (wrapped(k % SIDE), wrapped(k / SIDE));
+            let wrapped = |d: usize| d.min(RANKS_ACROSS - d) as f64;
+            let (x, y) = (wrapped(k % RANKS_ACROSS), wrapped(k / RANKS_ACROSS));
             (-(x * x + y * y) / (2.0 * SIGMA * SIGMA)).exp()
         })
         .collect();
-    let mut tile = Tile { kernel, set: vec![false; all], energy: vec![0.0; all] };
+    let mut tile = Pattern { kernel, set: vec![false; all], energy: vec![0.0; all] };
     let (random, mut drawn) = (Stream::new(1, 0), 0);
     while tile.count() < all / 10 {
         tile.change((random.uniform(drawn) * all as f64) as usize % all, true);
@@ -36,7 +36,7 @@ pub fn tile() -> Vec<u8> {
     }
     let mut rank = vec![0_usize; all];
     let first = tile.count();
-    let mut thinned = Tile { kernel: tile.kernel.clone(), set: tile.set.clone(), energy: tile.energy.clone() };
+    let mut thinned = Pattern { kernel: tile.kernel.clone(), set: tile.set.clone(), energy: tile.energy.clone() };
     for n in (0..first).rev() {
         let crowded = thinned.extreme(true);
         thinned.change(crowded, false);
@@ -51,13 +51,13 @@ pub fn tile() -> Vec<u8> {
 }
 
 /// Which texels are set, and how crowded each place is by them.
-struct Tile {
+struct Pattern {
     kernel: Vec<f64>,
     set: Vec<bool>,
     energy: Vec<f64>,
 }
 
-impl Tile {
+impl Pattern {
     fn count(&self) -> usize {
         self.set.iter().filter(|set| **set).count()
     }
@@ -69,9 +69,9 @@ impl Tile {
         self.set[at] = set;
         let sign = if set { 1.0 } else { -1.0 };
         for (k, energy) in self.energy.iter_mut().enumerate() {
-            let dx = (k % SIDE + SIDE - at % SIDE) % SIDE;
-            let dy = (k / SIDE + SIDE - at / SIDE) % SIDE;
-            *energy += sign * self.kernel[dy * SIDE + dx];
+            let dx = (k % RANKS_ACROSS + RANKS_ACROSS - at % RANKS_ACROSS) % RANKS_ACROSS;
+            let dy = (k / RANKS_ACROSS + RANKS_ACROSS - at / RANKS_ACROSS) % RANKS_ACROSS;
+            *energy += sign * self.kernel[dy * RANKS_ACROSS + dx];
         }
     }
 
@@ -92,14 +92,17 @@ mod tests {
         let tile = tile();
         let mut count = [0; 256];
         tile.iter().for_each(|v| count[usize::from(*v)] += 1);
-        assert!(count.iter().all(|n| *n == SIDE * SIDE / 256), "{count:?}");
+        assert!(count.iter().all(|n| *n == RANKS_ACROSS * RANKS_ACROSS / 256), "{count:?}");
         // The mean of four neighbours of white noise has a quarter of its variance; of blue noise far less.
         let variance = |side: usize| {
             let mean = |x: usize, y: usize| {
-                let of = (0..side * side).map(|k| f64::from(tile[(y + k / side) % SIDE * SIDE + (x + k % side) % SIDE]));
+                let of = (0..side * side).map(|k| {
+                    f64::from(tile[(y + k / side) % RANKS_ACROSS * RANKS_ACROSS + (x + k % side) % RANKS_ACROSS])
+                });
                 of.sum::<f64>() / (side * side) as f64
             };
-            let all: Vec<f64> = (0..SIDE * SIDE).map(|k| mean(k % SIDE, k / SIDE)).collect();
+            let all: Vec<f64> =
+                (0..RANKS_ACROSS * RANKS_ACROSS).map(|k| mean(k % RANKS_ACROSS, k / RANKS_ACROSS)).collect();
             all.iter().map(|v| (v - 127.5) * (v - 127.5)).sum::<f64>() / all.len() as f64
         };
         assert!(variance(4) < 0.2 * variance(1) / 16.0, "{} of {}", variance(4), variance(1));

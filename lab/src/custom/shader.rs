@@ -1,7 +1,7 @@
 //! Compiles a user's shader and finds what it binds. GLSL for OpenGL is taken, too: names get bindings and locations, and
 //! uniforms that stand alone become a block.
 
-use super::manifest::{Pass, Stage, read_text};
+use super::manifest::{Pass, PassStage, read_text};
 use crate::error::{Error, Result};
 use crate::gpu::glsl::{self, Interface};
 use crate::gpu::loose;
@@ -19,12 +19,12 @@ const LOOSE: &str = "LooseUniforms";
 
 /// Types of uniforms that may stand in a block.
 const PLAIN: [&str; 18] = [
-    "float", "int", "uint", "bool", "vec2", "vec3", "vec4", "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4", "mat3",
-    "mat4", "mat3x3", "mat4x4", "mat2x4",
+    "float", "int", "uint", "bool", "vec2", "vec3", "vec4", "ivec2", "ivec3", "ivec4", "uvec2", "uvec3", "uvec4",
+    "mat3", "mat4", "mat3x3", "mat4x4", "mat2x4",
 ];
 
 /// A compiled stage, its interface, and the files that it was made of.
-pub struct Compiled {
+pub struct CompiledPass {
     pub shader: &'static Shader,
     pub interface: Interface,
     pub files: Vec<PathBuf>,
@@ -34,7 +34,7 @@ pub struct Compiled {
 ///
 /// # Errors
 /// [`Error::Io`] without the file, and [`Error::Malformed`] with its line for what the compiler says first.
-pub fn compile(method: &str, include: &Path, pass: &Pass) -> Result<Compiled> {
+pub fn compile(method: &str, include: &Path, pass: &Pass) -> Result<CompiledPass> {
     let path = &pass.shader;
     let is_binary = path.extension().is_some_and(|e| e == "spv");
     let (words, files) = if is_binary { (binary(path)?, vec![path.clone()]) } else { glsl(include, pass)? };
@@ -52,12 +52,13 @@ pub fn compile(method: &str, include: &Path, pass: &Pass) -> Result<Compiled> {
     let digest = Sha256::digest(&spirv).iter().take(8).map(|b| format!("{b:02x}")).collect::<String>();
     let file = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
     let shader = loose::shader(format!("{method}/{file}#{digest}"), spirv, &interface)?;
-    Ok(Compiled { shader, interface, files })
+    Ok(CompiledPass { shader, interface, files })
 }
 
 fn binary(path: &Path) -> Result<Vec<u32>> {
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-    let is_code = bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
+    let is_code =
+        bytes.len() >= 20 && bytes.len().is_multiple_of(4) && bytes.starts_with(&0x0723_0203_u32.to_le_bytes());
     if !is_code {
         return Err(Error::malformed(path, None, "is not SPIR-V"));
     }
@@ -88,8 +89,8 @@ fn glsl(include: &Path, pass: &Pass) -> Result<(Vec<u32>, Vec<PathBuf>)> {
         Ok(ResolvedInclude { resolved_name: path.to_string_lossy().into_owned(), content: hoisted(&content) })
     });
     let kind = match pass.stage {
-        Stage::Fragment => ShaderKind::Fragment,
-        Stage::Compute => ShaderKind::Compute,
+        PassStage::Fragment => ShaderKind::Fragment,
+        PassStage::Compute => ShaderKind::Compute,
     };
     let label = path.to_string_lossy();
     let made = compiler.compile_into_spirv(&source, kind, &label, "main", Some(&options));

@@ -24,7 +24,7 @@ pub struct Normal {
 
 /// A chain of minima or maxima of depth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct HiZ {
+pub struct DepthChain {
     /// Maxima, else minima.
     pub maximum: bool,
     /// Of which depth.
@@ -46,7 +46,7 @@ pub enum CapturePart {
 
 /// An image that a shader reads.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub enum Source {
+pub enum ImageSource {
     /// Lit colour, level 0 alone.
     LitColour,
     /// Lit colour with its chain, by the Gaussian or by halving.
@@ -61,7 +61,7 @@ pub enum Source {
     /// Reflectivity and roughness.
     Material,
     /// A chain of depths.
-    HiZ(HiZ),
+    DepthChain(DepthChain),
     /// The thesis's: standard depth, minimum and maximum.
     ThesisHiZ,
     /// The thesis's visibility.
@@ -79,7 +79,7 @@ pub enum Source {
     /// An image of the method's own.
     Own(String),
     /// What a source was in the frame before.
-    Previous(Box<Source>),
+    Previous(Box<ImageSource>),
 }
 
 /// Encodings of normals, in the order of their numbers in the shader.
@@ -94,7 +94,7 @@ impl Depth {
     }
 }
 
-impl Source {
+impl ImageSource {
     /// The source of a name.
     ///
     /// # Errors
@@ -128,7 +128,7 @@ impl Source {
             ["material"] => Self::Material,
             ["hi-z", which @ ("min" | "max"), depth, ref rest @ ..] if matches!(rest, [] | ["padded"]) => {
                 let depth = Depth::of(depth).ok_or_else(unknown)?;
-                Self::HiZ(HiZ { maximum: which == "max", depth, padded: !rest.is_empty() })
+                Self::DepthChain(DepthChain { maximum: which == "max", depth, padded: !rest.is_empty() })
             }
             ["thesis-hi-z"] => Self::ThesisHiZ,
             ["visibility"] => Self::Visibility,
@@ -160,7 +160,7 @@ impl Source {
 }
 
 /// As a manifest names it.
-impl fmt::Display for Source {
+impl fmt::Display for ImageSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let depth = |d: &Depth| match d {
             Depth::Reversed => "reversed",
@@ -176,7 +176,7 @@ impl fmt::Display for Source {
                 write!(f, "normal:{}:{}", if n.world { "world" } else { "view" }, ENCODINGS[usize::from(n.encoding)])
             }
             Self::Material => write!(f, "material"),
-            Self::HiZ(h) => {
+            Self::DepthChain(h) => {
                 let (which, padded) = (if h.maximum { "max" } else { "min" }, if h.padded { ":padded" } else { "" });
                 write!(f, "hi-z:{which}:{}{padded}", depth(&h.depth))
             }
@@ -225,10 +225,10 @@ mod tests {
             "previous:result",
             "previous:depth:linear",
         ] {
-            assert_eq!(Source::parse(text, own).map(|s| s.to_string()).as_deref(), Ok(text));
+            assert_eq!(ImageSource::parse(text, own).map(|s| s.to_string()).as_deref(), Ok(text));
         }
         for wrong in ["", "depth", "depth:other", "normal:view:half", "hi-z:min", "previous", "previous:sky", "other"] {
-            assert!(Source::parse(wrong, own).is_err(), "{wrong}");
+            assert!(ImageSource::parse(wrong, own).is_err(), "{wrong}");
         }
     }
 }

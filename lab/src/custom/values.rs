@@ -1,13 +1,13 @@
 //! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
 
-use super::manifest::{ClipDepth, ClipY, Conventions, Hand, Layout};
+use super::manifest::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;
 use glam::{DMat4, DVec3, Vec3};
 
 /// What a manifest gives to a field: numbers, or the name of something that changes.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Given {
+pub enum Feed {
     /// Numbers, as many as the field has.
     Numbers(Vec<f64>),
     /// A name of [`NAMES`].
@@ -48,7 +48,7 @@ pub const NAMES: [(&str, &str); 28] = [
     ("capture-places", "4 numbers a capture: its place in world space, and 0; those that are not there are 0"),
 ];
 
-impl Given {
+impl Feed {
     /// Reads a value of the manifest.
     pub fn parse(value: &toml::Value, parameters: &[String]) -> Result<Self, String> {
         let number = |v: &toml::Value| match v {
@@ -61,10 +61,12 @@ impl Given {
             toml::Value::String(name) => match name.strip_prefix("parameter:") {
                 Some(of) if parameters.iter().any(|p| p == of) => Ok(Self::Parameter(of.replace('-', "_"))),
                 Some(of) => Err(format!("there is no [parameter.{of}]")),
-                None => NAMES.iter().find(|(known, _)| known == name).map(|(name, _)| Self::Named(name)).ok_or_else(|| {
-                    let names = NAMES.map(|(name, _)| name).join(", ");
-                    format!("{name:?} is no value that there is: {names}, or parameter:…")
-                }),
+                None => {
+                    NAMES.iter().find(|(known, _)| known == name).map(|(name, _)| Self::Named(name)).ok_or_else(|| {
+                        let names = NAMES.map(|(name, _)| name).join(", ");
+                        format!("{name:?} is no value that there is: {names}, or parameter:…")
+                    })
+                }
             },
             toml::Value::Array(all) => {
                 let all: Option<Vec<f64>> = all.iter().map(number).collect();
@@ -83,7 +85,7 @@ impl Given {
 }
 
 /// All that values are made of in a frame.
-pub struct State<'a> {
+pub struct FrameState<'a> {
     pub camera: &'a Camera,
     pub before: &'a Camera,
     pub extent: [u32; 2],
@@ -106,7 +108,7 @@ pub struct Filled {
     offset: usize,
     kind: Scalar,
     numbers: usize,
-    given: Given,
+    given: Feed,
 }
 
 /// What numbers a field has.
@@ -119,7 +121,7 @@ enum Scalar {
 
 impl Filled {
     /// Reads a field: its offset, its type in Rust as the reflection spells it, and its bytes.
-    pub fn new(offset: u32, rust: &str, size: u32, given: Given) -> Result<Self, String> {
+    pub fn new(offset: u32, rust: &str, size: u32, given: Feed) -> Result<Self, String> {
         let kind = if rust.contains("f32") {
             Scalar::F32
         } else if rust.contains("i32") {
@@ -137,9 +139,9 @@ impl Filled {
     /// Whether the field has as many numbers as what fills it.
     fn check(&self) -> Result<(), String> {
         let fits = match &self.given {
-            Given::Numbers(all) => all.len() == self.numbers,
-            Given::Parameter(_) => self.numbers == 1,
-            Given::Named(name) => match *name {
+            Feed::Numbers(all) => all.len() == self.numbers,
+            Feed::Parameter(_) => self.numbers == 1,
+            Feed::Named(name) => match *name {
                 "eye" => self.numbers == 3 || self.numbers == 4,
                 "size" | "pass-size" => self.numbers == 2 || self.numbers == 4,
                 "inverse-size" | "half-view" => self.numbers == 2,
@@ -152,7 +154,7 @@ impl Filled {
     }
 
     /// Writes the field into its block.
-    pub fn write(&self, bytes: &mut [u8], state: &State) {
+    pub fn write(&self, bytes: &mut [u8], state: &FrameState) {
         let mut numbers = self.given.numbers(state, self.numbers);
         numbers.resize(self.numbers, 0.0);
         for (word, number) in bytes[self.offset..].chunks_exact_mut(4).zip(numbers) {
@@ -169,9 +171,9 @@ fn is_matrix(name: &str) -> bool {
     NAMES.iter().any(|(known, help)| *known == name && help.starts_with("matrix"))
 }
 
-impl Given {
+impl Feed {
     /// The numbers for a field of so many.
-    pub fn numbers(&self, state: &State, wanted: usize) -> Vec<f64> {
+    pub fn numbers(&self, state: &FrameState, wanted: usize) -> Vec<f64> {
         let [width, height] = state.extent.map(f64::from);
         let [pass_width, pass_height] = state.pass_extent.map(f64::from);
         let flag = |on: bool| vec![f64::from(u8::from(on))];
@@ -208,7 +210,7 @@ impl Given {
     }
 }
 
-impl State<'_> {
+impl FrameState<'_> {
     fn parameter(&self, name: &str) -> f64 {
         let Some(row) = self.parameters.iter().find(|p| p.name == name) else { return 0.0 };
         match self.values.of(row) {
@@ -252,8 +254,8 @@ impl State<'_> {
         };
         let of = if self.conventions.view == Hand::Right { of * mirror_z() } else { of };
         match self.conventions.clip_y {
-            ClipY::Up => of,
-            ClipY::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
+            ClipAxis::Up => of,
+            ClipAxis::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
         }
     }
 
@@ -269,13 +271,13 @@ impl State<'_> {
             "clip-to-world" => (clip * view).inverse(),
             _ => {
                 let [width, height] = self.extent.map(|v| 0.5 * f64::from(v));
-                let down = if self.conventions.clip_y == ClipY::Up { -height } else { height };
+                let down = if self.conventions.clip_y == ClipAxis::Up { -height } else { height };
                 let mut to_pixels = DMat4::from_scale(DVec3::new(width, down, 1.0));
                 (to_pixels.w_axis.x, to_pixels.w_axis.y) = (width, height);
                 to_pixels * clip
             }
         };
-        let matrix = if self.conventions.matrices == Layout::Rows { matrix.transpose() } else { matrix };
+        let matrix = if self.conventions.matrices == MatrixLayout::Rows { matrix.transpose() } else { matrix };
         // A matrix of three columns has the first three rows and columns.
         let mut all = matrix.to_cols_array().to_vec();
         if wanted == 12 {
@@ -300,8 +302,8 @@ mod tests {
     use super::*;
     use crate::scene::Lens;
 
-    fn state<'a>(camera: &'a Camera, values: &'a Values, conventions: Conventions) -> State<'a> {
-        State {
+    fn state<'a>(camera: &'a Camera, values: &'a Values, conventions: Conventions) -> FrameState<'a> {
+        FrameState {
             camera,
             before: camera,
             extent: [200, 100],
@@ -319,8 +321,8 @@ mod tests {
         }
     }
 
-    fn matrix(state: &State, name: &'static str) -> DMat4 {
-        let numbers = Given::Named(name).numbers(state, 16);
+    fn matrix(state: &FrameState, name: &'static str) -> DMat4 {
+        let numbers = Feed::Named(name).numbers(state, 16);
         DMat4::from_cols_slice(&numbers)
     }
 
@@ -336,12 +338,13 @@ mod tests {
         let mirrored = place * DVec3::new(1.0, 1.0, -1.0);
         assert!(matrix(&theirs, "world-to-clip").project_point3(mirrored).distance(seen) < 1e-9);
         assert!(matrix(&theirs, "world-to-view").transform_point3(mirrored).z < 0.0, "it looks along −z");
-        let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipY::Down, ..right };
+        let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipAxis::Down, ..right };
         let in_gl = matrix(&state(&camera, &values, gl), "world-to-clip").project_point3(mirrored);
         assert!(in_gl.distance(DVec3::new(seen.x, -seen.y, 2.0 * seen.z - 1.0)) < 1e-9, "{in_gl} {seen}");
-        let rows = state(&camera, &values, Conventions { matrices: Layout::Rows, ..Conventions::default() });
+        let rows = state(&camera, &values, Conventions { matrices: MatrixLayout::Rows, ..Conventions::default() });
         assert_eq!(matrix(&rows, "view-to-clip"), matrix(&ours, "view-to-clip").transpose());
-        let pixel = matrix(&ours, "view-to-pixels").project_point3(matrix(&ours, "world-to-view").transform_point3(place));
+        let pixel =
+            matrix(&ours, "view-to-pixels").project_point3(matrix(&ours, "world-to-view").transform_point3(place));
         let wanted = (0.5 + 0.5 * seen.x) * 200.0;
         assert!((pixel.x - wanted).abs() < 1e-9 && (pixel.y - (0.5 - 0.5 * seen.y) * 100.0).abs() < 1e-9, "{pixel}");
         for name in NAMES.map(|(name, _)| name).into_iter().filter(|name| is_matrix(name)) {
@@ -351,25 +354,37 @@ mod tests {
 
     #[test]
     fn a_field_takes_as_many_numbers_as_it_has() {
-        let filled = |rust: &str, size: u32, given: Given| Filled::new(4, rust, size, given);
-        assert!(filled("[f32; 3]", 12, Given::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
-        assert!(filled("[f32; 3]", 12, Given::Numbers(vec![1.0])).is_err());
-        assert!(filled("f32", 4, Given::Named("size")).is_err());
-        assert!(filled("Light", 16, Given::Numbers(vec![0.0; 4])).is_err());
+        let filled = |rust: &str, size: u32, given: Feed| Filled::new(4, rust, size, given);
+        assert!(filled("[f32; 3]", 12, Feed::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
+        assert!(filled("[f32; 3]", 12, Feed::Numbers(vec![1.0])).is_err());
+        assert!(filled("f32", 4, Feed::Named("size")).is_err());
+        assert!(filled("Light", 16, Feed::Numbers(vec![0.0; 4])).is_err());
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);
         let mut bytes = [0; 12];
         let values = Values::default();
-        filled("[i32; 2]", 8, Given::Named("pass-size")).unwrap().write(&mut bytes, &state(&camera, &values, Conventions::default()));
+        filled("[i32; 2]", 8, Feed::Named("pass-size"))
+            .unwrap()
+            .write(&mut bytes, &state(&camera, &values, Conventions::default()));
         assert_eq!(bytes, [0, 0, 0, 0, 100, 0, 0, 0, 50, 0, 0, 0]);
     }
 
     #[test]
+    fn the_documentation_has_every_value() {
+        let page = include_str!("../../../docs/custom-methods.md");
+        for (name, help) in NAMES {
+            assert!(page.contains(&format!("| `{name}` | {help} |")), "{name}");
+        }
+    }
+
+    #[test]
     fn values_are_read_and_refused() {
-        let parse = |text: &str| Given::parse(&toml::from_str::<toml::Table>(&format!("v = {text}")).unwrap()["v"], &["a-b".into()]);
-        assert_eq!(parse("[1, 2.5]"), Ok(Given::Numbers(vec![1.0, 2.5])));
-        assert_eq!(parse("true"), Ok(Given::Numbers(vec![1.0])));
-        assert_eq!(parse("\"near\""), Ok(Given::Named("near")));
-        assert_eq!(parse("\"parameter:a-b\""), Ok(Given::Parameter("a_b".into())));
+        let parse = |text: &str| {
+            Feed::parse(&toml::from_str::<toml::Table>(&format!("v = {text}")).unwrap()["v"], &["a-b".into()])
+        };
+        assert_eq!(parse("[1, 2.5]"), Ok(Feed::Numbers(vec![1.0, 2.5])));
+        assert_eq!(parse("true"), Ok(Feed::Numbers(vec![1.0])));
+        assert_eq!(parse("\"near\""), Ok(Feed::Named("near")));
+        assert_eq!(parse("\"parameter:a-b\""), Ok(Feed::Parameter("a_b".into())));
         assert!(parse("\"parameter:c\"").unwrap_err().contains("[parameter.c]"));
         assert!(parse("\"nearer\"").unwrap_err().contains("no value"));
         assert!(parse("[\"near\"]").is_err() && parse("{ a = 1 }").is_err());

@@ -11,8 +11,8 @@ use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
-use std::sync::Mutex;
 use std::sync::atomic::AtomicU64;
+use std::sync::{Mutex, OnceLock};
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
@@ -270,6 +270,7 @@ pub(super) fn open_device(
         memory: ManuallyDrop::new(memory),
         owned: true,
         submissions: AtomicU64::new(0),
+        patience: OnceLock::new(),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
         info: listing.info,
@@ -331,6 +332,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         memory: ManuallyDrop::new(memory),
         owned: false,
         submissions: AtomicU64::new(0),
+        patience: OnceLock::new(),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
         info,

@@ -1,10 +1,10 @@
 //! The passes that draw or dispatch: programs over whole targets, over as much as a buffer says, over
 //! meshes, and compute.
 
-use super::bind::Given;
-use super::target::View;
 #[cfg(feature = "reload")]
 use super::Resource;
+use super::bind::Given;
+use super::target::View;
 use super::{Frame, Target};
 use crate::error::Result;
 use crate::gpu::image::ImageSlice;

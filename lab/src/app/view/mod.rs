@@ -28,6 +28,7 @@ mod window;
 use super::cli::{CommonOptions, size};
 use super::parameters::choice;
 use super::resolve;
+use crate::custom;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::{self, METHODS, MethodInfo};
@@ -131,6 +132,7 @@ pub enum TwoMethods {
 
 /// Opens the window; returns when it is closed.
 pub fn run(options: &ViewOptions) -> anyhow::Result<()> {
+    custom::watch();
     let common = &options.common;
     let sides = sides(options)?;
     let globals = resolve::one_globals(&common.place, "view shows one image")?;

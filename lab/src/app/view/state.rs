@@ -3,7 +3,7 @@
 
 use super::fly_camera::FlyCamera;
 use crate::app::parameters::MethodOptions;
-use crate::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup};
+use crate::methods::{self, EffectParams, Fallback, MethodInfo, Setup};
 use crate::passes::Content;
 use crate::passes::look::{Compare, Tone};
 use crate::scene::View;
@@ -167,11 +167,12 @@ impl State {
         if self.compare == Compare::One { &self.sides[..1] } else { &self.sides }
     }
 
-    /// Goes on to the next method of the table.
+    /// Goes on to the next method.
     pub fn next_method(&mut self) {
         let side = &mut self.sides[0];
-        let now = METHODS.iter().position(|m| m.name == side.method.name).unwrap_or(0);
-        side.method = &METHODS[(now + 1) % METHODS.len()];
+        let all = methods::all();
+        let now = all.iter().position(|m| m.name == side.method.name).unwrap_or(0);
+        side.method = all[(now + 1) % all.len()];
         side.apply();
     }
 
@@ -214,6 +215,7 @@ impl State {
 mod tests {
     use super::super::tests::state;
     use super::*;
+    use crate::methods::METHODS;
     use clap::{Args, FromArgMatches};
 
     #[test]

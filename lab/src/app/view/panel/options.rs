@@ -2,7 +2,7 @@
 
 use super::shared::{dot, heading};
 use crate::app::view::state::{Side, State};
-use crate::methods::METHODS;
+use crate::methods;
 use crate::parameter::{Choices, Domain, Parameter, Preset, Value};
 use egui::{Color32, ComboBox, DragValue, Grid, RichText, Ui};
 
@@ -17,7 +17,7 @@ pub fn side(ui: &mut Ui, state: &mut State, index: usize) {
         let mut chosen = None;
         let method = state.sides[index].method;
         ComboBox::from_id_salt("method").width(140.0).selected_text(method.name).show_ui(ui, |ui| {
-            for info in METHODS {
+            for info in methods::all() {
                 let about = format!("{}\n{}", info.summary, info.source);
                 if ui.selectable_label(info.name == method.name, info.name).on_hover_text(about).clicked() {
                     chosen = Some(info);

@@ -1,0 +1,216 @@
+//! Methods from folders, as a user has them: the examples run as any other method, `linear` from its folder is `linear`
+//! to the bit, and each mistake gets a sentence with file and line.
+
+use crate::common::folder::Folder;
+use crate::common::repository;
+use serde_json::Value;
+use std::path::Path;
+
+const ROOM: &str = "o floor\nv -4 0 -8\nv 4 0 -8\nv 4 0 0\nv -4 0 0\nf 1 4 3 2\n\
+                    o wall\nv -4 0 -6\nv 4 0 -6\nv 4 4 -6\nv -4 4 -6\nf 5 6 7 8\n";
+
+/// The room, and a copy of an example in the folder `m`.
+fn with_example(name: &str) -> Folder {
+    let folder = Folder::new();
+    folder.write("room.obj", ROOM);
+    std::fs::create_dir(folder.path("m")).unwrap();
+    let from = repository().join("examples/methods").join(name);
+    for entry in std::fs::read_dir(from).unwrap() {
+        let path = entry.unwrap().path();
+        std::fs::copy(&path, folder.path("m").join(path.file_name().unwrap())).unwrap();
+    }
+    folder
+}
+
+/// The arguments of a command on the room, with the method in `m`.
+fn on_room<'a>(command: &'a str, args: &[&'a str]) -> Vec<&'a str> {
+    let place = ["--scene", "room.obj", "--eye", "0,1.5,0", "--look-at", "0,1,6", "--size", "64x36"];
+    [&[command], &place[..], args].concat()
+}
+
+/// Replaces a text of a file, which must be there.
+fn change(folder: &Folder, file: &str, from: &str, to: &str) {
+    let text = folder.text(file);
+    assert!(text.contains(from), "{file} has no {from:?}");
+    folder.write(file, text.replace(from, to));
+}
+
+/// The sentence of a run that fails.
+fn sentence(folder: &Folder, args: &[&str]) -> String {
+    let output = folder.run(args);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert_eq!(text.lines().count(), 1, "{text}");
+    text.strip_prefix("ssct: ").expect("our own sentence").trim_end().to_owned()
+}
+
+#[test]
+fn linear_from_its_folder_is_linear_to_the_bit() {
+    let folder = Folder::new();
+    let example = repository().join("examples/methods/linear");
+    for (method, dump) in [(Path::new("linear"), "a"), (example.as_path(), "b")] {
+        let method = method.to_str().unwrap();
+        let size = ["--size", "161x91", "--roughness", "0"];
+        folder.succeed(&[&["render", "--view", "corridor", "--method", method, "--dump", dump], &size[..]].concat());
+    }
+    for file in ["reflection.exr", "hits.exr", "composite.exr"] {
+        let [a, b] = ["a", "b"].map(|dump| std::fs::read(folder.path(dump).join(file)).unwrap());
+        assert!(a == b, "{file} differs");
+    }
+}
+
+#[test]
+fn examples_run_as_methods_of_the_table_do() {
+    for (name, pass, own) in [("march", "march", "view_steps"), ("three-pass", "intersect", "tile_steps")] {
+        let folder = with_example(name);
+        folder.succeed(&on_room("render", &["--method", "m", "--validation", "-o", "a.png", "--roughness", "0"]));
+        folder.succeed(&on_room("render", &["--method", "m", "-o", "b.png", "--reflectivity", "0"]));
+        assert!(folder.image("a.png") != folder.image("b.png"), "{name} reflects");
+        let flag = format!("--{}=77", own.replace('_', "-"));
+        let timed = on_room("time", &["--method", "m,linear", "--samples", "1", "--warmup", "0", &flag, "--json"]);
+        let rows: Value = serde_json::from_str(&folder.succeed(&timed)).unwrap();
+        let row = &rows.as_array().unwrap()[0];
+        assert_eq!((row["method"].as_str(), row["setup"][own].as_u64()), (Some(name), Some(77)), "{row}");
+        let passes = row["passes"].to_string();
+        assert!(passes.contains(&format!("\"{pass}\"")), "{passes}");
+        let judged = on_room("error", &["--method", "./m", "--rays", "4", "--samples", "1", "--no-sweep", "--json"]);
+        let rows: Value = serde_json::from_str(&folder.succeed(&judged)).unwrap();
+        let errors = rows.as_array().unwrap().iter().filter(|r| r["method"] == name);
+        assert!(errors.count() > 0, "{rows}");
+        folder.succeed(&["stress", "--method", "m", "--help"]);
+    }
+}
+
+#[test]
+fn a_variant_may_be_a_folder_and_names_are_known_once() {
+    let folder = with_example("march");
+    let variants = ["--variant", "m --view-steps 10", "--variant", "m/ --view-steps 20"];
+    let args = [&variants[..], &["--rays", "4", "--samples", "1", "--roughness", "0", "--json"]].concat();
+    let rows: Value = serde_json::from_str(&folder.succeed(&on_room("error", &args))).unwrap();
+    let steps = |r: &Value| r["setup"]["view_steps"].as_u64();
+    let found: Vec<u64> = rows.as_array().unwrap().iter().filter_map(steps).collect();
+    assert!(found.contains(&10) && found.contains(&20), "{found:?}");
+}
+
+#[test]
+fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
+    let sources = [
+        "lit-colour-chain",
+        "lit-colour-chain:gaussian",
+        "depth:reversed",
+        "depth:standard",
+        "depth:linear",
+        "normal:view",
+        "normal:view:octahedral-unorm",
+        "normal:world:unorm",
+        "material",
+        "hi-z:min:reversed",
+        "hi-z:max:linear",
+        "hi-z:min:standard:padded",
+        "thesis-hi-z",
+        "visibility",
+        "pyramid",
+        "blue-noise",
+        "motion",
+        "previous:lit-colour",
+        "previous:depth:reversed",
+        "previous:depth:standard",
+        "previous:normal:view",
+        "previous:normal:world",
+        "previous:material",
+    ];
+    let folder = Folder::new();
+    folder.write("room.obj", ROOM);
+    std::fs::create_dir(folder.path("m")).unwrap();
+    // Several shaders, as a stage has 16 images on some devices.
+    let (mut manifest, mut inputs) = (String::from("name = \"all\"\nsummary = \"all\"\n"), String::from("[inputs]\n"));
+    for (n, some) in sources.chunks(8).enumerate() {
+        let mut shader = String::from("#version 450\nlayout(location = 0) out vec4 result;\n");
+        let mut sum = String::from("vec4(0.0)");
+        for (k, source) in some.iter().enumerate() {
+            shader += &format!("uniform sampler2D image_{n}_{k};\n");
+            sum += &format!(" + texelFetch(image_{n}_{k}, ivec2(0), 0)");
+            inputs += &format!("image_{n}_{k} = \"{source}\"\n");
+        }
+        shader += "layout(std140) uniform B { mat4 m; mat3 turn; vec4 size; vec3 eye; int frame; bool first; };\n";
+        shader += &format!("void main() {{ result = {sum} + m[0] + size * turn[0].x * eye.x + float(frame); }}\n");
+        folder.write(&format!("m/{n}.frag"), shader);
+        manifest += &format!("[[pass]]\nname = \"pass {n}\"\nshader = \"{n}.frag\"\ntargets = [\"result\"]\n");
+    }
+    manifest += &inputs;
+    manifest += "[image.result]\nformat = \"rgba16f\"\n[output]\nreflection = \"result\"\nalpha = \"none\"\n[values]\n\
+        m = \"previous-world-to-clip\"\nturn = \"view-to-world\"\nsize = \"size\"\neye = \"eye\"\nframe = \"frame\"\n\
+        first = \"is-first-frame\"\n";
+    folder.write("m/method.toml", manifest);
+    folder.succeed(&on_room("render", &["--method", "m", "--validation", "-o", "a.png"]));
+    // Two frames, of which the second reads what the first left.
+    let timed = on_room("time", &["--method", "m", "--samples", "2", "--warmup", "1", "--validation", "--json"]);
+    folder.succeed(&timed);
+}
+
+#[test]
+fn mistakes_in_a_manifest_get_its_line() {
+    let render = on_room("render", &["--method", "m", "-o", "x.png"]);
+    let cases = [
+        ("name = \"march\"", "name = \"My March\"", "m/method.toml:2: the name \"My March\" must consist of"),
+        ("name = \"march\"\ns", "name = \"ssct\"\ns", "m/method.toml: there is a method ssct already"),
+        ("view = \"right\"", "view = \"up\"", "m/method.toml:7: unknown variant `up`"),
+        ("view = \"right\"", "views = \"right\"", "m/method.toml:7: unknown field `views`"),
+        ("default = 200", "default = 5000", "m/method.toml:11: parameter view-steps: 5000 is outside whole numbers"),
+        ("range = [1, 4096]\n", "", "m/method.toml:11: parameter view-steps: a number needs a range"),
+        ("rgba16f", "rgb9", "image result: no format \"rgb9\"; there is: r8, rg8"),
+        ("depth:linear", "depth:deep", "\"depth:deep\" is no image that there is: lit-colour"),
+        ("colour = \"lit-colour\"\n", "", "nothing feeds the image colour of march.frag"),
+        ("stride = \"parameter:view-stride\"\n", "", "nothing feeds the field LooseUniforms.stride of march.frag"),
+        ("\"half-view\"", "\"near\"", "LooseUniforms.tangents of march.frag: the field has 2 numbers"),
+        ("\"half-view\"", "\"half\"", "tangents: \"half\" is no value that there is: view-to-clip"),
+        ("steps = \"parameter:view-steps\"", "steps = 1\nother = 2", "no shader reads other"),
+        ("parameter:view-steps", "parameter:steps", "steps: there is no [parameter.steps]"),
+        ("targets = [\"result\"]", "targets = [\"other\"]", "there is no [image.other]"),
+        ("targets = [\"result\"]", "threads = \"result\"", "a fragment pass has targets"),
+        ("reflection = \"result\"", "reflection = \"other\"", "output: there is no [image.other]"),
+        (
+            "format = \"rgba16f\"",
+            "format = \"rgba16f\"\nhistory = true",
+            "image result has a history that no pass reads",
+        ),
+        ("shader = \"march.frag\"", "shader = \"other.frag\"", "m/other.frag"),
+    ];
+    for (from, to, says) in cases {
+        let folder = with_example("march");
+        change(&folder, "m/method.toml", from, to);
+        let said = sentence(&folder, &render);
+        assert!(said.contains(says), "{to:?}: {said}");
+    }
+}
+
+#[test]
+fn mistakes_in_a_shader_get_its_line() {
+    let render = on_room("render", &["--method", "m", "-o", "x.png"]);
+    let cases = [
+        ("vec2 ndc = at", "vec2 ndc = here", "m/march.frag:16: 'here' : undeclared identifier"),
+        ("out vec4 reflection;", "out vec4 reflection; out vec4 more;", "writes 2 colours, and the pass has 1 targets"),
+        ("uniform sampler2D colour;", "#include \"none.glsl\"\nuniform sampler2D colour;", "none.glsl"),
+        ("#version 330 core", "", "m/march.frag"),
+    ];
+    for (from, to, says) in cases {
+        let folder = with_example("march");
+        change(&folder, "m/march.frag", from, to);
+        let said = sentence(&folder, &render);
+        assert!(said.contains(says), "{to:?}: {said}");
+    }
+    let folder = with_example("march");
+    change(&folder, "m/method.toml", "shader = \"march.frag\"", "shader = \"march.spv\"\nstage = \"fragment\"");
+    folder.write("m/march.spv", b"not words");
+    assert!(sentence(&folder, &render).ends_with("march.spv: is not SPIR-V"));
+}
+
+#[test]
+fn a_shader_that_never_ends_is_given_up() {
+    let folder = with_example("march");
+    change(&folder, "m/method.toml", "summary =", "patience-s = 0.5\nsummary =");
+    // The loop writes what it depends on, so that no compiler may leave it out.
+    change(&folder, "m/march.frag", "++i) {", "i = (i + 1) % steps) { place -= along; reflection.x += stride;");
+    let said = sentence(&folder, &on_room("render", &["--method", "m", "-o", "x.png", "--view-steps", "1000"]));
+    assert!(said.contains("not done in 0.5 s") && said.contains("march"), "{said}");
+}
