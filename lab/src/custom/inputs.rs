@@ -53,7 +53,7 @@ enum Made {
     /// What a source was in the frame before, and what it is now, in turn.
     Kept {
         of: ImageSource,
-        images: [Image; 2],
+        images: Vec<Image>,
     },
 }
 
@@ -144,7 +144,7 @@ impl Inputs {
                     self.add(gpu, extent, of, conventions)?;
                     let (name, format) = (source.to_string(), self.kept_format(of));
                     let image = || Image::target(gpu, &name, format, extent);
-                    Made::Kept { of: (**of).clone(), images: [image()?, image()?] }
+                    Made::Kept { of: (**of).clone(), images: vec![image()?, image()?] }
                 }
             }
         };

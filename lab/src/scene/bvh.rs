@@ -186,6 +186,8 @@ fn box_ray(ray: &WorldRay, middle: DVec3) -> BoxRay {
 
 impl Intersector for TriangleBvh {
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit> {
+        // First of all: around an empty scene rays may begin anywhere, even at infinity.
+        let boxes = self.boxes.as_ref()?;
         let sheared = ShearedRay::new(ray);
         let mut closest: Option<TriangleHit> = None;
         let mut test = |triangle: u32| {
@@ -205,7 +207,7 @@ impl Intersector for TriangleBvh {
             }
         };
         let box_ray = box_ray(ray, self.middle);
-        match self.boxes.as_ref()? {
+        match boxes {
             Boxes::Wide(boxes) => {
                 boxes.ray_traverse(box_ray, &mut RayHit::none(), |_, slot| test(boxes.primitive_indices[slot]))
             }
