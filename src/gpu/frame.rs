@@ -27,6 +27,7 @@ use context::Slot;
 pub use draw::Raster;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Instant, SystemTime};
 pub use target::Target;
 
 /// What a frame is recorded for.
@@ -66,12 +67,26 @@ pub struct FrameReport {
     pub passes: Vec<PassTime>,
     /// Milliseconds from the frame's first timestamp to its last; 0 unless [`Mode::Timed`].
     pub frame_ms: f64,
+    /// When the host recorded the frame, and how long it took and waited; not of a frame that others submit.
+    #[serde(default)]
+    pub host: Option<HostTime>,
     /// Work of each pass, in order; empty unless [`Mode::Counted`].
     pub work: Vec<PassWork>,
     /// The passes recorded, in order.
     pub recorded: Vec<String>,
     /// The passes that the frame did not need.
     pub skipped: Vec<Skipped>,
+}
+
+/// The host's side of a frame.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct HostTime {
+    /// When recording began, in microseconds since 1970.
+    pub begun_us: u64,
+    /// Milliseconds until it was submitted.
+    pub record_ms: f64,
+    /// Milliseconds from then until the device was done.
+    pub wait_ms: f64,
 }
 
 /// A pass that a frame did not need.
@@ -96,6 +111,7 @@ pub struct Frame<'c> {
     undo: Undo,
     /// Pipelines that this frame settles, once it is submitted.
     settled: Vec<Arc<AtomicBool>>,
+    begun: (SystemTime, Instant),
 }
 
 /// What images and buffers were before the frame, for as long as it may fail: barriers that were never
@@ -131,6 +147,7 @@ impl<'c> Frame<'c> {
             pending: Barriers::default(),
             undo: Undo::default(),
             settled: Vec::new(),
+            begun: (SystemTime::now(), Instant::now()),
         };
         frame.stamp()?;
         Ok(frame)
@@ -209,6 +226,7 @@ impl Frame<'_> {
             .command_buffer_infos(&commands)
             .signal_semaphore_infos(signals);
         let fences = [own.fence];
+        let submitted;
         // SAFETY: the command buffer is complete; the fence is unsignalled and waited for before
         // anything is reused or destroyed.
         unsafe {
@@ -216,6 +234,7 @@ impl Frame<'_> {
             let queue = self.context.gpu.queue()?;
             self.context.gpu.count_submission();
             device.queue_submit2(*queue, &[submit], fences[0]).map_err(vulkan("vkQueueSubmit2"))?;
+            submitted = Instant::now();
             self.undo.0.clear();
             self.settled.iter().for_each(|pipeline| pipeline.store(true, Ordering::Relaxed));
             let waited = match self.context.gpu.shared().patience.get() {
@@ -244,6 +263,13 @@ impl Frame<'_> {
             waited.map_err(vulkan("vkWaitForFences"))?;
         }
         let mut report = self.recorded();
+        let (at, begun) = self.begun;
+        let milliseconds = |from: Instant, to: Instant| 1e3 * to.duration_since(from).as_secs_f64();
+        report.host = Some(HostTime {
+            begun_us: at.duration_since(SystemTime::UNIX_EPOCH).map_or(0, |d| d.as_micros() as u64),
+            record_ms: milliseconds(begun, submitted),
+            wait_ms: milliseconds(submitted, Instant::now()),
+        });
         match (self.mode, &self.context.statistics) {
             (Mode::Timed, _) => {
                 let slot = self.slot();

@@ -11,6 +11,9 @@ pub struct PassTime {
     pub name: String,
     /// Milliseconds between the timestamps around it.
     pub ms: f64,
+    /// Milliseconds from the frame's first timestamp to the one before it.
+    #[serde(default)]
+    pub start_ms: f64,
     /// Whether the pass counts towards the method's total (docs/definitions.md, "Time").
     pub counted: bool,
 }

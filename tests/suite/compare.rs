@@ -302,3 +302,48 @@ fn an_exr_that_cannot_be_read_is_refused() {
     folder.write("coarse.exr", bytes);
     fails(&folder, &["a.exr", "coarse.exr"], 1, "coarse.exr: channel B is subsampled");
 }
+
+#[test]
+fn a_method_timed_against_itself_knows_its_noise_floor() {
+    let folder = Folder::new();
+    let time =
+        ["time", "--view", "corridor", "--method", "environment", "--size", "64x36", "--samples", "6", "--warmup"];
+    let records: Vec<Value> = serde_json::from_str(
+        &folder.succeed(&[&time[..], &["0", "--a-a", "-o", "a", "--trace", "t.json", "--json"]].concat()),
+    )
+    .unwrap();
+    // Six frames and six again, each with the host's two sides, the frame, and its passes.
+    let trace: Value = serde_json::from_str(&folder.text("t.json")).unwrap();
+    let passes = records[0]["passes"].as_array().unwrap().len();
+    let timed = trace["traceEvents"].as_array().unwrap().iter().filter(|e| e["ph"] == "X").count();
+    assert_eq!(timed, 12 * (3 + passes));
+    let floor = records[0]["noise_floor"].as_f64().expect("a floor");
+    assert!(floor > 0.0 && records[0]["passes"].as_array().unwrap().iter().all(|p| p["noise_floor"].is_f64()));
+    // Of the same rows with other times, all alike so that the floor alone decides.
+    let floor = floor.max(0.06);
+    let samples = folder.text("a/time-samples.csv");
+    let with = |name: &str, ms: f64| {
+        let mut reader = csv::Reader::from_reader(samples.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(&header).unwrap();
+        for row in reader.records() {
+            let cell = |(column, text): (&str, &str)| match column {
+                "ms" => ms.to_string(),
+                "noise_floor" | "total_noise_floor" => floor.to_string(),
+                _ => text.to_owned(),
+            };
+            writer.write_record(header.iter().zip(&row.unwrap()).map(cell)).unwrap();
+        }
+        std::fs::create_dir(folder.path(name)).unwrap();
+        folder.write(&format!("{name}/time-samples.csv"), writer.into_inner().unwrap());
+    };
+    with("one", 1.0);
+    with("within", 1.0 + 0.9 * floor);
+    with("beyond", 1.0 + 1.1 * floor);
+    for (other, verdict) in [("within", "SAME"), ("beyond", "SLOWER")] {
+        let records = compared(&folder, &["one", other]);
+        let total = records.iter().find(|r| r["pass"] == "total").unwrap();
+        assert_eq!(total["verdict"], verdict, "{total}");
+    }
+}

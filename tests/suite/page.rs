@@ -44,12 +44,18 @@ fn head(kind: &str, method: &str, roughness: f32) -> Head {
 
 fn time_record(method: &str, roughness: f32, ms: f64) -> TimeRecord {
     let passes = ["depth", "hi-z/1", "hi-z/2", "visibility/1", "color/1", "trace+cone", "composite"];
-    let pass =
-        |name: &&str| PassRecord { name: (*name).to_owned(), counted: true, stats: Stats::of(&[ms / 7.0]), work: None };
+    let pass = |name: &&str| PassRecord {
+        name: (*name).to_owned(),
+        counted: true,
+        stats: Stats::of(&[ms / 7.0]),
+        noise_floor: None,
+        work: None,
+    };
     TimeRecord {
         head: head("time", method, roughness),
         passes: passes.iter().map(pass).collect(),
         total: Stats::of(&[ms]),
+        noise_floor: None,
         frame: Stats::of(&[ms]),
         drawn: Drawn::default(),
         recorded: passes.map(str::to_owned).to_vec(),

@@ -151,6 +151,13 @@ pub struct TimeOptions {
     /// Frames before the first that counts.
     #[arg(long, default_value_t = 2)]
     pub warmup: usize,
+    /// Time each method against itself, too: how far it strays is its noise floor, within which `ssct compare` calls
+    /// nothing faster or slower.
+    #[arg(long, conflicts_with = "path")]
+    pub a_a: bool,
+    /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
+    #[arg(long, value_name = "FILE", conflicts_with = "path")]
+    pub trace: Option<PathBuf>,
     /// Write time.json, time-samples.csv, time.svg and time.txt into a folder; of a path, path.json,
     /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]

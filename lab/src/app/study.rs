@@ -124,7 +124,7 @@ impl Plan {
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
         let setup = Setup::new(self.size);
-        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples: self.samples }
+        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples: self.samples, a_a: false }
     }
 }
 

@@ -6,7 +6,7 @@ use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods::{self, METHODS};
-use crate::report::{files, plot, tables};
+use crate::report::{files, plot, tables, trace};
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
@@ -18,6 +18,11 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         return super::time_path::run(options, path);
     }
     if options.table == Some(Table::Captions) {
+        if options.trace.is_some() {
+            return Err(
+                Error::Usage("--trace is not for --table captions, whose rows are of several scenes".into()).into()
+            );
+        }
         return super::time_captions::run(options);
     }
     let table = options.table == Some(Table::T5_8);
@@ -35,12 +40,16 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&common.device)?;
     let setup = common.method_options.setup(sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
-    let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples };
+    let a_a = options.a_a;
+    let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples, a_a };
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let bar = progress::bar("timing", spec.frames());
     let outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
     bar.finish_and_clear();
     let records = timing::records(&spec, &run.journal);
+    if let Some(path) = &options.trace {
+        files::write(path, trace::json(&timing::frames(&spec, &run.journal)).as_bytes())?;
+    }
 
     let written = TimeOutput {
         stem: "time",

@@ -94,6 +94,17 @@ pub fn ratio_of_medians(a: &[f64], b: &[f64], seed: u64) -> Option<Ratio> {
     Some(Ratio { ratio, low: percentile(&ratios, tail)?, high: percentile(&ratios, 1.0 - tail)? })
 }
 
+/// How far a time strays from itself: what two interleaved series of one thing measure is the same, so that whatever their
+/// interval reaches beyond 1 is noise. The farther end of the interval, as a share; `None` with fewer than
+/// [`MIN_SAMPLES`] in a series.
+pub fn noise_floor(a: &[f64], again: &[f64], seed: u64) -> Option<f64> {
+    if a.len().min(again.len()) < MIN_SAMPLES {
+        return None;
+    }
+    let Ratio { low, high, .. } = ratio_of_medians(a, again, seed)?;
+    Some((1.0 - low).max(high - 1.0).max(0.0)).filter(|floor| floor.is_finite())
+}
+
 /// The median, which for an even number of samples is the mean of the middle two. Sorts the samples.
 fn median(samples: &mut [f64]) -> Option<f64> {
     samples.sort_by(f64::total_cmp);

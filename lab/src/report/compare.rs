@@ -54,6 +54,9 @@ pub fn times(records: &[TimeComparison]) -> String {
     );
     text += &tables::aligned(&cells(records));
     let both = || records.iter().filter(|r| r.only_in.is_none());
+    if both().any(|r| r.noise_floor.is_some()) {
+        text += "\nNothing within its noise floor (how far a run strays from itself) is faster or slower.\n";
+    }
     if both().any(|r| r.samples_a.min(r.samples_b) < MIN_SAMPLES) {
         text += &format!("\nFewer than {MIN_SAMPLES} samples decide nothing.\n");
     }
@@ -101,12 +104,13 @@ fn method(s: &Subject) -> String {
 
 fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
     let header = ["scene view", "size", "roughness", "normals", "method", "preset", "pass"];
-    let figures = ["A ms", "B ms", "B/A", "low", "high", "n", "verdict"];
+    let figures = ["A ms", "B ms", "B/A", "low", "high", "floor", "n", "verdict"];
     let mut rows = vec![[&header[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
     let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
     for r in records.iter().filter(|r| r.only_in.is_none()) {
         let mut row = labels(r).to_vec();
         row.extend([r.median_a_ms, r.median_b_ms, r.ratio, r.low, r.high].map(number));
+        row.push(r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0)));
         row.push(format!("{}/{}", r.samples_a, r.samples_b));
         row.push(r.verdict.map_or("-", Verdict::name).to_owned());
         rows.push(row);

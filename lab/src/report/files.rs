@@ -45,7 +45,9 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
 /// The columns of a sample that say what it is of, before everything that was set.
 const PLACE: [&str; 3] = ["scene", "view", "method"];
 /// The columns of a sample that say what was measured, after everything that was set.
-const MEASURED: [&str; 4] = ["sample", "pass", "counted", "ms"];
+const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
+/// Of these, the noise floors of the pass and of the total; empty where they were not measured.
+const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
 
 /// Raw samples of time records as CSV: one row a sample and pass, one column for everything that was set of any of the
 /// methods; what a method does not have is empty.
@@ -60,7 +62,15 @@ pub fn samples_csv(records: &[TimeRecord]) -> String {
         let set: Vec<String> = settings.iter().map(|name| r.head.setting(name)).collect();
         for (n, sample) in r.samples.iter().enumerate() {
             for (pass, ms) in r.passes.iter().zip(sample) {
-                let measured = [n.to_string(), pass.name.clone(), pass.counted.to_string(), format!("{ms:.6}")];
+                let floor = |floor: Option<f64>| floor.map(|f| format!("{f:.6}")).unwrap_or_default();
+                let measured = [
+                    n.to_string(),
+                    pass.name.clone(),
+                    pass.counted.to_string(),
+                    format!("{ms:.6}"),
+                    floor(pass.noise_floor),
+                    floor(r.noise_floor),
+                ];
                 let _ = writer.write_record(place.iter().chain(&set).chain(&measured));
             }
         }
@@ -92,6 +102,7 @@ pub fn read_samples(path: &Path) -> Result<Vec<TimeSample>> {
             pass: parsed(&headers, &record, "pass").map_err(wrong)?,
             counted: parsed(&headers, &record, "counted").map_err(wrong)?,
             ms: parsed(&headers, &record, "ms").map_err(wrong)?,
+            floors: FLOORS.map(|column| parsed(&headers, &record, column).ok()),
         };
         if !(row.ms.is_finite() && row.ms >= 0.0) {
             return Err(wrong(format!("{} ms is no time", row.ms)));

@@ -18,4 +18,5 @@ pub mod run_folder;
 pub mod sheet;
 pub mod stress_report;
 pub mod tables;
+pub mod trace;
 pub mod video_report;

@@ -37,6 +37,8 @@ pub fn times(records: &[TimeRecord]) -> String {
     let mut header: Vec<String> = ["scene view", "size", "roughness", "method"].map(str::to_owned).to_vec();
     header.extend(stages.iter().cloned());
     header.extend(["total ms", "min", "p95", "n", "frame ms"].map(str::to_owned));
+    let has_floor = records.iter().any(|r| r.noise_floor.is_some());
+    header.extend(has_floor.then(|| "floor".to_owned()));
     let mut rows = vec![header];
     for r in records {
         let mut row = vec![
@@ -52,6 +54,8 @@ pub fn times(records: &[TimeRecord]) -> String {
         }));
         row.extend([r.total.median_ms, r.total.min_ms, r.total.p95_ms].map(|ms| format!("{ms:.3}")));
         row.extend([r.total.samples.to_string(), format!("{:.3}", r.frame.median_ms)]);
+        let floor = r.noise_floor.map_or_else(|| "-".into(), |floor| format!("{:.1} %", floor * 100.0));
+        row.extend(has_floor.then_some(floor));
         rows.push(row);
     }
     aligned(&rows)

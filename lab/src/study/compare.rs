@@ -74,6 +74,8 @@ pub struct TimeSample {
     pub counted: bool,
     /// Milliseconds, finite and ≥ 0.
     pub ms: f64,
+    /// Noise floors, as shares: of the pass, and of the total; where they were measured.
+    pub floors: [Option<f64>; 2],
 }
 
 /// A run of the time study, as its files tell it.
@@ -209,6 +211,9 @@ pub struct TimeComparison {
     pub low: Option<f64>,
     /// Upper end of its interval.
     pub high: Option<f64>,
+    /// How far a run strays from itself, as a share: the greater of the two, where one was measured. Nothing within it is
+    /// faster or slower.
+    pub noise_floor: Option<f64>,
     /// What the interval says; undecided with fewer than [`MIN_SAMPLES`] on a side.
     pub verdict: Option<Verdict>,
     /// How.
@@ -227,6 +232,7 @@ struct Samples {
     pass: String,
     counted: bool,
     ms: Vec<f64>,
+    noise_floor: Option<f64>,
 }
 
 /// Everything of one subject: its passes in order, the total last.
@@ -243,6 +249,9 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
         let [ms_a, ms_b] = [of_a, of_b].map(|s| s.map_or(&[][..], |s| &s.ms));
         let median = |ms: &[f64]| (!ms.is_empty()).then(|| Stats::of(ms).median_ms);
         let ratio = ratio_of_medians(ms_a, ms_b, SEED);
+        let floors = [of_a, of_b].into_iter().flatten().filter_map(|s| s.noise_floor);
+        let noise_floor = floors.reduce(f64::max);
+        let threshold = threshold.max(noise_floor.unwrap_or(0.0));
         let enough = ms_a.len().min(ms_b.len()) >= MIN_SAMPLES;
         TimeComparison {
             head: CompareHead::new("compare", &a.name, &b.name),
@@ -266,6 +275,7 @@ pub fn times(a: &Run, b: &Run, threshold: f64) -> Vec<TimeComparison> {
             ratio: ratio.map(|r| r.ratio),
             low: ratio.map(|r| r.low),
             high: ratio.map(|r| r.high),
+            noise_floor,
             verdict: ratio.map(|r| if enough { Verdict::of(&r, threshold) } else { Verdict::Undecided }),
             judgement,
             device_a: a.device.clone(),
@@ -328,15 +338,15 @@ fn groups(rows: &[TimeSample]) -> Vec<Group> {
             groups.len() - 1
         });
         let passes = &mut groups[at].1;
-        let mut add = |pass: &str, counted, ms| match passes.iter_mut().find(|s| s.pass == pass) {
+        let mut add = |pass: &str, counted, ms, noise_floor| match passes.iter_mut().find(|s| s.pass == pass) {
             Some(s) => s.ms.push(ms),
-            None => passes.push(Samples { pass: pass.to_owned(), counted, ms: vec![ms] }),
+            None => passes.push(Samples { pass: pass.to_owned(), counted, ms: vec![ms], noise_floor }),
         };
         for row in frame {
-            add(&row.pass, row.counted, row.ms);
+            add(&row.pass, row.counted, row.ms, row.floors[0]);
         }
         if frame.iter().any(|r| r.counted) {
-            add(TOTAL, true, frame.iter().filter(|r| r.counted).map(|r| r.ms).sum());
+            add(TOTAL, true, frame.iter().filter(|r| r.counted).map(|r| r.ms).sum(), first.floors[1]);
         }
     }
     for (_, passes) in &mut groups {

@@ -56,6 +56,10 @@ pub struct PassRecord {
     /// Its times.
     #[serde(flatten)]
     pub stats: Stats,
+    /// How far its time strays from itself, as a share, where the method was timed against itself
+    /// ([`super::timing::TimeSpec::a_a`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_floor: Option<f64>,
     /// Its work, counted in a frame of its own, where the device counts.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub work: Option<PassWork>,
@@ -240,6 +244,9 @@ pub struct TimeRecord {
     pub passes: Vec<PassRecord>,
     /// Sum of the counted passes, sample by sample.
     pub total: Stats,
+    /// How far the total strays from itself, as a share, where the method was timed against itself.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_floor: Option<f64>,
     /// From the frame's first timestamp to its last, scene passes included.
     pub frame: Stats,
     /// Meshes and triangles drawn.

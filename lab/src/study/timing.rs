@@ -1,14 +1,16 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
 //! sample in the journal as soon as it is there.
 
+use super::compare::SEED;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
-use crate::gpu::Gpu;
 use crate::gpu::frame::Mode;
+use crate::gpu::{FrameReport, Gpu};
 use crate::methods::{MethodInfo, Setup, Wants};
+use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
 use serde_json::json;
 use std::fmt::Display;
@@ -33,12 +35,15 @@ pub struct TimeSpec<'a> {
     pub warmup: usize,
     /// Frames that count.
     pub samples: usize,
+    /// Whether each method is timed against itself as well: twice in each turn, so that what it strays from itself is known.
+    pub a_a: bool,
 }
 
 impl TimeSpec<'_> {
     /// Frames that [`measure`] submits if the journal has none.
     pub fn frames(&self) -> usize {
-        self.methods.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
+        let series = if self.a_a { 2 } else { 1 };
+        series * self.methods.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
     }
 }
 
@@ -77,7 +82,8 @@ impl Group<'_> {
     /// Keys of every sample of a method, and of the frame that counts its work.
     fn keys(&self, method: &MethodInfo) -> Vec<String> {
         let samples = (0..self.spec.samples).map(|n| self.key(method, n));
-        samples.chain([self.key(method, COUNTED)]).collect()
+        let again = (0..self.spec.samples).filter(|_| self.spec.a_a).map(|n| self.key(method, again(n)));
+        samples.chain(again).chain([self.key(method, COUNTED)]).collect()
     }
 
     /// What the journal has of a method; `None` without a sample.
@@ -89,20 +95,31 @@ impl Group<'_> {
         let work = journal.get::<Sample>(&self.key(method, COUNTED)).map(|s| s.report.work).unwrap_or_default();
         let (place, setup) = ((spec.scene, spec.view), spec.setup.at(self.extent));
         let head = Head::new("time", spec.gpu, place, Of::Method(method), &setup, self.globals);
-        let samples: Vec<Vec<f64>> = reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect();
+        let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
+            reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect()
+        };
+        let samples = times(&reports);
+        let reports_again: Vec<Sample> =
+            (0..spec.samples).filter_map(|n| journal.get::<Sample>(&self.key(method, again(n)))).collect();
+        let samples_again = times(&reports_again);
+        let of_pass =
+            |samples: &[Vec<f64>], i: usize| samples.iter().filter_map(|s| s.get(i).copied()).collect::<Vec<_>>();
+        let totals = |reports: &[Sample]| reports.iter().map(Sample::effect_ms).collect::<Vec<_>>();
         let passes = first.report.passes.iter().enumerate();
         let passes = passes
             .map(|(i, p)| PassRecord {
                 name: p.name.clone(),
                 counted: p.counted,
-                stats: Stats::of(&samples.iter().map(|s| s[i]).collect::<Vec<_>>()),
+                stats: Stats::of(&of_pass(&samples, i)),
+                noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
                 work: work.get(i).copied(),
             })
             .collect();
         Some(TimeRecord {
             head,
             passes,
-            total: Stats::of(&reports.iter().map(Sample::effect_ms).collect::<Vec<_>>()),
+            total: Stats::of(&totals(&reports)),
+            noise_floor: noise_floor(&totals(&reports), &totals(&reports_again), SEED),
             frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
             drawn: first.drawn,
             recorded: first.report.recorded.clone(),
@@ -122,9 +139,18 @@ impl Group<'_> {
         let spec = self.spec;
         let mut rounds = Round::timed(spec.warmup, spec.samples);
         rounds.push(Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None });
-        let key = |shot: usize, sample: &str| self.key(spec.methods[shot], sample);
+        // The second series of each method is that of its twin.
+        let key = |shot: usize, sample: &str| match spec.methods.get(shot) {
+            Some(method) => self.key(method, sample),
+            None => self.key(spec.methods[shot - spec.methods.len()], again(sample)),
+        };
         interleave(stage, shots, &rounds, &key, journal, progress)
     }
+}
+
+/// What the journal calls a sample of the second series.
+fn again(sample: impl Display) -> String {
+    format!("again {sample}")
 }
 
 /// The sample of the frame whose work is counted.
@@ -153,7 +179,8 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
             shots = (None, Vec::new());
             let camera = spec.view.camera(spec.scene, group.extent);
             let setup = spec.setup.at(group.extent);
-            for method in &spec.methods {
+            let series = if spec.a_a { 2 } else { 1 };
+            for method in (0..series).flat_map(|_| &spec.methods) {
                 // What is timed is the image; a reflection of its own is for those who look at it.
                 shots.1.push(Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials.clone())?);
             }
@@ -168,6 +195,36 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
     let of = |group: Group| spec.methods.iter().filter_map(|m| group.record(m, journal)).collect::<Vec<_>>();
     spec.groups().flat_map(of).collect()
+}
+
+/// A timed frame of a method, with what it was of.
+pub struct TimedFrame {
+    /// The method.
+    pub method: &'static str,
+    /// Size, roughness and number, for labels.
+    pub label: String,
+    /// Its passes and the host's side.
+    pub report: FrameReport,
+}
+
+/// Every timed frame that the journal has, those of the second series of each method among them.
+pub fn frames(spec: &TimeSpec, journal: &Journal) -> Vec<TimedFrame> {
+    let mut frames = Vec::new();
+    for group in spec.groups() {
+        let [width, height] = group.extent;
+        let roughness =
+            group.globals.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
+        for method in &spec.methods {
+            let keys = group.keys(method);
+            for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
+                if let Some(Sample { report, .. }) = journal.get::<Sample>(key) {
+                    let label = format!("{width}x{height}, {roughness}, sample {n}");
+                    frames.push(TimedFrame { method: method.name, label, report });
+                }
+            }
+        }
+    }
+    frames
 }
 
 #[cfg(test)]
@@ -187,8 +244,18 @@ mod tests {
             let (sizes, globals) = (vec![[64, 48]], vec![Globals::default()]);
             let (view, setup) = (&scene.views[0], setup.clone());
             let methods = vec![method];
-            let spec =
-                TimeSpec { gpu: &gpu, scene: &scene, view, methods, sizes, globals, setup, warmup: 0, samples: 1 };
+            let spec = TimeSpec {
+                gpu: &gpu,
+                scene: &scene,
+                view,
+                methods,
+                sizes,
+                globals,
+                setup,
+                warmup: 0,
+                samples: 1,
+                a_a: false,
+            };
             let group = spec.groups().next().expect("one size");
             group.key(method, 0)
         };

@@ -59,6 +59,7 @@ impl Slot {
         let time = |((name, counted), pair): (&(String, bool), &[f64])| PassTime {
             name: name.clone(),
             ms: pair[1] - pair[0],
+            start_ms: pair[0],
             counted: *counted,
         };
         Ok((self.timed.iter().zip(pairs).map(time).collect(), stamps.last().copied().unwrap_or(0.0)))

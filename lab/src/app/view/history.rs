@@ -87,8 +87,12 @@ mod tests {
     use crate::gpu::PassTime;
 
     fn report(passes: &[(&str, f64, bool)]) -> FrameReport {
-        let pass =
-            |(name, ms, counted): &(&str, f64, bool)| PassTime { name: (*name).into(), ms: *ms, counted: *counted };
+        let pass = |(name, ms, counted): &(&str, f64, bool)| PassTime {
+            name: (*name).into(),
+            ms: *ms,
+            start_ms: 0.0,
+            counted: *counted,
+        };
         FrameReport { passes: passes.iter().map(pass).collect(), ..FrameReport::default() }
     }
 

@@ -14,7 +14,7 @@ fn row(method: &str, sample: u64, pass: &str, counted: bool, ms: f64) -> TimeSam
         ("cone_samples", "7"),
     ];
     let subject = Subject(set.map(|(name, value)| (name.to_owned(), value.to_owned())).into());
-    TimeSample { subject: Arc::new(subject), sample, pass: pass.into(), counted, ms }
+    TimeSample { subject: Arc::new(subject), sample, pass: pass.into(), counted, ms, floors: [None; 2] }
 }
 
 /// Six frames of a method: an uncounted pass and two counted ones.
@@ -41,6 +41,23 @@ fn totals_are_sums_of_counted_passes_frame_by_frame() {
         ]
     );
     assert!(records.iter().all(|r| (r.samples_a, r.samples_b, r.only_in) == (6, 6, None)));
+}
+
+#[test]
+fn nothing_within_the_noise_floor_is_faster_or_slower() {
+    let with_floor = |scale: f64, floors: [Option<f64>; 2]| {
+        let mut run = run("ssct", scale);
+        run.samples.iter_mut().for_each(|s| s.floors = floors);
+        run
+    };
+    let verdicts = |floors: [Option<f64>; 2]| {
+        let records = times(&run("ssct", 1.0), &with_floor(1.2, floors), 0.05);
+        ["trace", TOTAL].map(|pass| records.iter().find(|r| r.pass == pass).expect(pass).verdict)
+    };
+    let (same, slower) = (Some(Verdict::Same), Some(Verdict::Slower));
+    assert_eq!(verdicts([None, None]), [slower, slower]);
+    assert_eq!(verdicts([Some(0.3), Some(0.1)]), [same, slower]);
+    assert_eq!(verdicts([Some(0.1), Some(0.3)]), [slower, same]);
 }
 
 #[test]

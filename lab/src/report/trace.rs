@@ -1,0 +1,84 @@
+//! Timed frames as a trace for Chrome (chrome://tracing) and Perfetto: the Trace Event Format, with one process for the
+//! host and one for the device, and in each a thread for every method.
+
+use crate::study::timing::TimedFrame;
+use serde_json::{Value, json};
+
+/// The processes of the trace.
+const HOST: u32 = 1;
+const DEVICE: u32 = 2;
+
+/// Writes the frames in the order in which they ran. The clocks of host and device are not the same: a frame of the device
+/// is drawn so that it ends when the host saw its end. Times are in microseconds from the first frame.
+pub fn json(frames: &[TimedFrame]) -> String {
+    let mut events: Vec<Value> = Vec::new();
+    let mut methods: Vec<&str> = Vec::new();
+    let begun = |f: &TimedFrame| f.report.host.map(|h| h.begun_us);
+    let first = frames.iter().filter_map(begun).min().unwrap_or(0);
+    for (process, name) in [(HOST, "host"), (DEVICE, "device")] {
+        events.push(json!({"name": "process_name", "ph": "M", "pid": process, "args": {"name": name}}));
+    }
+    for frame in frames {
+        let Some(host) = frame.report.host else { continue };
+        let thread = methods.iter().position(|m| *m == frame.method).unwrap_or_else(|| {
+            methods.push(frame.method);
+            for process in [HOST, DEVICE] {
+                let name = json!({"name": frame.method});
+                events.push(json!({
+                    "name": "thread_name", "ph": "M", "pid": process, "tid": methods.len() - 1, "args": name,
+                }));
+            }
+            methods.len() - 1
+        });
+        let mut event = |process: u32, name: &str, category: &str, start_us: f64, ms: f64| {
+            events.push(json!({
+                "name": name, "cat": category, "ph": "X", "pid": process, "tid": thread, "ts": start_us, "dur": 1e3 * ms,
+                "args": {"frame": frame.label},
+            }));
+        };
+        let start = (host.begun_us - first) as f64;
+        let submitted = start + 1e3 * host.record_ms;
+        event(HOST, "record", "host", start, host.record_ms);
+        event(HOST, "wait", "host", submitted, host.wait_ms);
+        let on_device = submitted + 1e3 * (host.wait_ms - frame.report.frame_ms).max(0.0);
+        event(DEVICE, &frame.label, "frame", on_device, frame.report.frame_ms);
+        for pass in &frame.report.passes {
+            let category = if pass.counted { "effect" } else { "scene" };
+            event(DEVICE, &pass.name, category, on_device + 1e3 * pass.start_ms, pass.ms);
+        }
+    }
+    json!({"displayTimeUnit": "ms", "traceEvents": events}).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::frame::HostTime;
+    use crate::gpu::{FrameReport, PassTime};
+
+    #[test]
+    fn passes_lie_within_their_frame_and_frames_follow_each_other() {
+        let pass = |name: &str, start_ms: f64| PassTime { name: name.into(), ms: 2.0, start_ms, counted: true };
+        let frame = |begun_us: u64| TimedFrame {
+            method: "ssct",
+            label: "64x36, sample 0".into(),
+            report: FrameReport {
+                passes: vec![pass("a", 0.5), pass("b", 2.5)],
+                frame_ms: 5.0,
+                host: Some(HostTime { begun_us, record_ms: 1.0, wait_ms: 6.0 }),
+                ..FrameReport::default()
+            },
+        };
+        let text = json(&[frame(1_000_000), frame(1_010_000)]);
+        let trace: Value = serde_json::from_str(&text).unwrap();
+        let events = trace["traceEvents"].as_array().unwrap();
+        let timed: Vec<_> = events.iter().filter(|e| e["ph"] == "X").collect();
+        assert_eq!(timed.len(), 2 * (2 + 1 + 2));
+        let of = |name: &str| {
+            timed.iter().filter(|e| e["name"] == name).map(|e| e["ts"].as_f64().unwrap()).collect::<Vec<_>>()
+        };
+        // Submitted after 1 ms, done after 7: the device's 5 ms begin at 2.
+        assert_eq!(of("a"), [2500.0, 12500.0]);
+        assert_eq!(of("record"), [0.0, 10000.0]);
+    }
+}
