@@ -98,6 +98,8 @@ const int CONVERT_REVERSED_DEPTH = 1;  // Reversed depth, as a colour.
 const int CONVERT_MOTION = 2;          // Texture coordinates now less those in the frame before.
 const int CONVERT_VIEW_NORMAL = 3;     // As it is; 4: 0 to 1; 5: octahedral; 6: octahedral, 0 to 1.
 const int CONVERT_WORLD_NORMAL = 7;    // The same in world space, up to 10.
+const int CONVERT_VIEW_PLACE = 11;     // Where the surface stands in view space; w 1, and all 0 where nothing stands.
+const int CONVERT_WORLD_PLACE = 12;    // The same in world space.
 
 const int ALPHA_FADE = 0;              // What is in a of a user's reflection: its fade.
 const int ALPHA_PREMULTIPLIED = 1;     // Its fade, which the colour is multiplied by already.

@@ -11,7 +11,7 @@ layout(binding = 2) uniform sampler2D normal_buffer;  // view space
 
 layout(std140, binding = 3) uniform ConvertBlock {
     mat4 clip_to_clip_before; // with reversed depth, from this frame's to the frame's before
-    vec4 turn;                // signs of x, y and z of a normal
+    mat4 axes;                // from this program's axes to those of the shader
     int what;                 // CONVERT_*
 } convert;
 
@@ -36,10 +36,16 @@ void main() {
         vec4 before = convert.clip_to_clip_before * ndc;
         vec2 uv_before = before.xy / before.w * vec2(0.5, -0.5) + 0.5;
         value.rg = before.w > 0.0 ? uv - uv_before : vec2(0.0);
+    } else if (convert.what >= CONVERT_VIEW_PLACE) {
+        vec4 place = camera.clip_to_view_reversed * ndc;
+        place /= place.w;
+        if (convert.what == CONVERT_WORLD_PLACE)
+            place = camera.view_to_world * place;
+        value = depth > 0.0 ? vec4(mat3(convert.axes) * place.xyz, 1.0) : vec4(0.0);
     } else {
         bool in_world = convert.what >= CONVERT_WORLD_NORMAL;
         vec3 n = dot(normal, normal) > 0.0 ? normalize(normal) : vec3(0.0);
-        n = convert.turn.xyz * (in_world ? mat3(camera.view_to_world) * n : n);
+        n = mat3(convert.axes) * (in_world ? mat3(camera.view_to_world) * n : n);
         int encoding = convert.what - (in_world ? CONVERT_WORLD_NORMAL : CONVERT_VIEW_NORMAL);
         if (encoding == 0)
             value.xyz = n;

@@ -103,6 +103,8 @@ fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
         "normal:view",
         "normal:view:octahedral-unorm",
         "normal:world:unorm",
+        "position:view",
+        "position:world",
         "material",
         "hi-z:min:reversed",
         "hi-z:max:linear",

@@ -3,6 +3,7 @@
 use super::manifest::{Conventions, Hand, SamplerName};
 use super::noise;
 use super::source::{CapturePart, Depth, DepthChain, ImageSource, Normal};
+use super::values;
 use crate::error::{Error, Result};
 use crate::gpu::memory::{Buffer, MemoryPlace};
 use crate::gpu::program::Sampled;
@@ -12,7 +13,8 @@ use crate::gpu::{
     ComputePipeline, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Sampler, Target, image,
 };
 use crate::math::constants::{
-    CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_WORLD_NORMAL,
+    CONVERT_LINEAR_DEPTH, CONVERT_MOTION, CONVERT_REVERSED_DEPTH, CONVERT_VIEW_NORMAL, CONVERT_VIEW_PLACE,
+    CONVERT_WORLD_NORMAL, CONVERT_WORLD_PLACE,
 };
 use crate::methods::{Input, unified};
 use crate::passes::color_chain::{ChainFilter, ColorChainPass};
@@ -41,7 +43,7 @@ enum Made {
         pipeline: GraphicsPipeline<Convert<'static>>,
         image: Image,
         what: i32,
-        turn: [f32; 4],
+        axes: Hand,
     },
     Reduced {
         copy: ComputePipeline<Reduce<'static>>,
@@ -71,12 +73,12 @@ impl Inputs {
         if self.made.iter().any(|(known, _)| known == source) {
             return Ok(());
         }
-        let converted = |what: i32, turn: [f32; 4], format: vk::Format| -> Result<Made> {
+        let converted = |what: i32, axes: Hand, format: vk::Format| -> Result<Made> {
             Ok(Made::Converted {
                 pipeline: GraphicsPipeline::fullscreen(gpu, [format])?,
                 image: Image::target(gpu, &source.to_string(), format, extent)?,
                 what,
-                turn,
+                axes,
             })
         };
         let float = vk::Format::R32_SFLOAT;
@@ -92,16 +94,22 @@ impl Inputs {
             }
             ImageSource::Depth(Depth::Reversed) => Made::There,
             ImageSource::Depth(Depth::Standard) => Made::Thesis(HiZPass::depth_alone(gpu, extent)?),
-            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, [0.0; 4], float)?,
+            ImageSource::Depth(Depth::Linear) => converted(CONVERT_LINEAR_DEPTH, Hand::Left, float)?,
             ImageSource::Normal(Normal { world, encoding }) => {
                 let hand = if *world { conventions.world } else { conventions.view };
-                let turn = [1.0, 1.0, if hand == Hand::Right { -1.0 } else { 1.0 }, 0.0];
                 if !world && *encoding == 0 && hand == Hand::Left {
                     Made::There
                 } else {
                     let first = if *world { CONVERT_WORLD_NORMAL } else { CONVERT_VIEW_NORMAL };
-                    converted(first + i32::from(*encoding), turn, vk::Format::R16G16B16A16_SFLOAT)?
+                    converted(first + i32::from(*encoding), hand, vk::Format::R16G16B16A16_SFLOAT)?
                 }
+            }
+            ImageSource::Position { world } => {
+                let (what, hand) = match world {
+                    true => (CONVERT_WORLD_PLACE, conventions.world),
+                    false => (CONVERT_VIEW_PLACE, conventions.view),
+                };
+                converted(what, hand, vk::Format::R32G32B32A32_SFLOAT)?
             }
             ImageSource::ThesisHiZ => Made::Thesis(HiZPass::new(gpu, extent, true)?),
             ImageSource::Visibility => {
@@ -109,7 +117,7 @@ impl Inputs {
                 Made::Visibility(VisibilityPass::new(gpu, extent)?)
             }
             ImageSource::Pyramid => Made::Pyramid(PyramidPass::new(gpu, extent)?),
-            ImageSource::Motion => converted(CONVERT_MOTION, [0.0; 4], vk::Format::R32G32_SFLOAT)?,
+            ImageSource::Motion => converted(CONVERT_MOTION, Hand::Left, vk::Format::R32G32_SFLOAT)?,
             ImageSource::BlueNoise => Made::Noise(blue_noise(gpu)?),
             ImageSource::DepthChain(DepthChain { maximum, depth, padded }) => {
                 let of = ImageSource::Depth(*depth);
@@ -134,7 +142,7 @@ impl Inputs {
                 } else {
                     if **of == ImageSource::Depth(Depth::Reversed) {
                         // A depth buffer is kept as a colour, and then read as that.
-                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, [0.0; 4], float)?);
+                        let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, Hand::Left, float)?);
                         // In its place, before what is made of it.
                         match self.made.iter_mut().find(|(known, _)| known == &**of) {
                             Some(known) => *known = as_color,
@@ -186,12 +194,12 @@ impl Inputs {
                 Made::Pyramid(pass) => {
                     pass.record(frame, gbuffer, &unified::parameters(input.camera, extent, false))?;
                 }
-                Made::Converted { pipeline, image, what, turn } => {
+                Made::Converted { pipeline, image, what, axes } => {
                     let program = Convert {
                         camera: &camera_block(input.camera, extent),
                         depth_buffer: Sampled::nearest(gbuffer.depth.all()),
                         normal_buffer: Sampled::nearest(gbuffer.normal.all()),
-                        convert: &convert_block(input.camera, before, *what, *turn),
+                        convert: &convert_block(input.camera, before, *what, *axes),
                     };
                     frame.fullscreen(&name, pipeline, [Target::overwrite(image.all())], &program)?;
                 }
@@ -283,11 +291,11 @@ pub fn sampler(source: &ImageSource, named: Option<SamplerName>) -> Sampler {
     }
 }
 
-fn convert_block(camera: &Camera, before: &Camera, what: i32, turn: [f32; 4]) -> ConvertBlock {
+fn convert_block(camera: &Camera, before: &Camera, what: i32, axes: Hand) -> ConvertBlock {
     let clip = |c: &Camera| c.view_to_clip_reversed().as_dmat4() * c.world_to_view.as_dmat4();
     ConvertBlock {
         clip_to_clip_before: (clip(before) * clip(camera).inverse()).as_mat4().to_cols_array_2d(),
-        turn,
+        axes: values::axes(axes).as_mat4().to_cols_array_2d(),
         what,
         ..ConvertBlock::default()
     }

@@ -48,10 +48,10 @@ pub struct Manifest {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Conventions {
-    /// Which hand view space follows: `left`, looking along +z, or `right`, along −z.
+    /// Which hand view space follows: `left`, looking along +z, `right`, along −z, or `right-z-up`, along +y.
     #[serde(default)]
     pub view: Hand,
-    /// Which hand world space follows; right-handed, z is turned.
+    /// Which hand world space follows: `left`, `right`, in which z is turned, or `right-z-up`, in which y and z change places.
     #[serde(default)]
     pub world: Hand,
     /// How matrices lie in memory.
@@ -71,6 +71,8 @@ pub enum Hand {
     #[default]
     Left,
     Right,
+    /// x to the right, y forwards, z up.
+    RightZUp,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]

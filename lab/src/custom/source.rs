@@ -58,6 +58,11 @@ pub enum ImageSource {
     Depth(Depth),
     /// A normal.
     Normal(Normal),
+    /// Where surfaces stand.
+    Position {
+        /// In world space, else in view space.
+        world: bool,
+    },
     /// Reflectivity and roughness.
     Material,
     /// A chain of depths.
@@ -103,7 +108,7 @@ impl ImageSource {
         let words: Vec<&str> = text.split(':').collect();
         let unknown = || {
             format!(
-                "{text:?} is no image that there is: lit-colour, lit-colour-chain, depth:reversed, normal:view, material, \
+                "{text:?} is no image that there is: lit-colour, lit-colour-chain, depth:reversed, normal:view, position:view, material, \
                  hi-z:min:reversed, thesis-hi-z, visibility, pyramid, blue-noise, motion, sky, captures:colour, previous:… \
                  or an image of this method"
             )
@@ -125,6 +130,7 @@ impl ImageSource {
                 let encoding = rest.first().map_or(Some(0), |name| ENCODINGS.iter().position(|e| e == name));
                 Self::Normal(Normal { world: space == "world", encoding: encoding.ok_or_else(unknown)? as u8 })
             }
+            ["position", space @ ("view" | "world")] => Self::Position { world: space == "world" },
             ["material"] => Self::Material,
             ["hi-z", which @ ("min" | "max"), depth, ref rest @ ..] if matches!(rest, [] | ["padded"]) => {
                 let depth = Depth::of(depth).ok_or_else(unknown)?;
@@ -145,7 +151,10 @@ impl ImageSource {
 
     /// Whether it is an image of one level that frames leave for the next.
     fn can_be_kept(&self) -> bool {
-        matches!(self, Self::LitColour | Self::Depth(_) | Self::Normal(_) | Self::Material | Self::Own(_))
+        matches!(
+            self,
+            Self::LitColour | Self::Depth(_) | Self::Normal(_) | Self::Position { .. } | Self::Material | Self::Own(_)
+        )
     }
 
     /// Whether it has several levels, or is read between texels.
@@ -175,6 +184,7 @@ impl fmt::Display for ImageSource {
             Self::Normal(n) => {
                 write!(f, "normal:{}:{}", if n.world { "world" } else { "view" }, ENCODINGS[usize::from(n.encoding)])
             }
+            Self::Position { world } => write!(f, "position:{}", if *world { "world" } else { "view" }),
             Self::Material => write!(f, "material"),
             Self::DepthChain(h) => {
                 let (which, padded) = (if h.maximum { "max" } else { "min" }, if h.padded { ":padded" } else { "" });
@@ -211,6 +221,8 @@ mod tests {
             "depth:linear",
             "normal:view:float",
             "normal:world:octahedral-unorm",
+            "position:view",
+            "position:world",
             "material",
             "hi-z:min:reversed",
             "hi-z:max:linear:padded",

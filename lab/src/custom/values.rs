@@ -3,7 +3,7 @@
 use super::manifest::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3, DVec4, Vec3};
 
 /// What a manifest gives to a field: numbers, or the name of something that changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -227,7 +227,7 @@ impl FrameState<'_> {
 
     /// A place of the world in the shader's world space.
     fn world(&self, place: DVec3) -> DVec3 {
-        if self.conventions.world == Hand::Right { place * DVec3::new(1.0, 1.0, -1.0) } else { place }
+        axes(self.conventions.world).transform_vector3(place)
     }
 
     fn eye(&self) -> DVec3 {
@@ -236,8 +236,8 @@ impl FrameState<'_> {
 
     /// World to view space of a camera, in the shader's spaces.
     fn world_to_view(&self, camera: &Camera) -> DMat4 {
-        let turned = |hand: Hand| if hand == Hand::Right { mirror_z() } else { DMat4::IDENTITY };
-        turned(self.conventions.view) * camera.world_to_view.as_dmat4() * turned(self.conventions.world)
+        // Each of the axes is its own inverse.
+        axes(self.conventions.view) * camera.world_to_view.as_dmat4() * axes(self.conventions.world)
     }
 
     /// View to clip space of a camera, in the shader's spaces.
@@ -252,7 +252,7 @@ impl FrameState<'_> {
                 stretched * camera.view_to_clip().as_dmat4()
             }
         };
-        let of = if self.conventions.view == Hand::Right { of * mirror_z() } else { of };
+        let of = of * axes(self.conventions.view);
         match self.conventions.clip_y {
             ClipAxis::Up => of,
             ClipAxis::Down => DMat4::from_scale(DVec3::new(1.0, -1.0, 1.0)) * of,
@@ -293,8 +293,13 @@ fn scale(camera: &Camera) -> [f64; 2] {
     [projection.x_axis.x, projection.y_axis.y]
 }
 
-fn mirror_z() -> DMat4 {
-    DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0))
+/// From this program's axes, which are left-handed with y up, to those of a shader; its own inverse.
+pub fn axes(hand: Hand) -> DMat4 {
+    match hand {
+        Hand::Left => DMat4::IDENTITY,
+        Hand::Right => DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0)),
+        Hand::RightZUp => DMat4::from_cols(DVec4::X, DVec4::Z, DVec4::Y, DVec4::W),
+    }
 }
 
 #[cfg(test)]
@@ -338,6 +343,11 @@ mod tests {
         let mirrored = place * DVec3::new(1.0, 1.0, -1.0);
         assert!(matrix(&theirs, "world-to-clip").project_point3(mirrored).distance(seen) < 1e-9);
         assert!(matrix(&theirs, "world-to-view").transform_point3(mirrored).z < 0.0, "it looks along −z");
+        let up = Conventions { view: Hand::RightZUp, world: Hand::RightZUp, ..Conventions::default() };
+        let z_up = state(&camera, &values, up);
+        let swapped = DVec3::new(place.x, place.z, place.y);
+        assert!(matrix(&z_up, "world-to-clip").project_point3(swapped).distance(seen) < 1e-9);
+        assert!(matrix(&z_up, "world-to-view").transform_point3(swapped).y > 0.0, "it looks along +y");
         let gl = Conventions { clip_depth: ClipDepth::MinusOneToOne, clip_y: ClipAxis::Down, ..right };
         let in_gl = matrix(&state(&camera, &values, gl), "world-to-clip").project_point3(mirrored);
         assert!(in_gl.distance(DVec3::new(seen.x, -seen.y, 2.0 * seen.z - 1.0)) < 1e-9, "{in_gl} {seen}");
