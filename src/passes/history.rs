@@ -67,7 +67,7 @@ impl HistoryPass {
     }
 
     /// Pass "history". `distance` is from each pixel's point to what it reflects, in units of
-    /// [`unit`], where the method knows it: a mirror's image moves as what it shows, not as the mirror.
+    /// [`unit()`], where the method knows it: a mirror's image moves as what it shows, not as the mirror.
     ///
     /// # Errors
     /// Those of the device.
