@@ -82,6 +82,7 @@ lint: setup
 	$(CARGO) clippy --all-targets -- -D warnings
 	$(CARGO) clippy --package ssct --features compile-shaders -- -D warnings
 	cd lab && $(CARGO) clippy --no-default-features -- -D warnings
+	cd lab && $(CARGO) clippy --no-default-features --features tracy -- -D warnings
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --no-deps
 
 bench: setup

@@ -3,6 +3,7 @@
 
 use super::journal::Journal;
 use super::stage::{Shot, Stage};
+use super::zones::Zones;
 use crate::error::Result;
 use crate::gpu::FrameReport;
 use crate::gpu::frame::Mode;
@@ -59,6 +60,7 @@ pub fn interleave(
     journal: &mut Journal,
     progress: &mut dyn FnMut() -> Result<()>,
 ) -> Result<()> {
+    let zones = Zones::begin();
     let lacks = |journal: &Journal, shot: usize| {
         rounds.iter().filter_map(|r| r.label.as_deref()).any(|label| !journal.has(&key(shot, label)))
     };
@@ -71,7 +73,9 @@ pub fn interleave(
                 if let Some(camera) = round.camera {
                     shots[shot].camera = camera;
                 }
-                let (report, drawn) = stage.run(&shots[shot], round.mode)?;
+                let name = key.clone().unwrap_or_else(|| format!("shot {shot}, warm-up"));
+                let run = || stage.run(&shots[shot], round.mode);
+                let (report, drawn) = zones.frame(&name, run, |made| made.as_ref().ok().map(|(report, _)| report))?;
                 if let Some(key) = key {
                     journal.put(key, &Sample { report, drawn })?;
                 }

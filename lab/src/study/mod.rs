@@ -18,6 +18,7 @@ pub mod table;
 pub mod timing;
 pub mod twin;
 pub mod video;
+mod zones;
 
 pub use image::{Intermediates, RenderedImage};
 pub use record::{Stats, TimeRecord};

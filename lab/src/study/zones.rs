@@ -1,0 +1,60 @@
+//! Zones for the profiler Tracy, with the feature `tracy`: each timed frame on the host, and each of its passes on the
+//! device. Without the feature, nothing.
+
+use crate::gpu::FrameReport;
+
+/// What draws zones.
+#[cfg(feature = "tracy")]
+pub struct Zones {
+    client: tracy_client::Client,
+    device: Option<tracy_client::GpuContext>,
+    begun: std::time::Instant,
+}
+
+/// What draws zones: nothing.
+#[cfg(not(feature = "tracy"))]
+pub struct Zones;
+
+#[cfg(feature = "tracy")]
+impl Zones {
+    /// Starts the client, which a running profiler finds on this machine.
+    pub fn begin() -> Self {
+        let client = tracy_client::Client::start();
+        // Timestamps are uploaded in nanoseconds from now on.
+        let device = client.clone().new_gpu_context(Some("device"), tracy_client::GpuContextType::Vulkan, 0, 1.0).ok();
+        Self { client, device, begun: std::time::Instant::now() }
+    }
+
+    /// Runs a frame within a zone, and draws the passes that it reports. The frame is drawn so that it ends on the device
+    /// when the host saw its end.
+    pub fn frame<T>(&self, name: &str, run: impl FnOnce() -> T, report: impl Fn(&T) -> Option<&FrameReport>) -> T {
+        let zone = self.client.clone().span_alloc(Some(name), "frame", file!(), line!(), 0);
+        let made = run();
+        drop(zone);
+        if let (Some(device), Some(report)) = (&self.device, report(&made)) {
+            let nanoseconds = |ms: f64| (1e6 * ms) as i64;
+            let end = self.begun.elapsed().as_nanos() as i64;
+            let start = end - nanoseconds(report.frame_ms);
+            for pass in &report.passes {
+                let Ok(mut span) = device.span_alloc(&pass.name, name, file!(), line!()) else { break };
+                span.end_zone();
+                span.upload_timestamp_start(start + nanoseconds(pass.start_ms));
+                span.upload_timestamp_end(start + nanoseconds(pass.start_ms + pass.ms));
+            }
+        }
+        made
+    }
+}
+
+#[cfg(not(feature = "tracy"))]
+impl Zones {
+    /// Nothing.
+    pub fn begin() -> Self {
+        Self
+    }
+
+    /// Runs a frame.
+    pub fn frame<T>(&self, _name: &str, run: impl FnOnce() -> T, _report: impl Fn(&T) -> Option<&FrameReport>) -> T {
+        run()
+    }
+}
