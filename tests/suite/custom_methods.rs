@@ -151,6 +151,31 @@ fn every_kind_of_input_is_made_and_passes_the_validation_layers() {
 }
 
 #[test]
+fn captures_and_the_sky_are_cubes() {
+    let folder = Folder::new();
+    folder.write("room.obj", ROOM);
+    std::fs::create_dir(folder.path("m")).unwrap();
+    let shader = "#version 450\nlayout(location = 0) out vec4 result;\nuniform samplerCube sky;\n\
+        uniform samplerCubeArray cubes;\nuniform sampler2D normals;\n\
+        layout(std140) uniform B { vec4 places[8]; int count; };\nvoid main() {\n\
+        vec3 n = texelFetch(normals, ivec2(gl_FragCoord.xy), 0).xyz;\n\
+        vec4 seen = textureLod(sky, n, 0.0) + textureLod(cubes, vec4(n, 0.0), 0.0);\n\
+        result = vec4(seen.rgb + 1e-3 * places[0].y * float(count), 1.0);\n}\n";
+    folder.write("m/a.frag", shader);
+    let manifest = "name = \"cubes\"\nsummary = \"cubes\"\ncaptures = true\n[image.result]\nformat = \"rgba16f\"\n\
+        [[pass]]\nname = \"look\"\nshader = \"a.frag\"\ntargets = [\"result\"]\n[inputs]\nsky = \"sky\"\n\
+        cubes = \"captures:colour\"\nnormals = \"normal:world\"\n[values]\nplaces = \"capture-places\"\n\
+        count = \"capture-count\"\n[output]\nreflection = \"result\"\n";
+    folder.write("m/method.toml", manifest);
+    let captured = ["--method", "m", "--validation", "--captures", "1", "--capture-side", "128", "-o", "a.png"];
+    folder.succeed(&on_room("render", &captured));
+    let without = on_room("render", &["--method", "m", "-o", "b.png"]);
+    let output = folder.run(&without);
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && text.contains("captures:colour, and there are no captures"), "{text}");
+}
+
+#[test]
 fn mistakes_in_a_manifest_get_its_line() {
     let render = on_room("render", &["--method", "m", "-o", "x.png"]);
     let cases = [

@@ -544,7 +544,7 @@ impl Running {
                         },
                         ImageSource::Sky => match input.sky {
                             Some(sky) => {
-                                resources.push(Resource::Sampled(Sampled(sky.faces(), *sampler)));
+                                resources.push(Resource::Sampled(Sampled(sky.all(), *sampler)));
                                 continue;
                             }
                             None => {
