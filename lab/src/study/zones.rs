@@ -3,17 +3,15 @@
 
 use crate::gpu::FrameReport;
 
-/// What draws zones.
-#[cfg(feature = "tracy")]
+/// What draws zones; nothing without the feature.
 pub struct Zones {
+    #[cfg(feature = "tracy")]
     client: tracy_client::Client,
+    #[cfg(feature = "tracy")]
     device: Option<tracy_client::GpuContext>,
+    #[cfg(feature = "tracy")]
     begun: std::time::Instant,
 }
-
-/// What draws zones: nothing.
-#[cfg(not(feature = "tracy"))]
-pub struct Zones;
 
 #[cfg(feature = "tracy")]
 impl Zones {
@@ -50,7 +48,7 @@ impl Zones {
 impl Zones {
     /// Nothing.
     pub fn begin() -> Self {
-        Self
+        Self {}
     }
 
     /// Runs a frame.
