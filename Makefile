@@ -6,7 +6,7 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study bars test test-wgpu test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
+.PHONY: all setup build package study bars test test-wgpu test-drivers test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
 
 all: build
 
@@ -37,6 +37,10 @@ test: setup
 test-wgpu: build
 	SSCT_COMMAND="$(BIN)" $(CARGO) test --manifest-path examples/wgpu/Cargo.toml \
 		--target-dir "$(or $(CARGO_TARGET_DIR),target)"
+
+# The tests of drivers on lavapipe and on SwiftShader, under a younger validation layer; both are fetched: minutes.
+test-drivers: setup
+	CARGO="$(CARGO)" scripts/test-drivers.sh
 
 # Every allocation and every submission of every method made to fail: minutes.
 test-faults: setup

@@ -5,10 +5,9 @@ use super::{CameraInput, ClipY, Context, ImageInput};
 use crate::error::{Error, Result};
 use crate::gpu::FrameContext;
 use crate::gpu::frame::Mode;
-use crate::methods::capture::CaptureImages;
+use crate::methods::capture::{CaptureImages, FaceKeeper};
 use crate::passes::Reflectors;
 use crate::passes::import::{Factor, Foreign, ImportPass};
-use crate::passes::pyramid::PyramidPass;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use ash::vk;
 use glam::Vec3;
@@ -46,7 +45,7 @@ pub struct CaptureFaceInput {
 pub struct CaptureCubes {
     frames: FrameContext,
     import: ImportPass,
-    pyramids: PyramidPass,
+    keep: FaceKeeper,
     images: CaptureImages,
     camera: super::camera::Taken,
     /// A bit for each face that was handed over.
@@ -85,7 +84,7 @@ impl CaptureCubes {
         Ok(Self {
             frames: FrameContext::in_others(gpu, info.frames_in_flight)?,
             import: ImportPass::new(gpu, extent)?.labelled("capture/import"),
-            pyramids: PyramidPass::new(gpu, extent)?.labelled("capture/pyramid"),
+            keep: FaceKeeper::new(gpu, extent)?,
             images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?,
             camera,
             taken: 0,
@@ -133,7 +132,7 @@ impl CaptureCubes {
             leaves_sky_out: true,
         };
         let gbuffer = self.import.record(&mut frame, &foreign, &self.camera.camera)?;
-        self.images.take_face(&mut frame, &self.pyramids, &gbuffer, number)?;
+        self.images.take_face(&mut frame, &self.keep, &gbuffer, number)?;
         borrowed.end(&mut frame);
         frame.end()?;
         self.taken |= 1 << number;

@@ -29,6 +29,9 @@ pub struct DeviceQuery {
     /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
     /// with `validation`.
     pub gpu_assisted: bool,
+    /// Whether material maps are sampled without anisotropy. Where a driver puts the samples of an anisotropic filter is
+    /// its own affair, so that images of different drivers differ less without.
+    pub isotropic: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
     /// Instance extensions that a window needs.
@@ -47,6 +50,17 @@ pub struct DeviceInfo {
     /// "discrete GPU", "integrated GPU", "virtual GPU", "CPU" or "other".
     #[serde(rename = "type")]
     pub kind: String,
+}
+
+/// How finely a device rasterises and filters: bits of its fixed-point numbers, as it states them.
+#[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize, PartialEq, Eq)]
+pub struct Precision {
+    /// Of the position of a vertex within a pixel.
+    pub sub_pixel_bits: u32,
+    /// Of the place between two texels.
+    pub sub_texel_bits: u32,
+    /// Of the place between two levels.
+    pub mipmap_bits: u32,
 }
 
 /// One line of `ssct devices`.
@@ -196,6 +210,16 @@ impl Gpu {
     /// Whether the queues have timestamps.
     pub fn has_timestamps(&self) -> bool {
         self.shared.timestamp_mask != 0
+    }
+
+    /// How finely it rasterises and filters.
+    pub fn precision(&self) -> Precision {
+        let limits = &self.shared.limits;
+        Precision {
+            sub_pixel_bits: limits.sub_pixel_precision_bits,
+            sub_texel_bits: limits.sub_texel_precision_bits,
+            mipmap_bits: limits.mipmap_precision_bits,
+        }
     }
 
     /// What the device calls itself.

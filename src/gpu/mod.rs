@@ -26,7 +26,7 @@ pub mod testing;
 pub mod timing;
 pub mod validation;
 
-pub use device::{DeviceInfo, DeviceQuery, Gpu};
+pub use device::{DeviceInfo, DeviceQuery, Gpu, Precision};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice};
 pub use memory::Buffer;

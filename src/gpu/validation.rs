@@ -4,12 +4,32 @@ use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::Mutex;
 
-/// Message IDs that do not fail a run, each with its reason.
-pub const ALLOWED: &[(&str, &str)] = &[(
-    "UNASSIGNED-BestPractices-pipeline-stage-flags",
-    "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours cannot \
-     overlap",
-)];
+/// A message that does not fail a run.
+#[derive(Debug)]
+pub struct Allowed {
+    /// Its ID.
+    pub id: &'static str,
+    /// The layer's version from which on it says so, as Vulkan encodes versions.
+    pub since: u32,
+    /// Why it does not fail a run.
+    pub reason: &'static str,
+}
+
+/// The messages that do not fail a run.
+pub const ALLOWED: &[Allowed] = &[
+    Allowed {
+        id: "UNASSIGNED-BestPractices-pipeline-stage-flags",
+        since: vk::API_VERSION_1_0,
+        reason: "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours \
+                 cannot overlap",
+    },
+    Allowed {
+        id: "Undefined-Value-ShaderOutputNotConsumed-DynamicRendering",
+        since: vk::make_api_version(0, 1, 4, 0),
+        reason: "a pass of which nobody wants the hits has no attachment for them; what its shader writes there is \
+                 discarded, as the specification says of outputs without an attachment",
+    },
+];
 
 /// The messages of one device.
 #[derive(Debug, Default)]
@@ -41,7 +61,7 @@ impl ValidationLog {
     }
 
     fn push(&self, id: String, text: String) {
-        let allowed = ALLOWED.iter().any(|(known, _)| *known == id);
+        let allowed = ALLOWED.iter().any(|known| known.id == id);
         self.messages.lock().unwrap_or_else(|e| e.into_inner()).push(Message { id, text, allowed });
     }
 }

@@ -8,6 +8,7 @@ use crate::gpu::sync::Access;
 use crate::gpu::{Frame, FrameContext, Gpu, Image, ImageDesc, image};
 use crate::passes::cube_filter::{CubeFilterPass, FACE_SIZE};
 use crate::passes::gbuffer::{GBufferImages, GBufferPass};
+use crate::passes::keep_normal::KeepNormalPass;
 use crate::passes::lighting::LightingPass;
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
@@ -139,11 +140,11 @@ impl CaptureImages {
     ) -> Result<Self> {
         let gpu: Gpu = context.gpu().clone();
         let made = Self::empty(&gpu, taken)?;
-        let pyramids = PyramidPass::new(&gpu, made.color.extent())?.labelled("capture/pyramid");
+        let keep = FaceKeeper::new(&gpu, made.color.extent())?;
         for k in 0..taken.len() {
             for f in 0..6 {
                 let images = GBufferImages::upload(context, &face(k, f)?)?;
-                context.once(|frame| made.take_face(frame, &pyramids, &images.gbuffer(), (6 * k + f) as u32))?;
+                context.once(|frame| made.take_face(frame, &keep, &images.gbuffer(), (6 * k + f) as u32))?;
             }
         }
         made.make_ready(context)?;
@@ -185,17 +186,11 @@ impl CaptureImages {
 
     /// Takes over the images of a face, number 6 k + f for face f of capture k, and makes its part of the colour's chain.
     /// No other face changes: the chain is made of each face alone.
-    pub(crate) fn take_face(
-        &self,
-        frame: &mut Frame,
-        pyramids: &PyramidPass,
-        face: &GBuffer,
-        number: u32,
-    ) -> Result<()> {
+    pub(crate) fn take_face(&self, frame: &mut Frame, keep: &FaceKeeper, face: &GBuffer, number: u32) -> Result<()> {
         let Self { pyramid, normal, color, .. } = self;
-        let blocks = pyramids.record(frame, face, &self.face)?;
+        let blocks = keep.pyramid.record(frame, face, &self.face)?;
         frame.copy_to_layer("capture/keep pyramid", blocks.0.level(0), pyramid.level(0), number)?;
-        frame.blit_to_layer("capture/keep normal", face.normal.level(0), normal.level(0), number)?;
+        keep.normal.record(frame, face, normal, number)?;
         frame.copy_to_layer("capture/keep color", face.color.level(0), color.level(0), number)?;
         for level in 1..color.levels() {
             frame.blit_layer("capture/color", color.level(level - 1), color.level(level), number)?;
@@ -236,10 +231,24 @@ impl CaptureImages {
     }
 }
 
-/// What draws one face of a capture, and its pyramid.
+/// What makes of a face's G-buffer what a capture keeps of it.
+pub(crate) struct FaceKeeper {
+    pyramid: PyramidPass,
+    normal: KeepNormalPass,
+}
+
+impl FaceKeeper {
+    /// For faces of a size in texels.
+    pub(crate) fn new(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        let pyramid = PyramidPass::new(gpu, extent)?.labelled("capture/pyramid");
+        Ok(Self { pyramid, normal: KeepNormalPass::new(gpu)? })
+    }
+}
+
+/// What draws one face of a capture, and keeps it.
 struct FacePasses {
     scene: CaptureFacePass,
-    pyramid: PyramidPass,
+    keep: FaceKeeper,
     near_m: f32,
 }
 
@@ -248,7 +257,7 @@ impl FacePasses {
         let side = taken.first().map_or(1, |c| c.resolution);
         Ok(Self {
             scene: CaptureFacePass::new(gpu, side)?,
-            pyramid: PyramidPass::new(gpu, [side; 2])?.labelled("capture/pyramid"),
+            keep: FaceKeeper::new(gpu, [side; 2])?,
             near_m: common_near_m(taken),
         })
     }
@@ -257,7 +266,7 @@ impl FacePasses {
     fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, number: u32) -> Result<()> {
         let camera = face_camera(into.places[number as usize / 6].get(), number as usize % 6, self.near_m);
         self.scene.record(frame, scene, &camera)?;
-        into.take_face(frame, &self.pyramid, &self.scene.drawn().gbuffer(), number)
+        into.take_face(frame, &self.keep, &self.scene.drawn().gbuffer(), number)
     }
 }
 

@@ -2,7 +2,7 @@
 //! "Images"), over as many rays as there are.
 
 use super::lost::Beyond;
-use super::{Canvas, Captures, GBuffer, Hits, Reflection};
+use super::{Canvas, Captures, GBuffer, HITS, Hits, Reflection, stored_target};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
@@ -13,6 +13,8 @@ pub struct FollowPass {
     mirrors: ComputePipeline<programs::FollowMirrors<'static>>,
     narrow: ComputePipeline<programs::FollowNarrow<'static>>,
     wide: ComputePipeline<programs::FollowWide<'static>>,
+    /// Stands for the hits where they are not wanted: a binding's format must be the shader's even if nothing is written.
+    no_hits: Option<Image>,
 }
 
 /// What is written of the pixels of mirrors, and where rays begin.
@@ -53,6 +55,7 @@ impl FollowPass {
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
             narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over })?,
             wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over })?,
+            no_hits: (!hits).then(|| stored_target(gpu, "no hits", HITS, [1, 1])).transpose()?,
         })
     }
 
@@ -90,7 +93,8 @@ impl FollowPass {
         hits: Option<Hits>,
     ) -> Result<()> {
         // What is not wanted is not written, and needs an image all the same.
-        let Some(any) = canvas.images().next() else { return Ok(()) };
+        let any = canvas.images().next().zip(hits.map(|h| h.0).or(self.no_hits.as_ref()));
+        let Some((any, hits)) = any else { return Ok(()) };
         let program = programs::FollowMirrors {
             unified: captures.face,
             pyramid: captures.pyramid.all(),
@@ -100,7 +104,7 @@ impl FollowPass {
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             composite_image: canvas.composite.unwrap_or(any).all(),
             reflection_image: canvas.reflection.unwrap_or(any).all(),
-            hits_image: hits.map_or(any, |h| h.0).all(),
+            hits_image: hits.all(),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,

@@ -20,6 +20,7 @@ pub mod gbuffer;
 pub mod hi_z;
 pub mod history;
 pub mod import;
+pub mod keep_normal;
 pub mod lighting;
 pub mod linear_trace;
 pub mod look;

@@ -7,6 +7,7 @@ use super::cli::{
     StudyOptions, TimeOptions,
 };
 use super::compare::CompareOptions;
+use super::drivers::DriversOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
@@ -25,6 +26,8 @@ pub struct Cli {
 pub enum Command {
     /// List what Vulkan offers here.
     Devices(DevicesOptions),
+    /// Hold what every device here makes of one G-buffer against what one of them makes of it.
+    Drivers(DriversOptions),
     /// Render one image.
     Render(RenderOptions),
     /// Time every pass on the GPU.

@@ -6,6 +6,7 @@ mod command;
 mod compare;
 mod custom_methods;
 mod devices;
+mod drivers;
 mod error;
 mod error_age;
 mod error_cells;
@@ -65,6 +66,7 @@ pub fn run() -> ExitCode {
         .init();
     let done = match &cli.command {
         Command::Devices(options) => devices::run(options),
+        Command::Drivers(options) => drivers::run(options),
         Command::Render(options) => render::run(options),
         Command::Time(options) => time::run(options),
         Command::Error(options) => error::run(options),

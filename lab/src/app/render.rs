@@ -51,7 +51,7 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
             "method": method.name, "width": options.size[0], "height": options.size[1], "device": gpu.info(),
             "setup": recorded(&setup, Some(method), &camera.lens, &globals),
             "drawn": rendered.drawn, "recorded": rendered.report.recorded, "skipped": rendered.report.skipped,
-            "validation": common.device.validation.then(|| gpu.validation().len()),
+            "validation": common.device.validation.then(|| gpu.violations().len()),
         });
         writeln!(std::io::stdout(), "{}", serde_json::json!([summary]))?;
     }

@@ -95,6 +95,35 @@ pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
     write(path, bytes.get_ref())
 }
 
+/// Reads channels of an image that [`write_exr`] wrote, in the order of their names.
+///
+/// # Errors
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, has more than [`MAX_EXTENT`]
+/// pixels on a side, or lacks a channel.
+pub fn read_exr_channels(path: &Path, names: &[&str]) -> Result<Pixels> {
+    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
+    let limit = MAX_EXTENT as usize;
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
+        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
+    }
+    let layer = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
+    let layer = layer.from_buffered(Cursor::new(&bytes)).map_err(unreadable)?.layer_data;
+    let pixels = layer.size.0 * layer.size.1;
+    let channel = |name: &&str| -> Result<Vec<f32>> {
+        let found = layer.channel_data.list.iter().find(|c| c.name == **name);
+        let values: Option<Vec<f32>> = found.map(|c| c.sample_data.values_as_f32().collect());
+        values.filter(|v| v.len() == pixels).ok_or_else(|| wrong(format!("channel {name} is missing")))
+    };
+    let channels = names.iter().map(channel).collect::<Result<Vec<_>>>()?;
+    let values = (0..pixels).flat_map(|i| channels.iter().map(move |c| c[i])).collect();
+    // Both sides are at most MAX_EXTENT, so they fit.
+    Ok(Pixels { width: layer.size.0 as u32, height: layer.size.1 as u32, channels: names.len(), values })
+}
+
 /// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
 /// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
 ///

@@ -1,6 +1,7 @@
 //! Records and images become files. A file is written whole or not at all.
 
 pub mod age_report;
+pub mod agreement_report;
 pub mod captures;
 pub mod compare;
 pub mod diagrams;
@@ -10,6 +11,7 @@ pub mod files;
 pub mod gbuffer_pictures;
 pub mod html;
 pub mod images;
+pub mod kept_images;
 pub mod mitsuba;
 pub mod path_report;
 pub mod plot;

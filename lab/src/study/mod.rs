@@ -1,6 +1,8 @@
 //! Measurements: run and return plain records. Nothing here prints or writes files.
 
 pub mod age;
+pub mod agreement;
+pub mod bandwidth;
 pub mod captions;
 pub mod compare;
 pub mod error;
@@ -12,9 +14,12 @@ pub mod path;
 pub mod precision;
 pub mod record;
 pub mod stage;
+pub mod stages;
+pub mod steps;
 pub mod stress;
 pub mod sweep;
 pub mod table;
+mod ties;
 pub mod timing;
 pub mod twin;
 pub mod video;

@@ -224,7 +224,7 @@ pub(super) fn open_device(
         [vk::DeviceQueueCreateInfo::default().queue_family_index(queue_family as u32).queue_priorities(&[1.0])];
     let mut features = vk::PhysicalDeviceFeatures::default()
         .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
-        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE)
+        .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE && !query.isotropic)
         .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();

@@ -18,11 +18,6 @@ impl Frame<'_> {
         self.blit_between(name, from, to, [layer_of(name, &from, layer), layer_of(name, &to, layer)])
     }
 
-    /// Scales one level into one layer of another, or converts its format.
-    pub fn blit_to_layer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, layer: u32) -> Result<()> {
-        self.blit_between(name, from, to, [layers(&from), one_layer(name, &from, &to, layer)])
-    }
-
     /// A pass whose one command reads an image and writes another.
     fn transfer(&mut self, name: &str, from: ImageSlice, to: ImageSlice, command: impl FnOnce(&Frame)) -> Result<()> {
         self.pass(name, |frame| {

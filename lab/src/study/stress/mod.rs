@@ -9,6 +9,7 @@ pub mod motion;
 use super::gbuffer::hit_positions;
 use super::record::{Provenance, RecordedSetup, recorded};
 use super::stage::Globals;
+use super::ties::is_tie;
 use crate::error::Result;
 use crate::gpu::{Gpu, Pixels};
 use crate::math::random::Stream;
@@ -19,7 +20,7 @@ use crate::passes::gbuffer::GBufferImages;
 use crate::reference::hierarchy::Hierarchy;
 use crate::scene::{GBufferData, Lens, Scene, View};
 use cases::Case;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use lineup::{Made, SceneLineup, ScreenLineup};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -164,26 +165,12 @@ impl<'a> Truth<'a> {
     fn compare(&self, hits: &[Option<[f64; 2]>], ties: bool) -> (usize, Option<usize>) {
         let verdict = |n: usize| HitVerdict::of(hits[self.pixels[n] as usize], self.hits[n]);
         let wrong: Vec<usize> = (0..self.pixels.len()).filter(|n| verdict(*n) != HitVerdict::Agrees).collect();
-        let tie = |n: &&usize| self.is_tie(self.pixels[**n], hits[self.pixels[**n] as usize]);
+        let width = self.hierarchy.rays().gbuffer.width;
+        let tie = |n: &&usize| {
+            let pixel = self.pixels[**n];
+            is_tie(&self.hierarchy, [pixel % width, pixel / width], hits[pixel as usize])
+        };
         (self.pixels.len() - wrong.len(), ties.then(|| wrong.par_iter().filter(tie).count()))
-    }
-
-    /// Whether a ray that differs from the pixel's by a few units in the last place of an f32, in its
-    /// direction, in the depth that it starts from or in where it crosses the sides of pixels, ends where the method's
-    /// did.
-    fn is_tie(&self, pixel: u32, hit: Option<[f64; 2]>) -> bool {
-        let rays = self.hierarchy.rays();
-        let (x, y) = (pixel % rays.gbuffer.width, pixel / rays.gbuffer.width);
-        let Some(direction) = rays.mirror(x, y) else { return hit.is_none() };
-        let signs = [0.0, -1.0, 1.0];
-        (0..3 * 81).any(|n| {
-            let few = [1.0, 4.0, 16.0][n / 81] * f64::from(f32::EPSILON);
-            let off = DVec3::new(signs[n % 3], signs[n / 3 % 3], signs[n / 9 % 3]);
-            let Some(mut segment) = rays.segment(x, y, direction + few * off) else { return hit.is_none() };
-            segment.start.z *= 1.0 + few * signs[n / 27 % 3];
-            let ends = self.hierarchy.possible_ends(&segment, few);
-            ends.into_iter().any(|end| HitVerdict::of(hit, end) == HitVerdict::Agrees)
-        })
     }
 }
 

@@ -1,0 +1,228 @@
+//! The same on another driver: what methods make of one G-buffer on one device, held against what they make of the very
+//! same G-buffer on another; and how far the G-buffers differ that two devices draw of one view, and why.
+
+use super::error::display;
+use super::gbuffer::{self, at_rest, hit_positions};
+use super::record::{Head, Of};
+use super::stage::{Globals, Shot, Stage};
+use super::ties::is_tie;
+use crate::error::Result;
+use crate::gpu::{DeviceInfo, Gpu, Pixels, Precision};
+use crate::methods::{Effect, Input, METHODS, MethodInfo, SceneInput, Setup, Wants};
+use crate::metrics::flip::FlipMap;
+use crate::metrics::hits::{HitAgreement, HitVerdict};
+use crate::metrics::image::masked_rmse;
+use crate::passes::GBuffer;
+use crate::passes::gbuffer::GBufferImages;
+use crate::reference::hierarchy::Hierarchy;
+use crate::scene::{GBufferData, Scene, View};
+use serde::{Deserialize, Serialize};
+
+/// What is looked at on every device.
+#[derive(Clone)]
+pub struct AgreementSpec<'a> {
+    /// Scene.
+    pub scene: &'a Scene,
+    /// View of the scene.
+    pub view: &'a View,
+    /// Global factors.
+    pub globals: Globals,
+    /// The methods.
+    pub methods: Vec<&'static MethodInfo>,
+    /// How they are set up, with the size.
+    pub setup: Setup,
+}
+
+/// What a method made of a G-buffer.
+pub struct DeviceImage {
+    /// The method.
+    pub method: &'static MethodInfo,
+    /// Reflection colour before fade and reflectivity, and the fade in the fourth channel.
+    pub reflection: Pixels,
+    /// Where its rays ended, if it traces any.
+    pub hits: Option<Pixels>,
+}
+
+/// How a method's image on a device compares with the one on another device.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AgreementRecord {
+    /// What it is of; the device is the one that is held against `base`.
+    #[serde(flatten)]
+    pub head: Head,
+    /// The device that is compared with; it also drew the G-buffer.
+    pub base: DeviceInfo,
+    /// Reflecting pixels.
+    pub pixels: usize,
+    /// The device's hits against those of `base`; null for what traces no rays over the screen.
+    #[serde(flatten)]
+    pub hits: HitAgreement,
+    /// Of `unified`: the pixels whose hits are apart.
+    pub apart: Option<usize>,
+    /// Of these, those where both ends are ends of the ray within the rounding of 32-bit floats.
+    pub ties: Option<usize>,
+    /// Root mean square difference of the linear reflection colour over reflecting pixels.
+    pub rmse: f64,
+    /// Mean FLIP of the display images of the reflection colour.
+    pub flip: f64,
+}
+
+/// How the G-buffers that two devices draw of one view differ.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DrawnRecord {
+    /// Always `drawn`.
+    pub kind: String,
+    /// The device.
+    pub device: DeviceInfo,
+    /// The device that is compared with.
+    pub base: DeviceInfo,
+    /// How finely `base` and the device rasterise and filter.
+    pub precision: [Precision; 2],
+    /// Scene name.
+    pub scene: String,
+    /// View name.
+    pub view: String,
+    /// Pixels.
+    pub width: u32,
+    /// Pixels.
+    pub height: u32,
+    /// Whether material maps were sampled without anisotropy.
+    pub isotropic: bool,
+    /// Whether normal maps were left out.
+    pub plain_normals: bool,
+    /// Share of the pixels that show another surface: sky on one of the two, or depths that are more than 1 % apart.
+    pub other_surface: f64,
+    /// Share of the other pixels whose normals are more than 2 degrees apart.
+    pub other_normal: f64,
+    /// Share of the other pixels whose lit colour differs by more than 0.02 in a channel.
+    pub other_color: f64,
+    /// Root mean square difference of the lit colour over the pixels that show the same surface.
+    pub rmse: f64,
+}
+
+/// Draws the G-buffer of the view.
+///
+/// # Errors
+/// Those of the device.
+pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
+    let mut stage = Stage::new(gpu, spec.scene)?;
+    let camera = spec.view.camera(spec.scene, spec.setup.extent);
+    let materials = spec.globals.materials(spec.scene, spec.view);
+    let shot = Shot::new(&mut stage, &METHODS[0], &spec.setup, Wants::IMAGE, camera, materials)?;
+    stage.draw(&shot)?;
+    gbuffer::read(&mut stage.context, &shot)
+}
+
+/// What the methods make of a G-buffer, beside the scene for those that see more than the screen.
+///
+/// # Errors
+/// Those of the device.
+pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec<DeviceImage>> {
+    let mut stage = Stage::new(gpu, spec.scene)?;
+    let (context, scene) = stage.parts();
+    let materials = spec.globals.materials(spec.scene, spec.view);
+    let uploaded = GBufferImages::upload(context, data)?;
+    let gbuffer: GBuffer = uploaded.gbuffer();
+    let setup = spec.setup.at([data.width, data.height]);
+    let mut all = Vec::new();
+    for method in &spec.methods {
+        let beside = SceneInput { data: scene, materials: &materials };
+        let effect = Effect::new(context, method, &setup, Wants::HITS, Some(&beside))?;
+        let sky = Some(scene.sky());
+        let input = Input { scene: Some(beside), sky, ..Input::of_screen(gbuffer, &data.camera) };
+        let output = at_rest(context, &effect, &input)?;
+        all.push(DeviceImage {
+            method,
+            reflection: gbuffer::reflection(context, &output)?,
+            hits: output.traced.hits.map(|h| context.read(h.0.all())).transpose()?,
+        });
+    }
+    Ok(all)
+}
+
+/// Compares what a device made with what `base` made of the same G-buffer; both in the order of the methods.
+pub fn compare(
+    gpu: &Gpu,
+    base: &DeviceInfo,
+    spec: &AgreementSpec,
+    data: &GBufferData,
+    [theirs, ours]: [&[DeviceImage]; 2],
+) -> Vec<AgreementRecord> {
+    let mask: Vec<bool> = (0..data.depth.len()).map(|i| data.reflects(i)).collect();
+    let extent = [data.width, data.height];
+    let setup = spec.setup.at(extent);
+    let pair = |(base_made, made): (&DeviceImage, &DeviceImage)| {
+        let colors = [base_made, made].map(|m| colors(&m.reflection));
+        let display = colors.each_ref().map(|c| display(c));
+        let positions = base_made.hits.as_ref().zip(made.hits.as_ref());
+        let positions = positions.map(|(a, b)| [hit_positions(a), hit_positions(b)]);
+        let version = setup.effect().oracle;
+        // Ties are told of mirrors' rays by version 1 of the oracle.
+        let mirrors = mask.iter().zip(&data.roughness).all(|(m, r)| !m || *r <= 0.0);
+        let told = made.method.follows_oracle && version.is_first() && mirrors;
+        let ties = positions.as_ref().filter(|_| told).map(|ends| ties_of(data, &mask, ends));
+        AgreementRecord {
+            head: Head::new("agreement", gpu, (spec.scene, spec.view), Of::Method(made.method), &setup, &spec.globals),
+            base: base.clone(),
+            pixels: mask.iter().filter(|m| **m).count(),
+            hits: positions.map(|[a, b]| HitAgreement::new(&mask, &b, &a)).unwrap_or_default(),
+            apart: ties.map(|(apart, _)| apart),
+            ties: ties.map(|(_, ties)| ties),
+            rmse: masked_rmse(&colors[0], &colors[1], &mask),
+            flip: FlipMap::new(&display[0], &display[1], data.width, data.height).mean(),
+        }
+    };
+    theirs.iter().zip(ours).map(pair).collect()
+}
+
+/// The reflecting pixels whose hits are apart, and how many of them by rounding alone.
+fn ties_of(data: &GBufferData, mask: &[bool], [base, other]: &[Vec<Option<[f64; 2]>>; 2]) -> (usize, usize) {
+    let apart = |i: &usize| mask[*i] && HitVerdict::of(other[*i], base[*i]) != HitVerdict::Agrees;
+    let apart: Vec<usize> = (0..mask.len()).filter(apart).collect();
+    let hierarchy = Hierarchy::new(data);
+    let tied = |i: &&usize| {
+        let at = [**i as u32 % data.width, **i as u32 / data.width];
+        [base, other].iter().all(|ends| is_tie(&hierarchy, at, ends[**i]))
+    };
+    (apart.len(), apart.iter().filter(tied).count())
+}
+
+/// Compares the G-buffers that two devices drew of one view.
+pub fn compare_drawn(
+    devices: [&Gpu; 2],
+    spec: &AgreementSpec,
+    [base, drawn]: [&GBufferData; 2],
+    isotropic: bool,
+) -> DrawnRecord {
+    let near = |d: f32| base.camera.lens.near_m / d.max(f32::MIN_POSITIVE);
+    let is_same = |i: &usize| {
+        let (a, b) = (base.depth[*i], drawn.depth[*i]);
+        let (za, zb) = (near(a), near(b));
+        (a > 0.0) == (b > 0.0) && base.surface[*i] == drawn.surface[*i] && (za - zb).abs() <= 0.01 * za.max(zb)
+    };
+    let all = base.depth.len();
+    let same: Vec<usize> = (0..all).filter(is_same).collect();
+    let share = |n: usize, of: usize| n as f64 / of.max(1) as f64;
+    let turned = |i: &&usize| base.normal[**i].angle_between(drawn.normal[**i]) > 2.0_f32.to_radians();
+    let recolored = |i: &&usize| (base.color[**i] - drawn.color[**i]).abs().max_element() > 0.02;
+    let squares: f64 = same.iter().map(|i| f64::from((base.color[*i] - drawn.color[*i]).length_squared()) / 3.0).sum();
+    DrawnRecord {
+        kind: "drawn".to_owned(),
+        device: devices[1].info().clone(),
+        base: devices[0].info().clone(),
+        precision: devices.map(Gpu::precision),
+        scene: spec.scene.name.clone(),
+        view: spec.view.name.clone(),
+        width: base.width,
+        height: base.height,
+        isotropic,
+        plain_normals: spec.globals.normal_deviation == Some(0.0),
+        other_surface: share(all - same.len(), all),
+        other_normal: share(same.iter().filter(turned).count(), same.len()),
+        other_color: share(same.iter().filter(recolored).count(), same.len()),
+        rmse: (squares / same.len().max(1) as f64).sqrt(),
+    }
+}
+
+fn colors(pixels: &Pixels) -> Vec<[f32; 3]> {
+    pixels.texels().map(|t| [t[0], t[1], t[2]]).collect()
+}

@@ -1,0 +1,125 @@
+//! How near the passes that build pyramids of depth come to what a device copies: the bytes that each must read and write at
+//! least, over its time, beside the rate of a plain copy of images.
+
+use super::record::{Provenance, Stats, TimeRecord};
+use crate::error::Result;
+use crate::gpu::frame::Mode;
+use crate::gpu::{FrameContext, Gpu, Image, ImageDesc, image};
+use crate::passes::pyramid;
+use ash::vk;
+use serde::{Deserialize, Serialize};
+
+/// The pass of `unified` that builds its pyramid.
+const PYRAMID: &str = "pyramid";
+/// What the levels of the thesis's Hi-Z buffer are called, before their number.
+const HI_Z: &str = "hi-z/";
+
+/// Bytes of a texel of the image that is copied, of depth, and of a level of the Hi-Z buffer without maxima (R32F).
+const DEPTH_BYTES: u64 = 4;
+/// Bytes of a cell of the pyramid: front and back (RG32F).
+const CELL_BYTES: u64 = 8;
+
+/// The rate of a pass, or of the copy.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BandwidthRecord {
+    /// Always `bandwidth`.
+    pub kind: String,
+    /// Definitions, version, commit and device.
+    #[serde(flatten)]
+    pub program: Provenance,
+    /// The pass: `copy`, `pyramid`, or `hi-z`, which is all its levels.
+    pub pass: String,
+    /// Width and height of its image in pixels.
+    pub width: u32,
+    /// See `width`.
+    pub height: u32,
+    /// Bytes that it reads and writes at least, each texel once.
+    pub bytes: u64,
+    /// Its median time.
+    pub median_ms: f64,
+    /// Bytes over time, in 10⁹ bytes a second.
+    pub gb_per_s: f64,
+    /// That over the rate of the copy.
+    pub of_copy: f64,
+}
+
+impl BandwidthRecord {
+    fn new(program: Provenance, pass: &str, [width, height]: [u32; 2], bytes: u64, median_ms: f64, copy: f64) -> Self {
+        let gb_per_s = if median_ms > 0.0 { bytes as f64 / (median_ms * 1e6) } else { 0.0 };
+        let of_copy = if copy > 0.0 { gb_per_s / copy } else { 1.0 };
+        Self {
+            kind: "bandwidth".into(),
+            program,
+            pass: pass.into(),
+            width,
+            height,
+            bytes,
+            median_ms,
+            gb_per_s,
+            of_copy,
+        }
+    }
+}
+
+/// Times copies of an image of R32F texels, `side` on each side, into another.
+///
+/// # Errors
+/// Those of the device.
+pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
+    use vk::ImageUsageFlags as U;
+    let (extent, usage) = ([side; 2], U::TRANSFER_SRC | U::TRANSFER_DST);
+    let desc = |name| ImageDesc { name, format: vk::Format::R32_SFLOAT, extent, levels: 1, layers: 1, usage };
+    let [from, to] = [Image::new(gpu, &desc("copied"))?, Image::new(gpu, &desc("copy"))?];
+    let mut context = FrameContext::new(gpu)?;
+    context.once(|frame| frame.clear("copied", from.all(), [0.5; 4]))?;
+    let mut times = Vec::new();
+    // The first one warms up.
+    for sample in 0..=samples {
+        let mut frame = context.begin(Mode::Timed)?;
+        frame.copy("copy", from.all(), to.all())?;
+        let report = frame.finish()?;
+        times.extend(report.passes.iter().filter(|_| sample > 0).map(|p| p.ms));
+    }
+    let bytes = 2 * DEPTH_BYTES * u64::from(side) * u64::from(side);
+    Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::of(&times).median_ms, 0.0))
+}
+
+/// The rates of the passes of a record that build a pyramid of depth, beside that of a copy.
+pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
+    let extent = [record.head.width, record.head.height];
+    let of = |pass: &str, bytes: u64, median_ms: f64| {
+        BandwidthRecord::new(record.head.program.clone(), pass, extent, bytes, median_ms, copy.gb_per_s)
+    };
+    let pyramid = record.passes.iter().find(|p| p.name == PYRAMID);
+    let pyramid = pyramid.map(|p| of(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));
+    let levels = record.passes.iter().filter(|p| p.name.starts_with(HI_Z)).map(|p| p.stats.median_ms);
+    let hi_z: f64 = levels.sum();
+    pyramid.into_iter().chain((hi_z > 0.0).then(|| of("hi-z", hi_z_bytes(extent), hi_z))).collect()
+}
+
+/// Every depth read once, and every cell of every level written once.
+fn pyramid_bytes(extent: [u32; 2]) -> u64 {
+    let area = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
+    let padded = pyramid::padded(extent);
+    let cells: u64 = (0..=pyramid::top_level(extent)).map(|level| area(padded.map(|side| side >> level))).sum();
+    DEPTH_BYTES * area(extent) + CELL_BYTES * cells
+}
+
+/// Of each level, all texels of the level below read once, and its own written once.
+fn hi_z_bytes(extent: [u32; 2]) -> u64 {
+    let area = |level: u32| extent.map(|side| u64::from((side >> level).max(1))).iter().product::<u64>();
+    (1..image::full_chain(extent)).map(|level| DEPTH_BYTES * (area(level - 1) + area(level))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_are_those_of_a_count_by_hand() {
+        // 4 x 2, 2 x 1, 1 x 1: reads 8 + 2 texels, writes 2 + 1.
+        assert_eq!(hi_z_bytes([4, 2]), 4 * 13);
+        // 3 x 5 is padded to 8 x 8: 64 + 16 + 4 + 1 cells.
+        assert_eq!(pyramid_bytes([3, 5]), 4 * 15 + 8 * 85);
+    }
+}

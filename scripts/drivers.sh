@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Fetches a second Vulkan driver on the CPU and a younger validation layer into .drivers/, for `make test-drivers`:
+# SwiftShader, which is written apart from Mesa, and the Khronos layer that Chromium is built with. Both lie in Debian's
+# package chromium-common, which is unpacked and not installed. It does nothing where they are, so it is safe to run again.
+#   scripts/drivers.sh         fetch
+#   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+package=chromium-common
+folder="$root/.drivers"
+driver=libvk_swiftshader.so
+layer=libVkLayer_khronos_validation.so
+
+say() { printf 'drivers: %s\n' "$*" >&2; }
+
+if [ "${1:-}" = --env ]; then
+    # The loader's own list of drivers stays as it is; that of the layers is replaced, since both layers have one name.
+    printf 'export VK_ADD_DRIVER_FILES=%q VK_LAYER_PATH=%q\n' "$folder/swiftshader.json" "$folder/layers"
+    exit 0
+fi
+
+[ -s "$folder/version" ] && exit 0
+command -v apt-get >/dev/null && command -v dpkg-deb >/dev/null || {
+    say "this script knows Debian and Ubuntu; elsewhere put $driver and $layer of a Chromium build into $folder"
+    exit 1
+}
+
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+fetch() { (cd "$scratch" && apt-get download -q "$package" >"$scratch/log" 2>&1); }
+if ! fetch; then
+    # The lists of packages may be missing or old.
+    say 'reading the lists of packages anew'
+    if [ "$(id -u)" -eq 0 ]; then apt-get update -q >&2; else sudo -n apt-get update -q >&2; fi || true
+    fetch || { say "the package $package cannot be fetched: $(tail -n 1 "$scratch/log")"; exit 1; }
+fi
+archive=$(find "$scratch" -name "$package*.deb")
+dpkg-deb --fsys-tarfile "$archive" |
+    tar -x -C "$scratch" "./usr/lib/chromium/$driver" "./usr/lib/chromium/$layer"
+mkdir -p "$folder/layers"
+mv "$scratch/usr/lib/chromium/$driver" "$folder/"
+mv "$scratch/usr/lib/chromium/$layer" "$folder/layers/"
+cat >"$folder/swiftshader.json" <<JSON
+{"file_format_version": "1.0.0", "ICD": {"library_path": "./$driver", "api_version": "1.3.0"}}
+JSON
+# The package has no manifest for the layer, which Chromium loads by itself.
+cat >"$folder/layers/VkLayer_khronos_validation.json" <<JSON
+{
+    "file_format_version": "1.2.0",
+    "layer": {
+        "name": "VK_LAYER_KHRONOS_validation",
+        "type": "GLOBAL",
+        "library_path": "./$layer",
+        "api_version": "1.4.0",
+        "implementation_version": "1",
+        "description": "Khronos Validation Layer",
+        "instance_extensions": [
+            {"name": "VK_EXT_debug_report", "spec_version": "10"},
+            {"name": "VK_EXT_debug_utils", "spec_version": "2"},
+            {"name": "VK_EXT_layer_settings", "spec_version": "2"},
+            {"name": "VK_EXT_validation_features", "spec_version": "6"}
+        ]
+    }
+}
+JSON
+dpkg-deb --field "$archive" Version >"$folder/version"
+say "SwiftShader and the validation layer of $package $(cat "$folder/version") are in $folder"

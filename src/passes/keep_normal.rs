@@ -1,0 +1,29 @@
+//! Keeping the normals of a capture's face in its layer, in the format that the captures have them in.
+
+use super::GBuffer;
+use crate::error::Result;
+use crate::gpu::shader::KeepNormalBlock;
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
+
+/// The pipeline.
+pub struct KeepNormalPass {
+    pipeline: ComputePipeline<programs::KeepNormal<'static>>,
+}
+
+impl KeepNormalPass {
+    /// Compiles the pipeline.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self { pipeline: ComputePipeline::new(gpu)? })
+    }
+
+    /// Pass "capture/keep normal": into a layer of `normals`, an array of RGBA8 snorm images of the face's size.
+    pub fn record(&self, frame: &mut Frame, face: &GBuffer, normals: &Image, layer: u32) -> Result<()> {
+        let [width, height] = normals.extent();
+        let program = programs::KeepNormal {
+            keep: &KeepNormalBlock { layer },
+            normal_buffer: Sampled::nearest(face.normal.level(0)),
+            normal_image: normals.all(),
+        };
+        frame.compute("capture/keep normal", &self.pipeline, &program, [width, height, 1])
+    }
+}
