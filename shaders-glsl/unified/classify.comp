@@ -1,6 +1,6 @@
 #version 460
 #pragma program(Classify)
-// Which tiles hold mirrors, narrow lobes and wide ones, as lists with the arguments of an indirect draw.
+// Which tiles hold mirrors, narrow lobes and wide ones, as lists with the arguments of indirect draws and dispatches.
 // A thread looks at a tile. `counts` has been cleared to 0.
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -9,7 +9,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(std430, binding = 2) buffer Counts {
-    uint counts[]; // for each list: vertices (a point a tile), instances, first vertex, first instance
+    uint counts[]; // of draws: vertices (a point a tile), instances, first vertex, first instance; and of dispatches
 };
 layout(std430, binding = 3) writeonly buffer Tiles {
     uint tiles[]; // for each list, room for every tile
@@ -20,8 +20,15 @@ void main() {
     ivec2 tile = ivec2(gl_GlobalInvocationID.xy);
     ivec2 tile_count = TileCount();
     if (gl_GlobalInvocationID.xy == uvec2(0)) {
-        for (int list = 0; list < LISTS; ++list)
-            counts[4 * list + 1] = 1;
+        for (int list = 0; list < LISTS; ++list) {
+            counts[DrawArguments(list) + 1] = 1;
+            // Parts of a tile, and tiles in rows, so that no axis has more workgroups than every device takes.
+            for (int halve = 0; halve < 2; ++halve) {
+                int parts = (TILE_SIDE >> halve) / GROUP_SIDE;
+                counts[DispatchArguments(list, halve)] = uint(parts * parts);
+                counts[DispatchArguments(list, halve) + 1] = uint(TILES_TO_A_ROW);
+            }
+        }
     }
     if (any(greaterThanEqual(tile, tile_count)))
         return;
@@ -36,7 +43,13 @@ void main() {
     imageStore(listed_image, tile, uvec4(found));
     int room = tile_count.x * tile_count.y;
     for (int list = 0; list < LISTS; ++list) {
-        if ((found >> list & 1u) != 0u)
-            tiles[list * room + int(atomicAdd(counts[4 * list], 1u))] = PackTile(uvec2(tile));
+        if ((found >> list & 1u) == 0u)
+            continue;
+        int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
+        tiles[list * room + index] = PackTile(uvec2(tile));
+        if (index % TILES_TO_A_ROW == 0) {
+            atomicAdd(counts[DispatchArguments(list, 0) + 2], 1u);
+            atomicAdd(counts[DispatchArguments(list, 1) + 2], 1u);
+        }
     }
 }

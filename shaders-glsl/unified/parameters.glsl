@@ -50,6 +50,16 @@ ivec2 UnpackTile(uint word) {
     return ivec2(word & 0xffffu, word >> 16);
 }
 
+// The arguments of the indirect draws and dispatches over the lists, in words of one buffer (passes::tiles): for each list
+// those of a draw, a point a tile; then for each list those of a dispatch over texels, and of one with a texel for 2 x 2.
+int DrawArguments(int list) {
+    return 4 * list;
+}
+
+int DispatchArguments(int list, int halve) {
+    return 4 * LISTS + 3 * (2 * list + halve);
+}
+
 // The view-space direction in which continuous pixel coordinates are seen; z is 1.
 vec3 ViewRay(vec2 position) {
     precise vec2 centred = vec2(2.0 * position.x - float(unified.size.x), float(unified.size.y) - 2.0 * position.y)

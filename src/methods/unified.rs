@@ -66,12 +66,13 @@ use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::math::{DefinitionsVersion, OracleVersion};
+use crate::parameter::{Parameter, Parameters, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
-use crate::passes::tiles::UnifiedSetup;
+use crate::passes::tiles::{TileStage, UnifiedSetup};
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
 use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors, stored_target};
@@ -81,6 +82,7 @@ use crate::scene::Camera;
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     takes_captures: true,
+    parameters: UnifiedParams::table,
     ..MethodInfo::screen(
         "unified",
         "one exact Hi-Z traversal for every direction; only what the scene needs",
@@ -88,6 +90,17 @@ pub const INFO: MethodInfo = MethodInfo {
         |gpu, making| Ok(Box::new(UnifiedMethod::new(gpu, making)?)),
     )
 };
+
+parameters! {
+    /// Parameters of `unified`. They change no image.
+    pub struct UnifiedParams {
+        /// The shaders that trace rays, of the passes trace/mirrors, trace/narrow and trace/wide: fragment or compute. The
+        /// image is the same; which is faster depends on the device (docs/unified.md).
+        trace_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
+        /// The same of those that gather what rays saw, of the passes resolve/narrow, cells and resolve/wide.
+        resolve_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
+    }
+}
 
 /// The passes in their order, and what the last of them draw into.
 pub struct UnifiedMethod {
@@ -110,8 +123,7 @@ impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
         let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
-        let target = if making.captures.is_some() { stored_target } else { Image::target };
-        let image = |name| target(gpu, name, LIT_COLOR, extent);
+        let UnifiedParams { trace_stage: trace, resolve_stage: resolve } = making.setup.of();
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let sky = effect.definitions == DefinitionsVersion::V2;
@@ -126,7 +138,11 @@ impl UnifiedMethod {
             followed: making.captures.is_some(),
             // A ray that captures let into the sky shows it by either version.
             sky: sky || making.captures.is_some(),
+            trace,
+            resolve,
         };
+        let target = if parts.followed || parts.stores() { stored_target } else { Image::target };
+        let image = |name| target(gpu, name, LIT_COLOR, extent);
         let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
         let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
         Ok(Self {

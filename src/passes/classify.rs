@@ -25,10 +25,9 @@ impl ClassifyPass {
         use vk::BufferUsageFlags as U;
         let tiles = tiles::count(extent);
         let [x, y] = tiles.map(u64::from);
-        let of_lists = LISTS as u64;
         Ok(Self {
             pipeline: ComputePipeline::new(gpu)?,
-            lists: Buffer::new(gpu, "tiles", of_lists * 4 * x * y, U::STORAGE_BUFFER, MemoryPlace::Device)?,
+            lists: Buffer::new(gpu, "tiles", 4 * LISTS as u64 * x * y, U::STORAGE_BUFFER, MemoryPlace::Device)?,
             listed: Image::new(
                 gpu,
                 &ImageDesc {
@@ -43,7 +42,7 @@ impl ClassifyPass {
             arguments: Buffer::new(
                 gpu,
                 "tile counts",
-                of_lists * 16,
+                tiles::ARGUMENT_BYTES,
                 U::STORAGE_BUFFER | U::INDIRECT_BUFFER | U::TRANSFER_DST,
                 MemoryPlace::Device,
             )?,

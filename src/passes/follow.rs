@@ -110,7 +110,7 @@ impl FollowPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        frame.compute_indirect("follow/mirrors", &self.mirrors, &program, beyond.counts)
+        frame.compute_indirect("follow/mirrors", &self.mirrors, &program, (beyond.counts, 0))
     }
 
     /// Pass "follow/narrow": writes into the records what the rays of narrow lobes see that the screen lost.
@@ -131,7 +131,7 @@ impl FollowPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        frame.compute_indirect("follow/narrow", &self.narrow, &program, beyond.counts)
+        frame.compute_indirect("follow/narrow", &self.narrow, &program, (beyond.counts, 0))
     }
 
     /// Pass "follow/wide": the same for the rays of cells with wide lobes.
@@ -153,6 +153,6 @@ impl FollowPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        frame.compute_indirect("follow/wide", &self.wide, &program, beyond.counts)
+        frame.compute_indirect("follow/wide", &self.wide, &program, (beyond.counts, 0))
     }
 }

@@ -180,6 +180,14 @@ impl<'a> Canvas<'a> {
         [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
     }
 
+    /// What is stored to over tiles, in the order of the shaders' images; where the second one is not wanted, the first
+    /// stands for it.
+    fn stored(self) -> [&'a Image; 2] {
+        let mut images = self.images();
+        let first = images.next().expect("a canvas has an image");
+        [first, images.next().unwrap_or(first)]
+    }
+
     /// Passes "composite", which takes the lit colour over, and "reflection": nothing is reflected yet.
     pub fn begin(self, frame: &mut Frame, color: &Image) -> Result<()> {
         let color = color.level(0);

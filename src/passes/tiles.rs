@@ -1,15 +1,27 @@
-//! Drawing over tiles: the lists of them by kind of reflector that the classification writes, and programs that are
-//! drawn over the tiles of a list, or over the whole image where that is known to be what the list would cover.
+//! Work over tiles: the lists of them by kind of reflector that the classification writes, and programs that run over
+//! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each is there as a
+//! fragment program and as a compute program, which make the same images.
 
 use super::LIT_COLOR;
 use crate::error::{Error, Result};
-use crate::gpu::program::Fragment;
+use crate::gpu::program::{Compute, Fragment};
 use crate::gpu::programs::Tile;
 use crate::gpu::shader::{TileListBlock, UnifiedBlock};
-use crate::gpu::{Buffer, Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::gpu::{Buffer, ComputePipeline, Frame, Gpu, GraphicsPipeline, Image, Target};
 use crate::math::OracleVersion;
-use crate::math::constants::TILE_SIDE;
+use crate::math::constants::{LISTS, TILE_SIDE};
+use crate::parameter::choices;
 use ash::vk;
+
+choices! {
+    /// The stage of a device in which a program over tiles runs.
+    pub enum TileStage {
+        /// Fragment shaders, drawn over tiles as points or over the whole image.
+        Fragment = "fragment",
+        /// Compute shaders, in workgroups over tiles or over the whole image.
+        Compute = "compute",
+    }
+}
 
 /// Pixels along a side of a tile.
 pub const TILE: u32 = TILE_SIDE as u32;
@@ -38,17 +50,37 @@ pub struct UnifiedSetup {
     pub followed: bool,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
+    /// Where rays are traced.
+    pub trace: TileStage,
+    /// Where they are gathered.
+    pub resolve: TileStage,
 }
 
 impl UnifiedSetup {
     /// Formats of the images that are drawn into, as [`Canvas`](super::Canvas) has them.
     pub fn formats(&self) -> [vk::Format; 2] {
-        let both = self.composite && self.reflection;
-        [LIT_COLOR, if both { LIT_COLOR } else { vk::Format::UNDEFINED }]
+        [LIT_COLOR, if self.beside() { LIT_COLOR } else { vk::Format::UNDEFINED }]
+    }
+
+    /// Whether the reflection is wanted beside the composite.
+    pub fn beside(&self) -> bool {
+        self.composite && self.reflection
+    }
+
+    /// Whether what is shown is written by compute programs, so that its images are stored to.
+    pub fn stores(&self) -> bool {
+        self.trace == TileStage::Compute || self.resolve == TileStage::Compute
     }
 }
 
-/// Tiles by the kinds of reflector in them, as lists with the arguments of an indirect draw over each.
+/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): a draw for each, and two
+/// dispatches.
+pub const ARGUMENT_BYTES: u64 = LISTS as u64 * (DRAW_BYTES + 2 * DISPATCH_BYTES);
+
+const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
+const DISPATCH_BYTES: u64 = size_of::<vk::DispatchIndirectCommand>() as u64;
+
+/// Tiles by the kinds of reflector in them, as lists with the arguments of indirect draws and dispatches over each.
 #[derive(Clone, Copy)]
 pub struct Tiles<'a> {
     /// Nothing was classified: all that reflects is of one kind, and it is drawn over the whole image.
@@ -57,7 +89,8 @@ pub struct Tiles<'a> {
     pub lists: &'a Buffer,
     /// For each tile a bit for each list that it stands on.
     pub listed: &'a Image,
-    /// For each list those of a `VkDrawIndirectCommand`.
+    /// For each list those of a `VkDrawIndirectCommand`; then for each list those of two `VkDispatchIndirectCommand`, over
+    /// pixels and over blocks of 2 × 2.
     pub arguments: &'a Buffer,
 }
 
@@ -73,54 +106,106 @@ impl Tiles<'_> {
     }
 }
 
-/// A fragment program that is drawn over the tiles of a list or over the whole image.
-pub struct TiledPipeline<F> {
-    list: i32,
-    tiles: GraphicsPipeline<F, Tile<'static>>,
-    whole: GraphicsPipeline<F>,
+/// What a program over tiles works on.
+#[derive(Debug, Clone, Copy)]
+pub struct Over {
+    /// `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`.
+    pub list: i32,
+    /// Whether the images that it writes have a texel for 2 × 2 pixels.
+    pub halved: bool,
 }
 
-impl<F: Fragment> TiledPipeline<F> {
-    /// For a list, `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`, by the program's constants for the tiles and for the
-    /// whole image.
+/// A program that runs over the tiles of a list or over the whole image: `F` in fragment shaders or `C` in compute
+/// shaders.
+pub struct TiledPipeline<F, C> {
+    over: Over,
+    made: Made<F, C>,
+}
+
+/// The pipelines of the one stage that was chosen.
+enum Made<F, C> {
+    Fragment { tiles: GraphicsPipeline<F, Tile<'static>>, whole: GraphicsPipeline<F> },
+    Compute { tiles: ComputePipeline<C>, whole: ComputePipeline<C> },
+}
+
+impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
+    /// In fragment shaders, by the program's constants for the tiles (`false`) and for the whole image.
     ///
     /// # Errors
     /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
-    pub fn new(
+    fn drawn(
         gpu: &Gpu,
-        list: i32,
+        over: Over,
         formats: impl Fn() -> F::Outputs<vk::Format>,
         constants: impl Fn(bool) -> F::Constants,
     ) -> Result<Self> {
         if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
             return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE} pixels; {name} has none above {largest}"
+                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run in compute \
+                 shaders (--trace-stage compute --resolve-stage compute)"
             )));
         }
-        Ok(Self {
-            list,
-            tiles: GraphicsPipeline::points(gpu, formats(), &constants(false))?,
-            whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &constants(true))?,
-        })
+        let tiles = GraphicsPipeline::points(gpu, formats(), &constants(false))?;
+        let whole = GraphicsPipeline::fullscreen_with(gpu, formats(), &constants(true))?;
+        Ok(Self { over, made: Made::Fragment { tiles, whole } })
     }
 
-    /// One pass over the list's tiles, or over the whole image, where every texel is written. `halved` says that the
-    /// targets have a texel for 2 × 2 pixels.
-    pub fn draw(
+    /// In compute shaders, the same.
+    fn dispatched(gpu: &Gpu, over: Over, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
+        let tiles = ComputePipeline::with(gpu, &constants(false))?;
+        let whole = ComputePipeline::with(gpu, &constants(true))?;
+        Ok(Self { over, made: Made::Compute { tiles, whole } })
+    }
+
+    /// In a stage. The constants are those for the tiles (`false`) and for the whole image.
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] on a device that draws no points of a tile's size, in fragment shaders; or whose shaders take
+    /// fewer images than the program has.
+    pub fn new(
+        gpu: &Gpu,
+        (stage, over): (TileStage, Over),
+        formats: impl Fn() -> F::Outputs<vk::Format>,
+        fragment: impl Fn(bool) -> F::Constants,
+        compute: impl Fn(bool) -> C::Constants,
+    ) -> Result<Self> {
+        match stage {
+            TileStage::Fragment => Self::drawn(gpu, over, formats, fragment),
+            TileStage::Compute => Self::dispatched(gpu, over, compute),
+        }
+    }
+
+    /// One pass over the list's tiles, or over the whole image, where every texel is written: the program of the stage
+    /// that was chosen.
+    pub fn record<'t>(
         &self,
         frame: &mut Frame,
         name: &str,
-        targets: F::Outputs<Target>,
-        program: &F,
-        (parameters, tiles, halved): (&UnifiedBlock, Tiles, bool),
+        (parameters, tiles): (&UnifiedBlock, Tiles),
+        fragment: impl FnOnce() -> (F::Outputs<Target<'t>>, F),
+        compute: impl FnOnce() -> C,
     ) -> Result<()> {
-        if tiles.whole {
-            return frame.fullscreen(name, &self.whole, targets, program);
+        let Over { list, halved } = self.over;
+        match &self.made {
+            Made::Fragment { tiles: pipeline, whole } => {
+                let (targets, program) = fragment();
+                if tiles.whole {
+                    return frame.fullscreen(name, whole, targets, &program);
+                }
+                let tile_list = TileListBlock { list, halve: i32::from(halved) };
+                let vertices = Tile { unified: parameters, Tiles: tiles.lists, tile_list: &tile_list };
+                let arguments = (tiles.arguments, DRAW_BYTES * list as u64);
+                frame.draw_indirect(name, pipeline, targets, (&program, &vertices), arguments)
+            }
+            Made::Compute { tiles: pipeline, whole } => {
+                if tiles.whole {
+                    let [x, y] = parameters.size.map(|side| (side as u32).div_ceil(1 + u32::from(halved)));
+                    return frame.compute(name, whole, &compute(), [x, y, 1]);
+                }
+                let offset = LISTS as u64 * DRAW_BYTES + (2 * list as u64 + u64::from(halved)) * DISPATCH_BYTES;
+                frame.compute_indirect(name, pipeline, &compute(), (tiles.arguments, offset))
+            }
         }
-        let tile_list = TileListBlock { list: self.list, halve: i32::from(halved) };
-        let vertices = Tile { unified: parameters, Tiles: tiles.lists, tile_list: &tile_list };
-        let arguments = (tiles.arguments, size_of::<vk::DrawIndirectCommand>() as u64 * self.list as u64);
-        frame.draw_indirect(name, &self.tiles, targets, (program, &vertices), arguments)
     }
 }

@@ -3,12 +3,14 @@
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
 use super::lost::Beyond;
-use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
+use super::tiles::{Over, TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
-    Cells, CellsConstants, ResolveNarrow, ResolveNarrowConstants, ResolveWide, ResolveWideConstants, TraceNarrow,
-    TraceNarrowConstants, TraceWide, TraceWideConstants,
+    Cells, CellsCompute, CellsComputeConstants, CellsConstants, ResolveNarrow, ResolveNarrowCompute,
+    ResolveNarrowComputeConstants, ResolveNarrowConstants, ResolveWide, ResolveWideCompute,
+    ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowCompute, TraceNarrowComputeConstants,
+    TraceNarrowConstants, TraceWide, TraceWideCompute, TraceWideComputeConstants, TraceWideConstants,
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
@@ -20,11 +22,11 @@ const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
-    trace_narrow: TiledPipeline<TraceNarrow<'static>>,
-    resolve_narrow: TiledPipeline<ResolveNarrow<'static>>,
-    trace_wide: TiledPipeline<TraceWide<'static>>,
-    cells: TiledPipeline<Cells<'static>>,
-    resolve_wide: TiledPipeline<ResolveWide<'static>>,
+    trace_narrow: TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>,
+    resolve_narrow: TiledPipeline<ResolveNarrow<'static>, ResolveNarrowCompute<'static>>,
+    trace_wide: TiledPipeline<TraceWide<'static>, TraceWideCompute<'static>>,
+    cells: TiledPipeline<Cells<'static>, CellsCompute<'static>>,
+    resolve_wide: TiledPipeline<ResolveWide<'static>, ResolveWideCompute<'static>>,
     between: BetweenPasses,
 }
 
@@ -67,39 +69,47 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, followed, sky, .. } = *setup;
-        let drawn = || setup.formats();
+        let UnifiedSetup { over, composite, followed, sky, trace, resolve, .. } = *setup;
+        let (formats, beside) = (|| setup.formats(), setup.beside());
+        let narrow = Over { list: NARROW_LIST, halved: false };
+        let [pixels, halves] = [false, true].map(|halved| Over { list: WIDE_LIST, halved });
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
             trace_narrow: TiledPipeline::new(
                 gpu,
-                NARROW_LIST,
+                (trace, narrow),
                 || [RECORD],
                 |_| TraceNarrowConstants { strip, oracle, followed, sky },
+                |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky },
             )?,
-            resolve_narrow: TiledPipeline::new(gpu, NARROW_LIST, drawn, |whole| ResolveNarrowConstants {
-                over,
-                whole,
-                composite,
-            })?,
+            resolve_narrow: TiledPipeline::new(
+                gpu,
+                (resolve, narrow),
+                formats,
+                |whole| ResolveNarrowConstants { over, whole, composite },
+                |whole| ResolveNarrowComputeConstants { over, whole, composite, beside },
+            )?,
             trace_wide: TiledPipeline::new(
                 gpu,
-                WIDE_LIST,
+                (trace, halves),
                 || [PLACE, LIT_COLOR],
                 |_| TraceWideConstants { strip, oracle, followed, sky },
+                |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky },
             )?,
             cells: TiledPipeline::new(
                 gpu,
-                WIDE_LIST,
+                (resolve, halves),
                 || [LIT_COLOR; 2],
                 |whole| CellsConstants { strip, over, whole },
+                |whole| CellsComputeConstants { strip, over, whole },
             )?,
-            resolve_wide: TiledPipeline::new(gpu, WIDE_LIST, drawn, |whole| ResolveWideConstants {
-                strip,
-                over,
-                whole,
-                composite,
-            })?,
+            resolve_wide: TiledPipeline::new(
+                gpu,
+                (resolve, pixels),
+                formats,
+                |whole| ResolveWideConstants { strip, over, whole, composite },
+                |whole| ResolveWideComputeConstants { strip, over, whole, composite, beside },
+            )?,
             between: BetweenPasses {
                 records: image("seen", RECORD, setup.extent)?,
                 place: image("seen place", PLACE, cells)?,
@@ -118,6 +128,7 @@ impl UnifiedGlossPass {
     /// Pass "trace/narrow": a ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
+        let records = &self.between.records;
         let trace = TraceNarrow {
             unified: parameters,
             pyramid: pyramid.0.all(),
@@ -129,8 +140,22 @@ impl UnifiedGlossPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        let targets = [tiles.target(&self.between.records)];
-        self.trace_narrow.draw(frame, "trace/narrow", targets, &trace, (parameters, *tiles, false))
+        let compute = || TraceNarrowCompute {
+            unified: trace.unified,
+            pyramid: trace.pyramid,
+            normal_buffer: trace.normal_buffer,
+            material_buffer: trace.material_buffer,
+            color_buffer: trace.color_buffer,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            record_image: records.all(),
+            captures: trace.captures,
+            environment: trace.environment,
+            lost_counts: trace.lost_counts,
+            lost: trace.lost,
+        };
+        let fragment = || ([tiles.target(records)], trace);
+        self.trace_narrow.record(frame, "trace/narrow", (parameters, *tiles), fragment, compute)
     }
 
     /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
@@ -147,8 +172,19 @@ impl UnifiedGlossPass {
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
         };
-        let over = (parameters, *tiles, false);
-        self.resolve_narrow.draw(frame, "resolve/narrow", canvas.targets(*tiles), &resolve, over)
+        let [color_image, reflection_image] = canvas.stored().map(Image::all);
+        let compute = || ResolveNarrowCompute {
+            unified: resolve.unified,
+            material_buffer: resolve.material_buffer,
+            color_buffer: resolve.color_buffer,
+            seen_image: resolve.seen_image,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            color_image,
+            reflection_image,
+        };
+        let fragment = || (canvas.targets(*tiles), resolve);
+        self.resolve_narrow.record(frame, "resolve/narrow", (parameters, *tiles), fragment, compute)
     }
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
@@ -166,26 +202,31 @@ impl UnifiedGlossPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        let targets = [place, seen].map(|image| tiles.target(image));
-        self.trace_wide.draw(frame, "trace/wide", targets, &trace, (parameters, *tiles, true))
+        let compute = || TraceWideCompute {
+            unified: trace.unified,
+            pyramid: trace.pyramid,
+            normal_buffer: trace.normal_buffer,
+            material_buffer: trace.material_buffer,
+            color_buffer: trace.color_buffer,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            place_image: place.all(),
+            seen_image: seen.all(),
+            captures: trace.captures,
+            environment: trace.environment,
+            lost_counts: trace.lost_counts,
+            lost: trace.lost,
+        };
+        let fragment = || ([place, seen].map(|image| tiles.target(image)), trace);
+        self.trace_wide.record(frame, "trace/wide", (parameters, *tiles), fragment, compute)
     }
 
     /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
     /// pixel's reflection between the cells around it.
     pub fn resolve_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+        self.cells(frame, input, parameters)?;
         let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, .. } = input;
-        let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
-        let cells = Cells {
-            unified: parameters,
-            pyramid: pyramid.0.all(),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            place_image: place.all(),
-            seen_image: seen.all(),
-            listed_image: tiles.listed.all(),
-        };
-        let targets = [cell_reflection, cell_surface].map(|image| tiles.target(image));
-        self.cells.draw(frame, "cells", targets, &cells, (parameters, *tiles, true))?;
+        let BetweenPasses { cell_reflection, cell_surface, .. } = &self.between;
         let resolve = ResolveWide {
             unified: parameters,
             pyramid: pyramid.0.all(),
@@ -196,7 +237,51 @@ impl UnifiedGlossPass {
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
         };
-        let over = (parameters, *tiles, false);
-        self.resolve_wide.draw(frame, "resolve/wide", canvas.targets(*tiles), &resolve, over)
+        let [color_image, reflection_image] = canvas.stored().map(Image::all);
+        let compute = || ResolveWideCompute {
+            unified: resolve.unified,
+            pyramid: resolve.pyramid,
+            normal_buffer: resolve.normal_buffer,
+            material_buffer: resolve.material_buffer,
+            color_buffer: resolve.color_buffer,
+            cell_reflection: resolve.cell_reflection,
+            cell_surface: resolve.cell_surface,
+            listed_image: resolve.listed_image,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            color_image,
+            reflection_image,
+        };
+        let fragment = || (canvas.targets(*tiles), resolve);
+        self.resolve_wide.record(frame, "resolve/wide", (parameters, *tiles), fragment, compute)
+    }
+
+    fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, .. } = input;
+        let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
+        let cells = Cells {
+            unified: parameters,
+            pyramid: pyramid.0.all(),
+            normal_buffer: gbuffer.normal.all(),
+            material_buffer: gbuffer.material.all(),
+            place_image: place.all(),
+            seen_image: seen.all(),
+            listed_image: tiles.listed.all(),
+        };
+        let compute = || CellsCompute {
+            unified: cells.unified,
+            pyramid: cells.pyramid,
+            normal_buffer: cells.normal_buffer,
+            material_buffer: cells.material_buffer,
+            place_image: cells.place_image,
+            seen_image: cells.seen_image,
+            listed_image: cells.listed_image,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            reflection_image: cell_reflection.all(),
+            surface_image: cell_surface.all(),
+        };
+        let fragment = || ([cell_reflection, cell_surface].map(|image| tiles.target(image)), cells);
+        self.cells.record(frame, "cells", (parameters, *tiles), fragment, compute)
     }
 }

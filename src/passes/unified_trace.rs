@@ -2,10 +2,10 @@
 //! same pass, over the tiles of a list or over the whole image.
 
 use super::lost::Beyond;
-use super::tiles::{TiledPipeline, Tiles, UnifiedSetup};
+use super::tiles::{Over, TileStage, TiledPipeline, Tiles, UnifiedSetup};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid};
 use crate::error::Result;
-use crate::gpu::programs::{Mirror, MirrorConstants};
+use crate::gpu::programs::{Mirror, MirrorCompute, MirrorComputeConstants, MirrorConstants};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
 use crate::math::constants::MIRROR_LIST;
@@ -13,7 +13,8 @@ use ash::vk;
 
 /// Pipelines and images of one size.
 pub struct UnifiedTracePass {
-    mirrors: TiledPipeline<Mirror<'static>>,
+    stage: TileStage,
+    mirrors: TiledPipeline<Mirror<'static>, MirrorCompute<'static>>,
     hits: Option<Image>,
 }
 
@@ -41,16 +42,22 @@ impl UnifiedTracePass {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { followed, composite, sky, .. } = *setup;
-        let constants = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
-        let target = if followed { super::stored_target } else { Image::target };
+        let UnifiedSetup { followed, composite, sky, trace: stage, .. } = *setup;
+        let over = Over { list: MIRROR_LIST, halved: false };
+        let fragment = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
+        let beside = setup.beside();
+        let compute = |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
+        let stored = followed || stage == TileStage::Compute;
+        let target = if stored { super::stored_target } else { Image::target };
         Ok(Self {
-            mirrors: TiledPipeline::new(gpu, MIRROR_LIST, formats, constants)?,
+            stage,
+            mirrors: TiledPipeline::new(gpu, (stage, over), formats, fragment, compute)?,
             hits: hits.then(|| target(gpu, "hits", HITS, setup.extent)).transpose()?,
         })
     }
 
-    /// Pass "trace/mirrors". Gives where each ray ended, if that was asked for.
+    /// Pass "trace/mirrors", in compute shaders over tiles with hits after the pass "hits". Gives where each ray ended, if
+    /// that was asked for.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -58,8 +65,9 @@ impl UnifiedTracePass {
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let hits = self.hits.as_ref();
-        let [composite, reflection] = canvas.targets(*tiles);
-        let targets = [composite, reflection, hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT))];
+        if self.stage == TileStage::Compute && !tiles.whole {
+            self.no_hits(frame)?;
+        }
         let mirror = Mirror {
             unified: parameters,
             pyramid: pyramid.0.all(),
@@ -71,7 +79,31 @@ impl UnifiedTracePass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        self.mirrors.draw(frame, "trace/mirrors", targets, &mirror, (parameters, *tiles, false))?;
+        let fragment = || {
+            let [composite, reflection] = canvas.targets(*tiles);
+            let hits = hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT));
+            ([composite, reflection, hits], mirror)
+        };
+        let compute = || {
+            let [color, reflection] = canvas.stored();
+            MirrorCompute {
+                unified: mirror.unified,
+                pyramid: mirror.pyramid,
+                normal_buffer: mirror.normal_buffer,
+                material_buffer: mirror.material_buffer,
+                color_buffer: mirror.color_buffer,
+                Tiles: tiles.lists,
+                Counts: tiles.arguments,
+                color_image: color.all(),
+                reflection_image: reflection.all(),
+                hits_image: hits.unwrap_or(color).all(),
+                captures: mirror.captures,
+                environment: mirror.environment,
+                lost_counts: mirror.lost_counts,
+                lost: mirror.lost,
+            }
+        };
+        self.mirrors.record(frame, "trace/mirrors", (parameters, *tiles), fragment, compute)?;
         Ok(hits.map(Hits))
     }
 

@@ -13,7 +13,7 @@ use ssct::passes::color_chain::ColorChainPass;
 use ssct::passes::gbuffer::GBufferImages;
 use ssct::passes::lost::{LostRays, capture_block};
 use ssct::passes::pyramid::{self, PyramidPass};
-use ssct::passes::tiles::UnifiedSetup;
+use ssct::passes::tiles::{TileStage, UnifiedSetup};
 use ssct::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use ssct::passes::{Canvas, GBuffer, LIT_COLOR, Reflectors};
 use ssct_lab::reference::Level;
@@ -49,8 +49,18 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     let mut context = FrameContext::new(gpu).unwrap();
     let images = GBufferImages::upload(&mut context, data).unwrap();
     let (strip, oracle, over) = (pyramid::strip(extent), way.oracle, way.over);
-    let setup =
-        UnifiedSetup { extent, strip, oracle, over, composite: true, reflection: true, followed: false, sky: false };
+    let setup = UnifiedSetup {
+        extent,
+        strip,
+        oracle,
+        over,
+        composite: true,
+        reflection: true,
+        followed: false,
+        sky: false,
+        trace: TileStage::Fragment,
+        resolve: TileStage::Fragment,
+    };
     let pyramid = PyramidPass::new(gpu, extent).unwrap();
     let color = ColorChainPass::in_few_passes(gpu).unwrap();
     let classify = ClassifyPass::new(gpu, extent).unwrap();

@@ -10,7 +10,6 @@ use ssct::gpu::programs::Classify;
 use ssct::gpu::shader::UnifiedBlock;
 use ssct::gpu::validation::{ALLOWED, Allowed};
 use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, ImageDesc};
-use ssct::math::constants::LISTS;
 use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::ssct::ThesisDrawing;
@@ -21,6 +20,7 @@ use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
+use ssct::passes::tiles::ARGUMENT_BYTES;
 use ssct_lab::scene::View;
 use ssct_lab::study::image::render;
 use ssct_lab::study::{Globals, Shot, Stage};
@@ -158,7 +158,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         FrameContext::new(&gpu).unwrap().once(record).unwrap();
         gpu.violations()
     };
-    let whole = said(LISTS as u64 * size_of::<vk::DrawIndirectCommand>() as u64);
+    let whole = said(ARGUMENT_BYTES);
     assert!(whole.is_empty(), "{whole:?}");
     let cut_off = said(16);
     assert!(cut_off.iter().any(|m| m.text.contains("access out of bounds")), "{cut_off:?}");

@@ -137,17 +137,15 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Counted([x, y, z]))
     }
 
-    /// A compute program over as many workgroups as the first three words of a buffer say.
+    /// A compute program over as many workgroups as three words of a buffer say, from byte `offset`.
     pub fn compute_indirect<P: Compute>(
         &mut self,
         name: &str,
         pipeline: &ComputePipeline<P>,
         program: &P,
-        arguments: &Buffer,
+        (arguments, offset): (&Buffer, u64),
     ) -> Result<()> {
-        let least = size_of::<vk::DispatchIndirectCommand>() as u64;
-        assert!(arguments.size() >= least, "{name}: {} bytes of arguments", arguments.size());
-        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Said(arguments))
+        self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Said(arguments, offset))
     }
 
     pub(super) fn dispatch(
@@ -157,9 +155,13 @@ impl Frame<'_> {
         given: &Given,
         workgroups: Workgroups,
     ) -> Result<()> {
+        if let Workgroups::Said(arguments, offset) = workgroups {
+            let end = offset + size_of::<vk::DispatchIndirectCommand>() as u64;
+            assert!(end <= arguments.size() && offset.is_multiple_of(4), "{name}: at {offset}");
+        }
         self.pass(name, |frame| {
             frame.prepare(given, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
-            if let Workgroups::Said(arguments) = workgroups {
+            if let Workgroups::Said(arguments, _) = workgroups {
                 frame.use_buffer(arguments, Access::Indirect);
             }
             frame.flush();
@@ -170,7 +172,9 @@ impl Frame<'_> {
             unsafe {
                 match workgroups {
                     Workgroups::Counted([x, y, z]) => device.cmd_dispatch(commands, x, y, z),
-                    Workgroups::Said(arguments) => device.cmd_dispatch_indirect(commands, arguments.handle(), 0),
+                    Workgroups::Said(arguments, offset) => {
+                        device.cmd_dispatch_indirect(commands, arguments.handle(), offset);
+                    }
                 }
             }
             Ok(())
@@ -202,7 +206,7 @@ impl Frame<'_> {
         let given = Given { resources: bindings.iter().copied().zip(resources).collect(), push };
         let workgroups = match reach {
             Reach::Threads(counts) | Reach::Workgroups(counts) => Workgroups::Counted(counts),
-            Reach::Said(buffer) => Workgroups::Said(buffer),
+            Reach::Said(buffer) => Workgroups::Said(buffer, 0),
         };
         self.dispatch(name, pipeline, &given, workgroups)
     }
@@ -235,8 +239,8 @@ pub(super) enum Vertices<'a> {
 pub(super) enum Workgroups<'a> {
     /// So many along each axis.
     Counted([u32; 3]),
-    /// Reads the numbers from the beginning of a buffer.
-    Said(&'a Buffer),
+    /// Reads the numbers from a buffer at a byte offset.
+    Said(&'a Buffer, u64),
 }
 
 const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;

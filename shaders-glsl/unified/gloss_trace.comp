@@ -1,0 +1,47 @@
+#version 460
+#pragma program(TraceNarrowCompute, NARROW)
+#pragma program(TraceWideCompute)
+// The rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
+
+#include "unified/groups.glsl"
+#include "unified/gloss_trace.glsl"
+
+#ifdef NARROW
+
+layout(binding = 11, rgba32ui) uniform writeonly uimage2D record_image;
+
+void main() {
+    ivec2 pixel;
+    if (!ThreadTexel(NARROW_LIST, 0, pixel) || !IsInside(pixel, 0))
+        return;
+    imageStore(record_image, pixel, RecordOf(pixel));
+}
+
+#else
+
+layout(binding = 11, rgba32f) uniform writeonly image2D place_image;
+layout(binding = 12, rgba16f) uniform writeonly image2D seen_image;
+
+shared vec3 units[GROUP_SIDE * GROUP_SIDE];
+
+void Turn(vec3 unit, out vec3 across, out vec3 along) {
+    uint at = gl_LocalInvocationIndex;
+    units[at] = unit;
+    barrier();
+    uint right = 1u, lower = uint(GROUP_SIDE);
+    across = units[at | right] - units[at & ~right];
+    along = units[at | lower] - units[at & ~lower];
+}
+
+void main() {
+    ivec2 cell;
+    if (!ThreadTexel(WIDE_LIST, 1, cell))
+        return;
+    CellRay traced = RayOf(cell);
+    if (!IsInside(cell, 1))
+        return;
+    imageStore(place_image, cell, traced.place);
+    imageStore(seen_image, cell, traced.color);
+}
+
+#endif

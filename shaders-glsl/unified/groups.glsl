@@ -1,0 +1,41 @@
+// The compute programs of `unified` that do what its fragment programs do (`--trace-stage`, `--resolve-stage`): their
+// workgroups stand over the tiles of a list, as many as classify.comp has counted, or over the whole image.
+
+#ifndef UNIFIED_GROUPS_GLSL
+#define UNIFIED_GROUPS_GLSL
+
+#include "unified/parameters.glsl"
+
+layout(local_size_x = GROUP_SIDE, local_size_y = GROUP_SIDE) in;
+
+layout(constant_id = 4) const bool WHOLE = false; // over the whole image, not over tiles
+
+layout(std430, binding = 9) readonly buffer Tiles {
+    uint tiles[];
+};
+layout(std430, binding = 10) readonly buffer Counts {
+    uint counts[]; // of classify.comp
+};
+
+// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is 1 where the images
+// that are written have a texel for 2 x 2 pixels, else 0. A thread may stand beyond the border of the image.
+bool ThreadTexel(int list, int halve, out ivec2 texel) {
+    texel = ivec2(gl_GlobalInvocationID.xy);
+    if (WHOLE)
+        return true;
+    uint index = gl_WorkGroupID.z * uint(TILES_TO_A_ROW) + gl_WorkGroupID.y;
+    if (index >= counts[DrawArguments(list)])
+        return false;
+    ivec2 count = TileCount();
+    ivec2 tile = UnpackTile(tiles[list * count.x * count.y + int(index)]);
+    int side = TILE_SIDE >> halve;
+    int part = int(gl_WorkGroupID.x), parts = side / GROUP_SIDE; // of the tile, along a side
+    texel = tile * side + ivec2(part % parts, part / parts) * GROUP_SIDE + ivec2(gl_LocalInvocationID.xy);
+    return true;
+}
+
+bool IsInside(ivec2 texel, int halve) {
+    return all(lessThan(texel, (unified.size + halve) >> halve));
+}
+
+#endif

@@ -1,0 +1,69 @@
+// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite. As a fragment program
+// (mirror.frag) and as a compute program (mirror.comp), which say with WHOLE whether they run over the whole image.
+//
+// Over tiles, what is no mirror is left as it is: the images already hold what it shows. With WHOLE the images hold
+// nothing, all that reflects is a mirror, and the other pixels show their lit colour.
+
+#ifndef UNIFIED_MIRROR_GLSL
+#define UNIFIED_MIRROR_GLSL
+
+#include "unified/parameters.glsl"
+
+layout(constant_id = 3) const bool HITS = false;  // where the ray ended is wanted
+layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
+
+layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
+
+#include "unified/traverse.glsl"
+#include "captures/seen.glsl"
+
+struct Shown {
+    vec4 color;      // lit colour + reflectivity * fade * reflection; or the reflection
+    vec4 reflection; // colour, and fade in a; a miss is 0
+    vec4 hit;        // with HITS: texture coordinates, standard depth, PATH_*
+};
+
+// False for a pixel that is left as it is.
+bool Show(ivec2 pixel, out Shown shown) {
+    vec2 material = imageLoad(material_buffer, pixel).xy;
+    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    vec3 normal = imageLoad(normal_buffer, pixel).xyz;
+    bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
+    shown.reflection = vec4(0.0);
+    shown.color = COMPOSITE ? texelFetch(color_buffer, pixel, 0) : vec4(0.0);
+    shown.hit = vec4(-1.0, -1.0, -1.0, float(PATH_NONE));
+    if (!WHOLE && (!traced || ListOf(material) != MIRROR_LIST))
+        return false;
+    if (!traced)
+        return true;
+    bool faces;
+    Ray ray = MirrorRay(pixel, depth, normal, faces);
+    Hit hit = Traverse(ray);
+    bool is_hit = hit.code == PATH_HI_Z && faces;
+    bool in_sky = faces && EndsInSky(ray, hit);
+    if (is_hit || in_sky) {
+        vec3 along = SkyAlong(ray.direction);
+        shown.reflection = in_sky ? vec4(along, 1.0)
+                                  : vec4(ColorMirrored(hit.position, along), Fade(hit.position * unified.pixel_to_clip));
+    } else if (faces) {
+        PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit,
+                   2.0 * unified.pixel_to_view.y);
+    }
+    if (is_hit || in_sky) {
+        vec3 seen = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;
+        shown.color = COMPOSITE ? vec4(min(seen, GREATEST_HALF), shown.color.a) : shown.reflection;
+    }
+    if (HITS) {
+        precise vec2 uv = hit.position * unified.pixel_to_clip;
+        precise float hit_depth = 1.0 - hit.depth;
+        vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
+        int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
+        shown.hit = vec4(place, float(code));
+    }
+    return true;
+}
+
+#endif
