@@ -8,6 +8,7 @@ use super::cli::{
 };
 use super::compare::CompareOptions;
 use super::drivers::DriversOptions;
+use super::gpu_study::GpuStudyOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
@@ -43,6 +44,8 @@ pub enum Command {
     GBuffer(GBufferCommand),
     /// Render and time the built-in scenes, and write a page that shows it all.
     Study(StudyOptions),
+    /// Measure all that a device does in minutes: times and their noise, work, rates, and images against other devices'.
+    GpuStudy(GpuStudyOptions),
     /// Make the figures of the theses, say what those lack that cannot be made, and show them on a page.
     Figures(FiguresOptions),
     /// Say where captures of a scene stand, or place them.

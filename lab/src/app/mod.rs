@@ -13,6 +13,7 @@ mod error_cells;
 mod error_video;
 mod figures;
 mod gbuffer;
+mod gpu_study;
 mod motion;
 mod parameters;
 mod precision;
@@ -71,6 +72,7 @@ pub fn run() -> ExitCode {
         Command::Time(options) => time::run(options),
         Command::Error(options) => error::run(options),
         Command::GBuffer(command) => gbuffer::run(command),
+        Command::GpuStudy(options) => gpu_study::run(options),
         Command::Stress(options) => stress::run(options),
         Command::Motion(options) => motion::run(options),
         Command::Study(options) => study::run(options),

@@ -9,6 +9,7 @@ pub mod error_report;
 pub mod figures;
 pub mod files;
 pub mod gbuffer_pictures;
+pub mod gpu_study_report;
 pub mod html;
 pub mod images;
 pub mod kept_images;

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Measures a device in at most eight minutes, on a machine that needs nothing but its driver and the program:
+#   scripts/gpu-study.sh [PROGRAM] [FOLDER] [OPTIONS of ssct gpu-study]
+# PROGRAM is ssct, built elsewhere if need be (target/release/ssct by default); the folder is made, and its page is
+# index.html. Where this script lies in the repository, the images that lavapipe and SwiftShader made are compared with.
+set -euo pipefail
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+program=${1:-$root/target/release/ssct}
+folder=${2:-gpu-study}
+shift $(($# < 2 ? $# : 2))
+[ -x "$program" ] || { echo "gpu-study: there is no program $program; cargo build --release makes it" >&2; exit 1; }
+
+against=()
+for kept in "$root"/benches/runs/gpu-study/*/; do
+    [ -d "$kept/same" ] && against+=(--against "${kept%/}")
+done
+"$program" devices
+began=$(date +%s)
+"$program" gpu-study -o "$folder" "${against[@]}" "$@"
+echo "gpu-study: $(($(date +%s) - began)) s"
