@@ -10,6 +10,7 @@ pub mod files;
 pub mod gbuffer_pictures;
 pub mod html;
 pub mod images;
+pub mod library;
 pub mod mitsuba;
 pub mod path_report;
 pub mod plot;

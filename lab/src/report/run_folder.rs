@@ -12,6 +12,12 @@ pub const JOURNAL: &str = "journal.jsonl";
 /// Its last line once all is done.
 const FINISHED: &str = "{\"finished\":true}";
 
+/// Whether the run of a journal was finished, which its last line says; not if it cannot be read.
+pub fn is_finished(journal: &Path) -> bool {
+    let text = std::fs::read(journal).unwrap_or_default();
+    String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED)
+}
+
 /// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
 /// back.
 pub struct Claim {

@@ -8,6 +8,7 @@ pub mod gbuffer;
 pub mod image;
 pub mod interleave;
 pub mod journal;
+pub mod library;
 pub mod path;
 pub mod precision;
 pub mod record;

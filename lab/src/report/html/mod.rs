@@ -6,12 +6,14 @@ mod embed;
 mod figures;
 mod films;
 mod gallery;
+mod library;
 mod sections;
 
 pub use embed::data_uri;
 pub use figures::{Entry, FiguresPage, Group, Panel};
 pub use films::{Clip, ClipsPage, clips_page};
 pub use gallery::{Gallery, Picture, Strip};
+pub use library::{LibraryPage, TITLE as LIBRARY_TITLE};
 
 use super::error_report::ErrorPlot;
 use crate::error::Result;
