@@ -38,6 +38,7 @@ mod impostors;
 #[cfg(unix)]
 mod interrupted;
 mod layers;
+mod library;
 mod many;
 mod mirror;
 mod oracle_rooms;

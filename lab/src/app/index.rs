@@ -1,6 +1,7 @@
 //! `ssct index`: one page over many runs.
 
 use crate::error::{Error, Result};
+use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
 use crate::report::{files, library};
 use crate::study::library::changes::changes;
@@ -34,6 +35,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     if !(0.0..1.0).contains(&options.threshold) {
         return Err(Error::Usage(format!("--threshold {}: must be at least 0 and below 1", options.threshold)).into());
     }
+    methods::find(&options.base)?;
     let output = options.output.as_deref().unwrap_or(&options.folder);
     let page = output.join(PAGE);
     may_be_written(&page)?;
@@ -77,7 +79,9 @@ fn may_be_written(page: &Path) -> Result<()> {
     match std::fs::read(page) {
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
         Err(e) => Err(Error::io("read", page, e)),
-        Ok(there) if String::from_utf8_lossy(&there).contains(&format!("<title>ssct {LIBRARY_TITLE}</title>")) => Ok(()),
+        Ok(there) if String::from_utf8_lossy(&there).contains(&format!("<title>ssct {LIBRARY_TITLE}</title>")) => {
+            Ok(())
+        }
         Ok(_) => Err(Error::Usage(format!("{} is no page of a library: name another folder with -o", page.display()))),
     }
 }

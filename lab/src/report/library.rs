@@ -16,16 +16,8 @@ use std::time::SystemTime;
 use time::{Date, OffsetDateTime};
 
 /// Files that hold records, whatever else a folder has.
-const RECORD_FILES: [&str; 8] = [
-    "time.json",
-    "error.json",
-    "stress.json",
-    "motion.json",
-    "precision.json",
-    "video.json",
-    "path.json",
-    "age.json",
-];
+const RECORD_FILES: [&str; 8] =
+    ["time.json", "error.json", "stress.json", "motion.json", "precision.json", "video.json", "path.json", "age.json"];
 
 /// The folder in which `ssct study` puts its records of errors, beside those of times.
 const ERROR_FOLDER: &str = "error";
@@ -101,7 +93,8 @@ fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
     let has = |files: Option<&Vec<PathBuf>>, name: &str| {
         files.is_some_and(|files| files.iter().any(|file| file.file_name().is_some_and(|n| n == name)))
     };
-    let errors: Vec<PathBuf> = folders.keys().filter(|f| f.file_name().is_some_and(|n| n == ERROR_FOLDER)).cloned().collect();
+    let errors: Vec<PathBuf> =
+        folders.keys().filter(|f| f.file_name().is_some_and(|n| n == ERROR_FOLDER)).cloned().collect();
     for folder in errors {
         let Some(parent) = folder.parent().map(Path::to_owned) else { continue };
         let one_run = has(folders.get(&parent), "time.json") && !has(folders.get(&parent), "error.json");
@@ -141,7 +134,9 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
     if all.files.is_empty() {
         return match (wrong.is_empty(), unfinished) {
             (false, _) => Found::Unreadable(wrong.join("; ")),
-            (true, true) => Found::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records")),
+            (true, true) => {
+                Found::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records"))
+            }
             (true, false) => Found::Nothing,
         };
     }
@@ -174,9 +169,9 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let must = RECORD_FILES.contains(&&*name);
-    let content = std::fs::read(path).map_err(|e| e.to_string()).and_then(|bytes| {
-        serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string())
-    });
+    let content = std::fs::read(path)
+        .map_err(|e| e.to_string())
+        .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
     match content {
         Ok(content) if read::is_records(&content) => match content {
             Json::Array(records) => Ok(Some(records)),

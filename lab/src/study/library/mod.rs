@@ -82,14 +82,8 @@ pub enum Quantity {
 
 impl Quantity {
     /// All, in the order in which pages show them.
-    pub const ALL: [Self; 6] = [
-        Self::Time,
-        Self::ErrorStudyTime,
-        Self::WrongHits,
-        Self::ScreenRmse,
-        Self::WorldRmse,
-        Self::MotionDeviation,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Time, Self::ErrorStudyTime, Self::WrongHits, Self::ScreenRmse, Self::WorldRmse, Self::MotionDeviation];
 
     /// Whether it is a time, which says nothing on another device or beside another run's.
     pub fn is_time(self) -> bool {

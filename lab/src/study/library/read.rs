@@ -5,13 +5,13 @@ use super::{Measurement, Quantity, Setting};
 use crate::gpu::DeviceInfo;
 use crate::methods::{self, EffectParams};
 use crate::parameter::{Choices, Parameters, Preset};
+use crate::study::error::{EXACT_HITS, SCREEN_REFERENCE};
 use crate::study::record::{Head, Provenance, RecordedSetup, cell};
 use serde::Deserialize;
 use serde_json::Value as Json;
 
 /// The kinds of records that the studies write.
-pub const KINDS: [&str; 9] =
-    ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
+pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
 
 /// Fields at the top of a record that a newer one has in its setup.
 const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
@@ -103,7 +103,8 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
         ("motion", _) => vec![(Quantity::MotionDeviation, at("/deviation"))],
         _ => Vec::new(),
     };
-    let sound = |(quantity, value): (Quantity, Option<f64>)| Some((quantity, value.filter(|v| v.is_finite() && *v >= 0.0)?));
+    let sound =
+        |(quantity, value): (Quantity, Option<f64>)| Some((quantity, value.filter(|v| v.is_finite() && *v >= 0.0)?));
     found.into_iter().filter_map(sound).collect()
 }
 
@@ -152,7 +153,7 @@ fn setting(head: &Head) -> Setting {
 /// The method and what is not its preset's. Nobody here knows the presets of a method from a folder, so that all of its
 /// parameters are named.
 fn method(head: &Head) -> String {
-    if methods::find(&head.method).is_ok() {
+    if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
         return head.variant();
     }
     let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();

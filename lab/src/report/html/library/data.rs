@@ -34,7 +34,11 @@ pub fn embedded(page: &LibraryPage) -> String {
             })
         })
         .collect();
+    // What a reader sees first: the latest change, else the last two runs of a trend.
+    let changed = page.changes.last().map(|c| [c.before, c.after]);
+    let followed = || page.trends.last().and_then(|t| t.runs.last_chunk::<2>().copied());
     let data = json!({
+        "first": changed.or_else(followed),
         "seed": SEED,
         "resamples": RESAMPLES,
         "confidence": CONFIDENCE,

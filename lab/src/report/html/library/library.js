@@ -133,8 +133,8 @@ function say(id, ...parts) {
 function show() {
   const [a, b] = [selectA, selectB].map((select) => library.runs[select.value]);
   const on = (run) => run.devices.map((d) => `D${d + 1}, ${library.devices[d]}`).join("; ");
-  say("about-runs", `A ran on ${on(a)}. B ran on ${on(b)}. `, element("code", `ssct compare ${a.name} ${b.name}`),
-    " says the same of every pass.");
+  const command = [element("code", `ssct compare ${a.name} ${b.name}`), " says the same of every pass."];
+  say("about-runs", `A ran on ${on(a)}. B ran on ${on(b)}. `, ...(a.samples && b.samples ? command : []));
   const lacks = [["A", a], ["B", b]].filter(([, run]) => !run.samples).map(([side]) => side).join(" and ");
   if (lacks) {
     say("compared-times", element("p", `Not compared: no raw samples of times lie beside the records of ${lacks}.`));
@@ -159,11 +159,7 @@ if (library.runs.length > 1) {
     library.runs.forEach((run, n) => select.add(new Option(`${n + 1}. ${run.date} ${run.name}`, n)));
     select.addEventListener("change", show);
   }
-  // The latest run with samples, and the latest before it on its device; of others, the last two.
-  const timed = library.runs.map((run, n) => ({ run, n })).filter(({ run }) => run.samples);
-  const last = timed.at(-1);
-  const before = last && timed.filter(({ run, n }) => n < last.n && run.samplesDevice === last.run.samplesDevice).at(-1);
-  [selectA.value, selectB.value] = before ? [before.n, last.n] : [library.runs.length - 2, library.runs.length - 1];
+  [selectA.value, selectB.value] = library.first ?? [library.runs.length - 2, library.runs.length - 1];
   document.getElementById("choose-runs").hidden = false;
   show();
 }

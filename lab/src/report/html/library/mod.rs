@@ -78,7 +78,7 @@ impl LibraryPage<'_> {
     fn runs(&self) -> Markup {
         let devices = devices(&self.library.runs);
         html! {
-            p { (self.library.runs.len()) " runs on " (devices.len()) " devices, by date, and on one day by name." }
+            p { (counted(self.library.runs.len(), "run")) " on " (counted(devices.len(), "device")) ", by date, and on one day by name." }
             dl {
                 @for (n, d) in devices.iter().enumerate() {
                     dt { "D" (n + 1) } dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
@@ -111,8 +111,8 @@ impl LibraryPage<'_> {
         html! {
             tr id={ "run-" (n + 1) } {
                 th scope="row" { (n + 1) ". " (run.name) }
-                td { @if run.dated_by == DatedBy::Files { "(" (run.date) ")" } @else { (run.date) } }
-                td { (run.programs.join("; ")) }
+                td.whole { @if run.dated_by == DatedBy::Files { "(" (run.date) ")" } @else { (run.date) } }
+                td { @for program in &run.programs { span.whole { (program) } " " } }
                 td { (definitions.join(", ")) }
                 td { (numbers.join(", ")) }
                 td {
@@ -191,7 +191,8 @@ impl LibraryPage<'_> {
                 "Each value is the median over the views that are named. A time is that of the method over that of "
                 code { (self.base) } " in the same run on the same device; milliseconds of different runs or devices are "
                 "not compared. A line joins only runs that measured the same views in the same setting; what one run "
-                "alone measured is in its own files."
+                "alone measured is in its own files. An error also depends on its reference, whose rays and bounces the "
+                "records do not say: a run with another reference strays from its line."
             }
             @if shown.is_empty() { p { "No two runs of a device measured the same." } }
             @for part in shown { (part) }
@@ -203,7 +204,7 @@ impl LibraryPage<'_> {
         let runs = trends.iter().map(|t| t.runs.len()).max().unwrap_or(0);
         Ok(html! {
             details open[open] {
-                summary { (place_title(&first.setting, &first.views)) ", up to " (runs) " runs" }
+                summary { (place_title(&first.setting, &first.views)) ", up to " (counted(runs, "run")) }
                 p { "Views: " (first.views.join(", ")) ". Setting: " (first.setting.rest.join(", ")) "." }
                 @for plot in plots { (plot) }
             }
@@ -227,12 +228,17 @@ impl LibraryPage<'_> {
     }
 
     fn title(&self, quantity: Quantity) -> String {
-        if quantity.is_time() { format!("{} over {}", quantity.title(), self.base) } else { quantity.title().to_owned() }
+        if quantity.is_time() {
+            format!("{} over {}", quantity.title(), self.base)
+        } else {
+            quantity.title().to_owned()
+        }
     }
 
     fn trend_cells(&self, trend: &Trend) -> Vec<Vec<String>> {
         let run = |at: &usize| format!("{}. {}", at + 1, self.library.runs[*at].date);
-        let mut cells = vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
+        let mut cells =
+            vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
         let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure);
         let row = |line: &crate::study::library::trends::TrendLine| {
             std::iter::once(line.method.clone()).chain(line.values.iter().map(value)).collect()
@@ -270,12 +276,16 @@ impl LibraryPage<'_> {
             }
             @if !library.without_records.is_empty() {
                 details {
-                    summary { (library.without_records.len()) " folders have files, but no records of the studies" }
+                    summary { "Folders with files, but no records of the studies: " (library.without_records.len()) }
                     ul { @for folder in &library.without_records { li { (folder) } } }
                 }
             }
         }
     }
+}
+
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
 }
 
 /// Whether two trends are of the same place, and stand under one heading.
