@@ -32,8 +32,10 @@ plan_resources() {
 # Submits tasks as an array, and after it the job that looks at how they ended. A round after the first asks for twice
 # the memory of the one before, since too little of it is why a task with enough time fails.
 submit_round() { # folder, round, tasks...
-    local folder=$1 round=$2 array='' list
+    local folder=$1 round=$2 array='' list variable
     shift 2
+    # In a job, these describe the job, and would be taken for wishes of the next.
+    for variable in "${!SLURM_@}"; do [ "$variable" = SLURM_CONF ] || unset "$variable"; done
     list=$(IFS=,; echo "$*")
     local options=("--chdir=$folder" --requeue --open-mode=append "${SBATCH[@]}")
     local dependency=()

@@ -154,14 +154,12 @@ within 30 "task $killed is queued again" was_queued_again "$killed"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemon, the steps, and what they run.
+# As when the power fails: the daemon, its steps, and what they run.
+jobs_there=$(squeue -h -r -t R -w "$lost_node" -o %A | paste -sd'|')
 victims=$(for id in $(ours); do
-    { tr '\0' ' ' <"/proc/$id/cmdline"; tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null |
-        grep -qE "^slurmd -N $lost_node( |\$)|spool.$lost_node/|^SLURMD_NODENAME=$lost_node\$" && echo "$id"
-    case $(readlink "/proc/$id/exe" 2>/dev/null) in
-        */slurmstepd) [ "$(cut -d' ' -f1 "$folder/steps-$lost_node" 2>/dev/null)" = "$id" ] && echo "$id" ;;
-    esac
-done)
+    { tr '\0' ' ' <"/proc/$id/cmdline"; echo; tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null |
+        grep -qE "^slurmd -N $lost_node( |\$)|^slurmstepd: \[($jobs_there)\.|^SLURMD_NODENAME=$lost_node\$" && echo "$id"
+done || true)
 # shellcheck disable=SC2086
 kill -KILL $victims 2>/dev/null || true
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }

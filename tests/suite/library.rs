@@ -74,7 +74,7 @@ fn the_page_has_runs_changes_and_trends_within_a_device() {
     assert!(said.contains("3 runs, 2 figures over runs, 0 folders left out"), "{said}");
     let page = folder.text("all/index.html");
     // The errors of a study's folder are of the same run as its times.
-    assert_eq!(page.matches("id=\"run-").count(), 3);
+    assert_eq!(page.matches("<tr id=\"run-").count(), 3);
     for link in ["2026-11-20-a/time.json", "2026-11-20-a/error/error.json"] {
         assert!(attributes(&page, "href").contains(&link) && folder.path("all").join(link).exists(), "{link}");
     }

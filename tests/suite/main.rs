@@ -16,6 +16,7 @@ mod bounces;
 mod camera_capture;
 mod captures;
 mod chains;
+mod ci;
 mod cli;
 mod compare;
 mod cone;

@@ -22,6 +22,9 @@ const RECORD_FILES: [&str; 8] =
 /// The folder in which `ssct study` puts its records of errors, beside those of times.
 const ERROR_FOLDER: &str = "error";
 
+/// A run's own page.
+const PAGE: &str = "index.html";
+
 /// Raw samples of times.
 const SAMPLES: &str = "time-samples.csv";
 
@@ -154,6 +157,8 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
         date,
         dated_by,
         files: all.files,
+        // That of the library's own folder is the library's.
+        has_page: name != "." && files.iter().any(|file| file.file_name().is_some_and(|n| n == PAGE)),
         programs: all.programs.into_iter().collect(),
         definitions: all.definitions.into_iter().collect(),
         devices: all.devices,

@@ -20,6 +20,8 @@ pub struct LibraryRun {
     pub dated_by: DatedBy,
     /// Record files, relative to the folder, with the kind and number of their records.
     pub files: Vec<RecordFile>,
+    /// Whether it has a page of its own, index.html.
+    pub has_page: bool,
     /// Versions and commits of the programs that measured.
     pub programs: Vec<String>,
     /// Versions of the definitions that its figures are of.

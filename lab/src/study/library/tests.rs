@@ -29,6 +29,7 @@ fn run(name: &str, records: &[Json]) -> LibraryRun {
         date: "2026-11-24".into(),
         dated_by: DatedBy::Folder,
         files: Vec::new(),
+        has_page: false,
         programs: Vec::new(),
         definitions: vec![2],
         devices: Vec::new(),

@@ -120,6 +120,7 @@ impl LibraryPage<'_> {
                         @if n > 0 { ", " }
                         (self.link(run, &file.file)) ": " (file.records)
                     }
+                    @if run.has_page { ", " (self.link(run, "index.html")) }
                     @if let Some([failed, all]) = run.stress { "; " (failed) " of " (all) " cases failed" }
                     @for note in &run.notes { br; em { (note) } }
                 }
