@@ -7,6 +7,7 @@ use super::cli::{
     StudyOptions, TimeOptions,
 };
 use super::compare::CompareOptions;
+use super::merge::MergeOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
@@ -50,4 +51,6 @@ pub enum Command {
     Truth(TruthOptions),
     /// Compare the times of two runs, or two images.
     Compare(CompareOptions),
+    /// Put the shards of a study together.
+    Merge(MergeOptions),
 }

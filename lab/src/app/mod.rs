@@ -12,6 +12,7 @@ mod error_cells;
 mod error_video;
 mod figures;
 mod gbuffer;
+mod merge;
 mod motion;
 mod parameters;
 mod precision;
@@ -77,6 +78,7 @@ pub fn run() -> ExitCode {
         Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
+        Command::Merge(options) => merge::run(options),
     };
     // What is still to be printed may find no room, as what is printed.
     let done = done.and_then(|()| Ok(std::io::stdout().flush()?));
