@@ -51,6 +51,7 @@ mod resolution;
 mod same;
 mod scene_loading;
 mod schmidt;
+mod shards;
 mod stochastic;
 mod stress;
 mod trace_normals;

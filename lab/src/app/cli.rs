@@ -4,6 +4,7 @@ use super::parameters::{BesideGBufferOptions, MethodOptions, TypedVariant, choic
 use crate::report::figures::Figure;
 use crate::scene::capture::MAX_CAPTURES;
 use crate::scene::texture::MAX_EXTENT;
+use crate::study::shard::Shard;
 use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -77,6 +78,15 @@ pub struct DeviceOptions {
     /// Run under the validation layers; any message outside the allow-list fails the run.
     #[arg(long)]
     pub validation: bool,
+}
+
+/// Which part of a study is run.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ShardOptions {
+    /// Measure only this share of the cells, such as 3/8, the third of eight; `ssct merge` puts shards together
+    /// (docs/many-machines.md).
+    #[arg(long, value_name = "I/N", requires = "output")]
+    pub shard: Option<Shard>,
 }
 
 /// Options of `ssct render`.
@@ -272,6 +282,8 @@ pub struct ErrorOptions {
     /// Rays a pixel of the screen and the world reference.
     #[arg(long, default_value_t = 64)]
     pub rays: u32,
+    #[command(flatten)]
+    pub shard: ShardOptions,
     /// Write records, plots and pictures into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

@@ -8,6 +8,7 @@ use super::cli::{
 };
 use super::compare::CompareOptions;
 use super::index::IndexOptions;
+use super::merge::MergeOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
@@ -53,4 +54,6 @@ pub enum Command {
     Compare(CompareOptions),
     /// Make one page over many runs: devices, commits and dates, with figures over runs.
     Index(IndexOptions),
+    /// Put the shards of a study together.
+    Merge(MergeOptions),
 }

@@ -7,9 +7,12 @@ use crate::gpu::Gpu;
 use crate::methods::{METHODS, Setup};
 use crate::report::error_report::{self, stem};
 use crate::scene::{Scene, View};
-use crate::study::error::{ErrorRecord, ErrorSpec, Variant, measure};
+use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
+use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure};
 use crate::study::journal::{Journal, scene_digest};
+use crate::study::shard::Shard;
 use crate::study::{Globals, Stage};
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// Pixels of a quick study.
@@ -56,12 +59,35 @@ impl Plan {
         self.scenes.iter().map(|(_, views)| views.len()).sum::<usize>() * self.sizes.len() * self.globals.len()
     }
 
-    /// Measures every cell that the journal lacks; pictures go into a folder, where there is one. `progress`
-    /// is called after each cell, `go_on` between the steps of one; the error of either ends the study.
+    /// The cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the variants are of several versions of the definitions.
+    pub fn list(&self, gpu: &Gpu, shard: Option<Shard>, command: String) -> Result<CellList> {
+        let scenes = self.scenes.iter().map(|(scene, _)| (scene.name.clone(), scene_digest(scene))).collect();
+        let definitions = definitions_of(&self.variants)?;
+        let head = CellListHead { kind: "error", definitions, command, shard, settings: Value::Null, scenes };
+        Ok(CellList::new(head, gpu.info(), self.planned(Some(gpu))))
+    }
+
+    /// The cells with what they are predicted to cost; without a device nobody knows where a journal keeps them.
+    pub fn planned(&self, gpu: Option<&Gpu>) -> Vec<PlannedCell> {
+        let planned = |spec: ErrorSpec| {
+            let setup = json!([spec.settings(), spec.samples, spec.rays]);
+            let key = gpu.map(|gpu| key(gpu, &spec)).unwrap_or_default();
+            PlannedCell::new(stem_of(&spec), setup, 1.0, key)
+        };
+        self.specs().map(planned).collect()
+    }
+
+    /// Measures every cell that the journal lacks, of a list those that are its own; pictures go into a folder, where
+    /// there is one. `progress` is called after each cell, `go_on` between the steps of one; the error of either ends the
+    /// study.
     pub fn measure(
         &self,
         gpu: &Gpu,
         journal: &mut Journal,
+        list: Option<&CellList>,
         pictures: Option<&Path>,
         progress: &mut dyn FnMut(),
     ) -> Result<()> {
@@ -69,8 +95,11 @@ impl Plan {
             return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
         }
         let mut stage: Option<(&str, Stage)> = None;
-        for spec in self.specs(gpu) {
-            let key = key(&spec);
+        for (n, spec) in self.specs().enumerate() {
+            if list.is_some_and(|list| !list.owns(n)) {
+                continue;
+            }
+            let key = key(gpu, &spec);
             // Of one scene at a time.
             stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
             journal.get_or(&key, |journal| {
@@ -78,10 +107,11 @@ impl Plan {
                     Some(stage) => stage,
                     none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
                 };
-                let cell = measure(&spec, stage, journal, &mut go_on)?;
+                let cell = measure(gpu, &spec, stage, journal, &mut go_on)?;
                 if let Some(folder) = pictures {
                     error_report::write_strips(folder, &stem_of(&spec), &cell)?;
                 }
+                journal.put(cost_key(&key), &cell.cost)?;
                 Ok(cell.records)
             })?;
             progress();
@@ -92,10 +122,10 @@ impl Plan {
 
     /// The records of every cell that the journal has.
     pub fn records(&self, gpu: &Gpu, journal: &Journal) -> Vec<ErrorRecord> {
-        self.specs(gpu).filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(&spec))).flatten().collect()
+        self.specs().filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(gpu, &spec))).flatten().collect()
     }
 
-    fn specs<'a>(&'a self, gpu: &'a Gpu) -> impl Iterator<Item = ErrorSpec<'a>> {
+    fn specs(&self) -> impl Iterator<Item = ErrorSpec<'_>> {
         let (warmup, samples, rays) = (1, self.samples, self.rays);
         let variants = &self.variants[..];
         self.scenes.iter().flat_map(move |(scene, views)| {
@@ -105,7 +135,7 @@ impl Plan {
             let cells = cells.flat_map(|(view, extent)| self.globals.iter().map(move |&g| (view, extent, g)));
             cells.map(move |(view, extent, globals)| {
                 let scene_digest = digest.clone();
-                ErrorSpec { gpu, scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
+                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
             })
         })
     }
@@ -116,6 +146,11 @@ fn stem_of(spec: &ErrorSpec) -> String {
 }
 
 /// Where the journal keeps a cell.
-fn key(spec: &ErrorSpec) -> String {
-    format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(), spec.samples, spec.rays)
+fn key(gpu: &Gpu, spec: &ErrorSpec) -> String {
+    format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(gpu), spec.samples, spec.rays)
+}
+
+/// Where the journal keeps how long the parts of a cell took, by where it keeps the cell.
+pub fn cost_key(cell: &str) -> String {
+    format!("cost of {cell}")
 }

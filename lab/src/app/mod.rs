@@ -13,6 +13,7 @@ mod error_video;
 mod figures;
 mod gbuffer;
 mod index;
+mod merge;
 mod motion;
 mod parameters;
 mod precision;
@@ -79,6 +80,7 @@ pub fn run() -> ExitCode {
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
         Command::Index(options) => index::run(options),
+        Command::Merge(options) => merge::run(options),
     };
     // What is still to be printed may find no room, as what is printed.
     let done = done.and_then(|()| Ok(std::io::stdout().flush()?));

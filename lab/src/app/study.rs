@@ -157,7 +157,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         }
         if let Some(cells) = &cells {
             let images = folder.join(ERROR_FOLDER).join("images");
-            cells.measure(&gpu, journal, Some(&images), &mut || bar.inc(1))?;
+            cells.measure(&gpu, journal, None, Some(&images), &mut || bar.inc(1))?;
         }
         Ok((views, figures))
     };
@@ -172,7 +172,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let all: Vec<TimeRecord> = view_records.iter().chain(&table_records).cloned().collect();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
         .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()))
-        .and_then(|()| error_report::write(&folder.join(ERROR_FOLDER), &error_records));
+        .and_then(|()| error_report::write(&folder.join(ERROR_FOLDER), &error_records, &plan.command, &[]));
     // What ended it counts for more than what could not be written then.
     let (views, figures) = run.ended(outcome)?;
     wrote?;

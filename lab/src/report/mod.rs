@@ -3,6 +3,7 @@
 pub mod age_report;
 pub mod captures;
 pub mod compare;
+pub mod devices;
 pub mod diagrams;
 pub mod error_report;
 pub mod figures;
@@ -11,6 +12,7 @@ pub mod gbuffer_pictures;
 pub mod html;
 pub mod images;
 pub mod library;
+pub mod merged;
 pub mod mitsuba;
 pub mod path_report;
 pub mod plot;

@@ -2,16 +2,20 @@
 
 pub mod age;
 pub mod captions;
+pub mod cell_list;
 pub mod compare;
+pub mod cost;
 pub mod error;
 pub mod gbuffer;
 pub mod image;
 pub mod interleave;
 pub mod journal;
 pub mod library;
+pub mod merge;
 pub mod path;
 pub mod precision;
 pub mod record;
+pub mod shard;
 pub mod stage;
 pub mod stress;
 pub mod sweep;
