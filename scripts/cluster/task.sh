@@ -9,7 +9,7 @@ source "$folder/settings"
 source "$HERE/common.sh"
 task=$SLURM_ARRAY_TASK_ID
 shard=$folder/shards/$task
-say() { printf '%s task %s on %s, attempt %s: %s\n' "$(date +%T)" "$task" "$(hostname)" "$((${SLURM_RESTART_COUNT:-0} + 1))" "$*"; }
+say() { printf '%s task %s on %s, attempt %s: %s\n' "$(date +%T)" "$task" "${SLURMD_NODENAME:-$(hostname)}" "$((${SLURM_RESTART_COUNT:-0} + 1))" "$*"; }
 
 [ ! -e "$folder/done/$task" ] || { say 'is done already'; exit 0; }
 mkdir -p "$shard"

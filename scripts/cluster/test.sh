@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, and another with
-# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Installs
-# Debian's packages if they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen
+# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then another,
+# on folders that each node has for itself: one task is asked to stop, one is cancelled, what there is is merged, and the
+# rest is submitted again. Installs Debian's packages if they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen
 # on the loopback address alone, and none of them outlives the script.
 #
 #   scripts/cluster/test.sh SSCT     the command to test
@@ -25,20 +26,24 @@ chmod 755 "$folder"
 export SSCT_CLUSTER_TEST=$folder SLURM_CONF=$folder/slurm.conf
 mkdir "$folder"/{log,state}
 
-ours() { # ids of the processes that this script started, but for those of the script itself
-    local environment id
-    for environment in /proc/[0-9]*/environ; do
-        id=${environment#/proc/} id=${id%/environ}
-        [ "$id" != $$ ] && [ "$id" != "$BASHPID" ] || continue
-        { tr '\0' '\n' <"$environment"; } 2>/dev/null | grep -qxF "SSCT_CLUSTER_TEST=$folder" && printf '%s\n' "$id"
+# The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
+ours() {
+    local process id
+    for process in /proc/[0-9]*; do
+        id=${process#/proc/}
+        if { tr '\0' '\n' <"$process/environ"; } 2>/dev/null | grep -qxF "SSCT_CLUSTER_TEST=$folder"; then
+            printf '%s\n' "$id"
+        elif [ "$(cat "$process/comm" 2>/dev/null)" = slurmstepd ] && [ -n "$(node_of_step "$id")" ]; then
+            printf '%s\n' "$id"
+        fi
     done
-    true
 }
+node_of_step() { readlink "/proc/$1"/fd/* 2>/dev/null | sed -n "s|^$folder/log/slurmd\.\(.*\)\.log\$|\1|p" | head -n 1; }
 
 stop_all() {
     local status=$? ids n
     trap - EXIT INT TERM
-    [ "$status" -eq 0 ] || tail -n 25 "$folder"/log/*.log "$folder"/study/logs/*.log >&2 2>/dev/null || true
+    [ "$status" -eq 0 ] || tail -n 20 "$folder"/log/slurmctld.log "$folder"/study/logs/*.log >&2 2>/dev/null || true
     for n in TERM TERM KILL KILL KILL; do
         ids=$(ours)
         [ -n "$ids" ] || break
@@ -118,15 +123,18 @@ if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((
     fail 'a daemon listens on more than the loopback address'
 fi
 
-study=(error --scene corridor --method ssct,hzct,unified --size 160x90 --roughness 0,0.3 --samples 1 --rays 64 --no-sweep)
+study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
+    --samples 1 --rays 96 --no-sweep)
 result=$folder/study
-"$here/submit.sh" --tasks "$tasks" -o "$result" --ssct "$ssct" --cpus 1 --memory 1500 --time 30 -- "${study[@]}"
+submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 --memory 1500 --time 30 "$@" -- "${study[@]}"; }
+submit --tasks "$tasks"
 array=$(squeue -h -n ssct -o %F | head -n 1)
 raw() { squeue -h -r -j "$array" -o '%K %A' 2>/dev/null | awk -v n="$1" '$1 == n { print $2 }'; }
 restarts() { scontrol -o show job "$(raw "$1")" 2>/dev/null | grep -o 'Restarts=[0-9]*' | cut -d= -f2; }
-entries() { grep -c '"key"' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }
+# Cells that are done, each with a line of its own among those of its samples.
+entries() { grep -c '^{"key":"error ' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }
 
-# A task in its middle: it runs, its journal has an entry, and it is none of those that were disturbed already.
+# A task in its middle: it runs, its journal has a cell, and it is none of those that were disturbed already.
 disturbed=' '
 find_running() {
     local n node
@@ -143,7 +151,7 @@ disturb() { # what is done
     within 120 "a task is in its middle, to $1" find_running
     disturbed+="$found "
     cp "$result/shards/$found/journal.jsonl" "$folder/journal-of-$found"
-    say "task $found on $found_on, with $(entries "$found") entries: $1"
+    say "task $found on $found_on, with $(entries "$found") cells done: $1"
 }
 was_queued_again() { [ "$(restarts "$1")" -ge 1 ] 2>/dev/null; }
 
@@ -154,14 +162,17 @@ within 30 "task $killed is queued again" was_queued_again "$killed"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemon, its steps, and what they run.
-jobs_there=$(squeue -h -r -t R -w "$lost_node" -o %A | paste -sd'|')
-victims=$(for id in $(ours); do
-    { tr '\0' ' ' <"/proc/$id/cmdline"; echo; tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null |
-        grep -qE "^slurmd -N $lost_node( |\$)|^slurmstepd: \[($jobs_there)\.|^SLURMD_NODENAME=$lost_node\$" && echo "$id"
-done || true)
+# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
+daemons='' commands=''
+for id in $(ours); do
+    if [ "$(node_of_step "$id")" = "$lost_node" ] || [ "$id" = "$(cat "$folder/slurmd.$lost_node.pid")" ]; then
+        daemons+=" $id"
+    elif { tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null | grep -qx "SLURMD_NODENAME=$lost_node"; then
+        commands+=" $id"
+    fi
+done
 # shellcheck disable=SC2086
-kill -KILL $victims 2>/dev/null || true
+kill -KILL $daemons $commands 2>/dev/null || true
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
 within 60 "$lost_node is down" is_down
 within 30 "task $lost is queued again" was_queued_again "$lost"
@@ -172,22 +183,50 @@ dead=$found
 scancel --signal=KILL --batch "${array}_$dead"
 
 start_node "$lost_node"
-is_back() { sinfo -h -n "$lost_node" -o %T | grep -qE 'idle|alloc|mix'; }
+is_back() { sinfo -h -n "$lost_node" -o %T | grep -qxE 'idle|allocated|mixed'; }
 within 30 "$lost_node is back" is_back
 say "$lost_node is back"
 
-merged() { [ -e "$result/all/error.json" ]; }
-within 240 'the tasks are merged' merged
+merged() { [ -e "$result/all/error.json" ] && [ -z "$(squeue -h)" ]; }
+within 300 'the tasks are merged' merged
 grep -q "^not done: tasks .*\b$dead\b" "$result/logs/merge.log" || fail "task $dead was not submitted again after all others"
 say 'merged'
 
 # What a disturbed task had measured was not measured again: its journal goes on from the same lines.
-for n in $killed $lost $dead; do
-    lines=$(grep -c '' "$folder/journal-of-$n")
-    head -n "$lines" "$result/shards/$n/journal.jsonl" | cmp -s - "$folder/journal-of-$n" ||
-        fail "the journal of task $n does not go on where it was"
-done
-
-"$ssct" "${study[@]}" -o "$folder/alone"
+went_on() { # tasks
+    local n
+    for n in "$@"; do
+        head -n "$(grep -c '' "$folder/journal-of-$n")" "$result/shards/$n/journal.jsonl" |
+            cmp -s - "$folder/journal-of-$n" || fail "the journal of task $n does not go on where it was"
+    done
+}
+went_on "$killed" "$lost" "$dead"
+"$ssct" "${study[@]}" -o "$folder/alone" >"$folder/log/alone.log"
 python3 "$here/same.py" "$folder/alone" "$result/all"
+
+# Another study, whose shards are worked at in a folder of each node.
+study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 64 --no-sweep)
+result=$folder/scratched disturbed=' '
+# shellcheck disable=SC2016
+scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1)
+submit --tasks 2 "${scratch[@]}" --retries 0 --partial
+array=$(squeue -h -n ssct -o %F | head -n 1)
+scancel "${array}_2"
+disturb 'ask it to stop'
+[ "$found" = 1 ] || fail 'task 2 runs, though it was cancelled'
+scancel --signal=TERM "${array}_1.0"
+within 30 'task 1 is queued again' was_queued_again 1
+within 120 'what there is is merged' merged
+went_on 1
+[ -e "$result/done/1" ] && [ ! -e "$result/done/2" ] || fail 'not task 1 alone is done'
+grep -q '^not done: tasks 2$' "$result/logs/merge.log" || fail 'the merge does not name task 2'
+[ -z "$(find "$folder"/scratch-of-* -mindepth 1)" ] || fail 'the folders of the nodes are not empty'
+submit --tasks 2 "${scratch[@]}" | grep '^tasks 2: ' || fail 'not task 2 alone was submitted again'
+is_whole() { [ -e "$result/done/2" ] && merged; }
+within 120 'all is merged' is_whole
+submit --tasks 2 | grep '^all 2 tasks are done' || fail 'something is left to do'
+if submit --tasks 3 2>"$folder/log/refused"; then fail 'another number of shards was taken'; fi
+grep -q 'holds another study, or another number of shards' "$folder/log/refused" || fail 'no sentence says why'
+"$ssct" "${study[@]}" -o "$folder/alone-too" >"$folder/log/alone-too.log"
+python3 "$here/same.py" "$folder/alone-too" "$result/all"
 say "passed in $SECONDS s"
