@@ -124,7 +124,7 @@ if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((
 fi
 
 study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
-    --samples 1 --rays 96 --no-sweep)
+    --samples 1 --rays 64 --no-sweep)
 result=$folder/study
 submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 --memory 1500 --time 30 "$@" -- "${study[@]}"; }
 submit --tasks "$tasks"

@@ -22,12 +22,11 @@ clean_up() {
 trap clean_up EXIT
 
 study=(error --scene corridor --method ssct,unified --size 96x54 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
-shards() { # in a group of processes of its own, so that all of it can be stopped
-    XDG_CACHE_HOME=$folder/cache setsid "$snakemake" --snakefile "$here/Snakefile" --directory "$folder" --cores 2 \
-        --nolock --config "out=$folder/study" "tasks=$tasks" "command=${study[*]}" "ssct=$ssct" "$@"
-}
+# In a group of processes of its own, so that all of it can be stopped.
+shards=(env "XDG_CACHE_HOME=$folder/cache" setsid "$snakemake" --snakefile "$here/Snakefile" --directory "$folder" --cores 2
+    --nolock --config "out=$folder/study" "tasks=$tasks" "command=${study[*]}" "ssct=$ssct")
 
-shards >"$folder/first.log" 2>&1 &
+"${shards[@]}" >"$folder/first.log" 2>&1 &
 running=$!
 for ((n = 0; n < 240; n++)); do
     entries=$(cat "$folder"/study/shards/*/journal.jsonl 2>/dev/null | grep -c '"key"' || true)
@@ -45,7 +44,7 @@ done
 say "stopped after $entries entries of the journals"
 
 # What was running when it was killed counts as incomplete; the shards themselves know better.
-shards --rerun-incomplete >"$folder/second.log" 2>&1 || fail 'the second attempt'
+"${shards[@]}" --rerun-incomplete >"$folder/second.log" 2>&1 || fail 'the second attempt'
 for n in $(seq "$tasks"); do
     [ -e "$folder/journal-of-$n" ] || continue
     # A line that the kill cut off is not kept.
