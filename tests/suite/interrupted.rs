@@ -192,7 +192,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         ("render --scene corridor --size 96x54 -o x.png", "x.png"),
         ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
         ("gbuffer export --scene corridor --size 96x54 g.exr", "g.exr"),
-        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "journal.jsonl"),
+        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "cells.json"),
     ] {
         let (status, said) = little(args);
         assert_eq!(status, Some(1), "{args}: {said}");

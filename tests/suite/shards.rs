@@ -72,11 +72,14 @@ impl Folders {
     }
 }
 
+/// Fields of records that are times.
+const TIMES: [&str; 8] = ["time_ms", "prepared", "effect_ms", "capture_ms", "passes", "total", "frame", "noise_floor"];
+
 /// A record without times.
 fn figures(mut value: Value) -> Value {
     match &mut value {
         Value::Object(fields) => {
-            fields.retain(|name, _| !["time_ms", "prepared"].contains(&name.as_str()));
+            fields.retain(|name, _| !TIMES.contains(&name.as_str()));
             fields.values_mut().for_each(|v| *v = figures(v.take()));
         }
         Value::Array(all) => all.iter_mut().for_each(|v| *v = figures(v.take())),
@@ -215,4 +218,157 @@ fn what_does_not_belong_together_is_not_merged() {
     }
     let (status, _, said) = run(&[&base[..], &["--shard", "1/2"]].concat());
     assert!(status == Some(2) && said.contains("--output"), "{said}");
+}
+
+/// Runs a study undivided and in two shards, merges these, and compares all but times.
+fn divided(command: &[&str], records: &str) -> Folders {
+    let folders = Folders::new();
+    let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
+    done(&[command, &["-o", &whole]].concat());
+    for n in [1, 2] {
+        folders.shard(command, n, 2);
+    }
+    let owned = ["1", "2"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))).0.len());
+    assert!(owned.iter().all(|n| *n > 0), "{command:?}: {owned:?}");
+    done(&["merge", &first, &second, "-o", &all]);
+    let [a, b] = ["whole", "all"].map(|f| figures(folders.json(&format!("{f}/{records}"))));
+    assert!(a.as_array().is_some_and(|all| !all.is_empty()) && a == b, "{command:?}:\n{a}\n{b}");
+    assert_eq!(folders.files("whole"), folders.files("all"), "{command:?}");
+    folders
+}
+
+#[test]
+fn times_are_divided_by_size_and_roughness() {
+    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
+    let folders = divided(&[&what[..], &["--method", "ssct,unified"]].concat(), "time.json");
+    let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
+    assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
+    // Methods are compared with each other, so that each shard has both.
+    for n in ["1", "2"] {
+        let of = folders.json(&format!("{n}/time.json"));
+        let methods: BTreeSet<&str> = of.as_array().unwrap().iter().filter_map(|r| r["method"].as_str()).collect();
+        assert_eq!(methods.len(), 2);
+    }
+    let [a, b] = ["whole", "all"].map(|name| folders.name(name));
+    done(&["compare", &a, &b]);
+    for undivided in [&["--path", "views"][..], &["--table", "captions"]] {
+        let (status, _, said) = run(&[&["time"], undivided, &["--shard", "1/2", "-o", &a]].concat());
+        assert!(status == Some(2) && said.contains("--shard is not for"), "{said}");
+    }
+}
+
+/// As if another device had measured a shard.
+fn of_another_device(folder: &Path) {
+    for file in ["cells.json", "journal.jsonl"] {
+        let path = folder.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(
+            &path,
+            text.replace("llvmpipe (", "another (").replace("\"name\":\"NVIDIA", "\"name\":\"another"),
+        )
+        .unwrap();
+    }
+}
+
+#[test]
+fn times_of_two_devices_stay_apart() {
+    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
+    let folders = Folders::new();
+    for n in [1, 2] {
+        folders.shard(&what, n, 2);
+    }
+    of_another_device(&folders.path("2"));
+    let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
+    let out = done(&["merge", &a, &b, "-o", &all]);
+    assert!(out.contains("2 devices, whose times stay apart"), "{out}");
+    assert_eq!(folders.json("all/time.json").as_array().unwrap().len(), 4);
+    let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
+    assert!(page.contains("another (") && page.matches("total ms").count() == 2, "a table for each device");
+    // The samples, which are compared, lie with their device.
+    assert!(!folders.path("all/time-samples.csv").exists());
+    let is_other = |folder: &str| {
+        folders.json(&format!("{folder}/time.json"))[0]["device"]["name"].to_string().contains("another")
+    };
+    let mut apart = ["all/devices/1", "all/devices/2"];
+    apart.sort_by_key(|folder| is_other(folder));
+    assert!(!is_other(apart[0]) && is_other(apart[1]));
+    done(&["compare", &folders.name(apart[0]), &a]);
+    let (status, ..) = run(&["compare", &folders.name(apart[1]), &a]);
+    assert_ne!(status, Some(0), "nothing is compared between devices");
+
+    let error =
+        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
+    let error = [&error[..], &["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]].concat();
+    let folders = Folders::new();
+    for n in [1, 2] {
+        folders.shard(&error, n, 2);
+    }
+    of_another_device(&folders.path("2"));
+    let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
+    done(&["merge", &a, &b, "-o", &all]);
+    let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
+    assert_eq!(page.matches("<h2 id=\"device-").count(), 2, "a part for each device");
+    assert_eq!(page.matches("<h2 id=\"sources\"").count(), 1, "and one for the errors");
+    assert!(folders.path("all/error-world-device-2.svg").exists());
+}
+
+#[test]
+fn other_studies_are_divided_too() {
+    divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
+    let small = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--rays", "2", "--method", "ssct"];
+    let error = |kind: &[&'static str]| [&["error"], kind, &small].concat();
+    divided(&error(&["--precision"]), "precision.json");
+    divided(&error(&["--video", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
+
+    let folders = Folders::new();
+    let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
+    let figures = ["figures", "--only", "4.1,4.6,schmidt-27", "--size", "48x27"];
+    done(&[&figures[..], &["-o", &whole]].concat());
+    for n in [1, 2] {
+        folders.shard(&figures, n, 2);
+    }
+    done(&["merge", &first, &second, "-o", &all]);
+    assert_eq!(folders.files("whole"), folders.files("all"));
+    let [a, b] = ["whole", "all"].map(|f| std::fs::read_to_string(folders.path(f).join("index.html")).unwrap());
+    assert_eq!(a, b, "one page");
+    let out = done(&[&figures[..], &["-o", &all, "--resume"]].concat());
+    assert!(out.contains("3 figures, 0 left out"), "{out}");
+}
+
+#[test]
+fn a_reference_is_divided_by_its_rays() {
+    let folders = Folders::new();
+    let [a, b, c, all, whole] = ["a", "b", "c", "all", "whole"].map(|name| folders.name(name));
+    let scene = ["render", "--method", "reference", "--scene", "corridor", "--size", "24x16", "--roughness", "0.3"];
+    let render = [&scene[..], &["--max-rays", "200"]].concat();
+    let image = |name: &str| folders.name(&format!("{name}.exr"));
+    let (status, _, said) = run(&[&render[..], &["--shard", "1/3", "-o", &image("none")]].concat());
+    assert!(status == Some(2) && said.contains("--cache"), "{said}");
+    for (n, folder) in [&a, &b, &c].into_iter().enumerate() {
+        let (shard, file) = (format!("{}/3", n + 1), image(&n.to_string()));
+        done(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
+    }
+    let said = refused(&["merge", &a, &c, "-o", &all]);
+    assert!(said.contains("samples 64 to 127 of corridor") && said.contains("are missing"), "{said}");
+    let out = done(&["merge", &c, &a, &b, "-o", &all]);
+    assert!(out.contains("200 of 200 rays") && out.contains(&format!("--cache {all} -o FILE")), "{out}");
+
+    // The merged samples are those of one run, and the image is drawn without any more.
+    let most = ["--standard-error", "0.000001"];
+    done(&[&render[..], &most, &["-o", &image("whole"), "--cache", &whole]].concat());
+    let state = |folder: &str| {
+        let name = folders.files(folder).into_iter().find(|name| name.ends_with(".world")).unwrap();
+        (name.clone(), std::fs::read(folders.path(folder).join(name)).unwrap())
+    };
+    assert!(state("all") == state("whole"));
+    done(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
+    assert!(std::fs::read(image("merged")).unwrap() == std::fs::read(image("whole")).unwrap());
+    // Where there are more shards than groups of rays, some have none; other images are drawn at once.
+    let (status, _, said) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert_eq!((status, said.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
+    let (status, _, said) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert!(status == Some(0) && said.contains("shard 1/9 has no rays"), "{said}");
+    let ssct = ["render", "--scene", "corridor", "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
+    let (status, _, said) = run(&[&ssct[..], &[&image("x")]].concat());
+    assert!(status == Some(2) && said.contains("--method reference"), "{said}");
 }

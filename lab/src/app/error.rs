@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::report::error_report::{self, IMAGES};
 use crate::report::files;
 use crate::scene::{Scene, View, library};
+use crate::study::cost::CellCost;
 use crate::study::error::ErrorRecord;
 use crate::study::{Globals, sweep};
 use std::io::Write;
@@ -23,8 +24,11 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     if let Some(way) = &options.video {
         return error_video::run(options, way);
     }
-    let gpu = resolve::gpu(&options.common.device)?;
     let plan = plan(options)?;
+    if !options.plan.is_empty() {
+        return super::plan::run(options, &plan);
+    }
+    let gpu = resolve::gpu(&options.common.device)?;
     let list = plan.list(&gpu, options.shard.shard, command_line())?;
     let bar = progress::bar("error", list.owned());
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
@@ -34,7 +38,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     bar.finish_and_clear();
     let records = plan.records(&gpu, &run.journal);
     // What there is, whatever ended the measurement; and what ended it counts for more.
-    let wrote = write(options, &records, &list.command);
+    let wrote = write(options, &records, &plan.costs(&gpu, &run.journal), &list.command);
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
@@ -42,9 +46,9 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(options: &ErrorOptions, records: &[ErrorRecord], command: &str) -> anyhow::Result<()> {
+fn write(options: &ErrorOptions, records: &[ErrorRecord], costs: &[CellCost], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        error_report::write(folder, records, command, &[])?;
+        error_report::write(folder, records, costs, command, &[])?;
     }
     let shown = if options.json { files::json(records) } else { error_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;

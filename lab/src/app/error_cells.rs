@@ -1,13 +1,16 @@
 //! The cells of the error study: scene, view, size and roughness. What `ssct error` and `ssct study`
 //! share. A cell that the journal has is not measured again.
 
-use super::run::go_on;
+use super::cli::ErrorOptions;
+use super::run::{command_line, go_on};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{METHODS, Setup};
 use crate::report::error_report::{self, stem};
 use crate::scene::{Scene, View};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
+use crate::study::cost::CellCost;
+use crate::study::cost_model::{CellShape, CostModel, CostParts};
 use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure};
 use crate::study::journal::{Journal, scene_digest};
 use crate::study::shard::Shard;
@@ -70,14 +73,30 @@ impl Plan {
         Ok(CellList::new(head, gpu.info(), self.planned(Some(gpu))))
     }
 
-    /// The cells with what they are predicted to cost; without a device nobody knows where a journal keeps them.
-    pub fn planned(&self, gpu: Option<&Gpu>) -> Vec<PlannedCell> {
+    /// The cells with what they are predicted to cost by the costs that are part of the program; without a device nobody
+    /// knows where a journal keeps them.
+    fn planned(&self, gpu: Option<&Gpu>) -> Vec<PlannedCell> {
         let planned = |spec: ErrorSpec| {
             let setup = json!([spec.settings(), spec.samples, spec.rays]);
             let key = gpu.map(|gpu| key(gpu, &spec)).unwrap_or_default();
-            PlannedCell::new(stem_of(&spec), setup, 1.0, key)
+            let cost = CostModel::kept().predict(&CellShape::of(&spec)).total_s();
+            PlannedCell::new(stem_of(&spec), setup, cost, key)
         };
         self.specs().map(planned).collect()
+    }
+
+    /// The cells with what they are predicted to cost by a model, and the bytes that they take, if that is known.
+    pub fn priced(&self, model: &CostModel) -> Vec<(PlannedCell, CostParts, Option<f64>)> {
+        let price = |(cell, spec): (PlannedCell, ErrorSpec)| {
+            let shape = CellShape::of(&spec);
+            (cell, model.predict(&shape), model.memory_bytes(&shape))
+        };
+        self.planned(None).into_iter().zip(self.specs()).map(price).collect()
+    }
+
+    /// How long the parts of every cell that the journal has took.
+    pub fn costs(&self, gpu: &Gpu, journal: &Journal) -> Vec<CellCost> {
+        self.specs().filter_map(|spec| journal.get(&cost_key(&key(gpu, &spec)))).collect()
     }
 
     /// Measures every cell that the journal lacks, of a list those that are its own; pictures go into a folder, where
@@ -138,6 +157,18 @@ impl Plan {
                 ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
             })
         })
+    }
+}
+
+/// What the list of cells of a study of one scene is of: `ssct error` in one of its other kinds.
+pub fn list_head(kind: &'static str, options: &ErrorOptions, setup: &Setup, scene: &Scene) -> CellListHead {
+    CellListHead {
+        kind,
+        definitions: setup.effect().definitions.into(),
+        command: command_line(),
+        shard: options.shard.shard,
+        settings: Value::Null,
+        scenes: vec![(scene.name.clone(), scene_digest(scene))],
     }
 }
 

@@ -69,7 +69,7 @@ impl Run {
 /// Flags that say how and where this run goes on, and nothing of what the whole study is.
 const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
 /// The same of flags with a value.
-const OF_THIS_RUN_WITH_VALUE: [&str; 4] = ["--shard", "--output", "-o", "--device"];
+const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
 
 /// The command of this process as a page shows it: without what differs from one machine and shard to another.
 pub fn command_line() -> String {

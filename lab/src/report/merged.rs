@@ -7,6 +7,8 @@ use super::{files, html};
 use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -77,7 +79,7 @@ impl<T: Serialize + Clone> MergedReport<'_, T> {
 }
 
 /// The folder of a device, counted from 0, in that of the run.
-fn device_folder(device: usize) -> PathBuf {
+pub fn device_folder(device: usize) -> PathBuf {
     Path::new(DEVICES).join((device + 1).to_string())
 }
 
@@ -85,9 +87,9 @@ fn device_folder(device: usize) -> PathBuf {
 /// `same`, those of one name must be equal.
 ///
 /// # Errors
-/// [`Error::Io`] for what cannot be read or written, [`Error::Malformed`] for files that are not equal.
+/// As for [`copy_file`].
 pub fn copy_files(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
-    let mut known: Vec<(std::ffi::OsString, PathBuf)> = Vec::new();
+    let mut all: BTreeMap<OsString, Vec<PathBuf>> = BTreeMap::new();
     for folder in from {
         let entries = match std::fs::read_dir(folder) {
             Ok(entries) => entries,
@@ -96,19 +98,29 @@ pub fn copy_files(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
         };
         for entry in entries {
             let path = entry.map_err(|e| Error::io("read", folder, e))?.path();
-            let Some(name) = path.file_name().filter(|_| path.is_file()) else { continue };
-            let read = |path: &Path| std::fs::read(path).map_err(|e| Error::io("read", path, e));
-            if let Some((_, before)) = known.iter().find(|(known, _)| known == name) {
-                if same && read(before)? != read(&path)? {
-                    return Err(Error::malformed(&path, None, format!("is not the same as {}", before.display())));
-                }
-                continue;
+            if let Some(name) = path.file_name().filter(|_| path.is_file()) {
+                all.entry(name.to_owned()).or_default().push(path);
             }
-            files::write(&to.join(name), &read(&path)?)?;
-            known.push((name.to_owned(), path));
         }
     }
-    Ok(())
+    all.iter().try_for_each(|(name, paths)| copy_file(paths, &to.join(name), same))
+}
+
+/// Copies the first of some files that is there. With `same`, all that are there must be equal.
+///
+/// # Errors
+/// [`Error::Io`] for what cannot be read or written, [`Error::Malformed`] for files that are not equal.
+pub fn copy_file(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
+    let read = |path: &PathBuf| std::fs::read(path).map_err(|e| Error::io("read", path, e));
+    let mut there = from.iter().filter(|path| path.is_file());
+    let Some(first) = there.next() else { return Ok(()) };
+    let bytes = read(first)?;
+    for other in there.filter(|_| same) {
+        if read(other)? != bytes {
+            return Err(Error::malformed(other, None, format!("is not the same as {}", first.display())));
+        }
+    }
+    files::write(to, &bytes)
 }
 
 #[cfg(test)]

@@ -26,6 +26,9 @@ pub struct CellCost {
     pub threads: usize,
     /// Whether some of its frames were measured by an earlier run, so that the seconds do not hold them.
     pub partial: bool,
+    /// The most memory that the process held until the cell's end, in bytes, where the system says it.
+    #[serde(default)]
+    pub peak_bytes: Option<u64>,
     /// The variants, in order.
     pub variants: Vec<VariantCost>,
     /// The references of the screen.
@@ -64,6 +67,7 @@ impl CellCost {
             device: gpu.info().clone(),
             threads: rayon::current_num_threads(),
             partial: false,
+            peak_bytes: None,
             variants: spec.variants.iter().map(|v| variant(v.method.name)).collect(),
             screen_s: 0.0,
             world_s: 0.0,
@@ -81,6 +85,13 @@ impl CellCost {
     pub(super) fn turns(&mut self) -> Turns<'_> {
         Turns { laps: Laps::begin(), turn: 0, variants: &mut self.variants }
     }
+}
+
+/// The most memory that this process has held, in bytes, where the system says it (Linux: `VmHWM`).
+pub(super) fn peak_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
 /// Tells the frames of the timing loop apart, in which the shots begin in turn ([`super::interleave`]).
@@ -123,6 +134,13 @@ impl Laps {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn memory_that_was_held_once_is_known() {
+        let held = vec![1_u8; 64 << 20];
+        assert!(peak_bytes().is_some_and(|bytes| bytes > held.len() as u64));
+    }
 
     #[test]
     fn a_frame_counts_for_the_shot_whose_turn_it_was() {

@@ -4,7 +4,7 @@
 mod truth;
 
 use self::truth::{Reference, Truth, truth};
-use super::cost::{CellCost, Laps};
+use super::cost::{CellCost, Laps, peak_bytes};
 use super::gbuffer;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
@@ -277,6 +277,7 @@ pub fn measure(
         }
     }
     cell.cost.rest_s += laps.lap();
+    cell.cost.peak_bytes = peak_bytes();
     Ok(cell)
 }
 

@@ -27,9 +27,18 @@ pub struct MergedRun {
     /// The lines of the journal.
     pub lines: Vec<String>,
     /// What was measured, cell by cell.
-    pub results: Vec<Value>,
+    pub results: Vec<MergedResult>,
     /// The cells that nobody measured.
     pub missing: Vec<String>,
+}
+
+/// A result of a merged run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MergedResult {
+    /// Which of the devices measured it, counted from 0.
+    pub device: usize,
+    /// What the journal keeps.
+    pub value: Value,
 }
 
 /// Reads the result of a cell from a journal; `None` where it is not there, or not whole.
@@ -82,8 +91,9 @@ pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
             merged.missing.push(cell.name.clone());
         }
         let (listed, values): (Vec<_>, Vec<_>) = results.into_iter().unzip();
+        let devices = listed.iter().map(|of: &ListedResult| of.device);
+        merged.results.extend(devices.zip(values).map(|(device, value)| MergedResult { device, value }));
         cell.results = listed;
-        merged.results.extend(values);
     }
     Ok(merged)
 }
@@ -227,7 +237,7 @@ mod tests {
     fn cells_come_in_the_order_of_the_study_and_missing_ones_are_named() {
         let merged =
             merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], &read).expect("one study");
-        let errors: Vec<_> = merged.results.iter().map(|r| r[0]["rmse"].as_f64()).collect();
+        let errors: Vec<_> = merged.results.iter().map(|r| r.value[0]["rmse"].as_f64()).collect();
         assert_eq!((errors, merged.missing), (vec![Some(1.0), Some(3.0)], vec!["b".to_owned()]));
         assert_eq!(merged.cells.cells.iter().map(|c| c.own).collect::<Vec<_>>(), [true, false, true]);
         assert_eq!(merged.cells.devices.len(), 1);
@@ -238,9 +248,9 @@ mod tests {
         let all = [("a", 1.0), ("b", 2.0), ("c", 3.0)];
         let same = merge(&[input("A", "x", &all), input("B", "x", &all[1..])], &read).expect("they agree");
         assert_eq!((same.results.len(), same.lines.len()), (3, 3));
-        assert_eq!(same.results[1][0]["time_ms"], 1.0, "B measured it as its first");
+        assert_eq!(same.results[1].value[0]["time_ms"], 1.0, "B measured it as its first");
         let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], &read).expect("they agree");
-        let devices: Vec<_> = two.results.iter().map(|r| r[0]["device"].as_str().map(str::to_owned)).collect();
+        let devices: Vec<_> = two.results.iter().map(|r| r.value[0]["device"].as_str().map(str::to_owned)).collect();
         assert_eq!(devices, ["x", "x", "y", "x", "y"].map(|d| Some(d.to_owned())));
         // And what was merged is merged again.
         let again = MergeInput {

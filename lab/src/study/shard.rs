@@ -73,8 +73,8 @@ pub fn owner_by_digest(setup: &str, of: u32) -> u32 {
     (number % u64::from(of.max(1))) as u32 + 1
 }
 
-/// What some shards have to do.
-struct Loads(std::collections::BTreeSet<(Load, u32)>);
+/// What some shards have to do: seconds, cells, and which shard.
+struct Loads(std::collections::BTreeSet<(Load, u32, u32)>);
 
 /// A sum of costs, ordered.
 #[derive(Clone, Copy, PartialEq)]
@@ -96,13 +96,13 @@ impl PartialOrd for Load {
 
 impl Loads {
     fn new(of: u32) -> Self {
-        Self((1..=of.max(1)).map(|shard| (Load(0.0), shard)).collect())
+        Self((1..=of.max(1)).map(|shard| (Load(0.0), 0, shard)).collect())
     }
 
-    /// Adds a cost to the shard that has least, the first of several; says which.
+    /// Adds a cost to the shard that has least, of several the one with the fewest cells, of these the first; says which.
     fn take(&mut self, cost: f64) -> u32 {
-        let Some((Load(load), shard)) = self.0.pop_first() else { return 1 };
-        self.0.insert((Load(load + cost), shard));
+        let Some((Load(load), cells, shard)) = self.0.pop_first() else { return 1 };
+        self.0.insert((Load(load + cost), cells + 1, shard));
         shard
     }
 }
@@ -167,6 +167,13 @@ mod tests {
                 prop_assert!(f64::from(load) <= f64::from(total) / f64::from(of) + f64::from(greatest));
             }
         }
+    }
+
+    #[test]
+    fn cells_that_cost_nothing_are_dealt_in_turn() {
+        let owner = owners(&shares(&[0; 7]), 3);
+        let count = |shard| owner.iter().filter(|o| **o == shard).count();
+        assert_eq!([1, 2, 3].map(count), [3, 2, 2]);
     }
 
     #[test]
