@@ -6,7 +6,8 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study bars test test-wgpu test-drivers test-faults test-gpu-av soak test-mitsuba fuzz lint bench view doc docs clean
+.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-faults test-gpu-av soak test-mitsuba \
+	test-cluster test-snakemake library fuzz lint bench view doc docs clean
 
 all: build
 
@@ -69,6 +70,28 @@ test-mitsuba: build $(MITSUBA)
 		"$(BIN)" truth export --scene $$1 --view $$2 --roughness $$3 --size 160x90 --samples 256 -o "$$dir"; \
 		.venv-mitsuba/bin/python scripts/mitsuba_compare.py "$$dir" --samples 256 --json "$$dir/report.json"; \
 	done
+
+# A study on a real Slurm of four nodes, all on this machine, with killed tasks and a lost node. Installs Debian's slurmctld,
+# slurmd, slurm-client and munge, and leaves no service behind.
+test-cluster: build
+	scripts/cluster/test.sh "$(BIN)"
+
+# The same shards by Snakemake, which is installed from PyPI into a folder of its own.
+SNAKEMAKE = .venv-snakemake/.snakemake-9.27.1
+
+$(SNAKEMAKE):
+	python3 -m venv .venv-snakemake
+	.venv-snakemake/bin/pip install --quiet snakemake==9.27.1
+	touch $@
+
+test-snakemake: build $(SNAKEMAKE)
+	scripts/cluster/test_snakemake.sh "$(BIN)" .venv-snakemake/bin/snakemake
+
+# A quick study of this commit, added to the library of results in $(LIBRARY), and the page over all of them.
+LIBRARY ?= library
+
+library: build
+	scripts/library.sh "$(BIN)" "$(LIBRARY)"
 
 # Coverage-guided fuzzing of the loaders, so many executions of each target; logs go to $(OUT)/fuzz, and what the
 # kept inputs (fuzz/corpus) lack is added to them. `make test` replays them.

@@ -141,8 +141,8 @@ fn cells_of_the_error_study_survive_too() {
     assert_eq!(run(&ERROR, &[&args[..], &["--resume"]].concat()), (Some(0), String::new()));
     let third = journal(folder.path());
     assert_eq!((&second[..first.len()], &third[..second.len()]), (&first[..], &second[..]));
-    // Nine samples and a cell for each roughness of the scene's one view.
-    assert_eq!(keys(&third).len(), 6 * 10);
+    // Nine samples, a cell, and what it cost for each roughness of the scene's one view.
+    assert_eq!(keys(&third).len(), 6 * 11);
     let roughness: HashSet<String> =
         records(folder.path().join("error.json")).iter().map(|r| r["roughness"].to_string()).collect();
     assert_eq!(roughness.len(), 6);
@@ -192,7 +192,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         ("render --scene corridor --size 96x54 -o x.png", "x.png"),
         ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
         ("gbuffer export --scene corridor --size 96x54 g.exr", "g.exr"),
-        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "journal.jsonl"),
+        ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "cells.json"),
     ] {
         let (status, said) = little(args);
         assert_eq!(status, Some(1), "{args}: {said}");

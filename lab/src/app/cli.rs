@@ -4,6 +4,7 @@ use super::parameters::{BesideGBufferOptions, MethodOptions, TypedVariant, choic
 use crate::report::figures::Figure;
 use crate::scene::capture::MAX_CAPTURES;
 use crate::scene::texture::MAX_EXTENT;
+use crate::study::shard::Shard;
 use clap::{Args, Subcommand, ValueEnum};
 use glam::Vec3;
 use std::path::PathBuf;
@@ -79,6 +80,15 @@ pub struct DeviceOptions {
     pub validation: bool,
 }
 
+/// Which part of a study is run.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct ShardOptions {
+    /// Measure only this share of the cells, such as 3/8, the third of eight; `ssct merge` puts shards together
+    /// (docs/many-machines.md).
+    #[arg(long, value_name = "I/N", requires = "output")]
+    pub shard: Option<Shard>,
+}
+
 /// Options of `ssct render`.
 #[derive(Debug, Args)]
 pub struct RenderOptions {
@@ -112,6 +122,10 @@ pub struct RenderOptions {
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
+    /// For --method reference: take only this share of the --max-rays rays, such as 3/8, the third of eight, keep them in
+    /// --cache, and show what they alone give; `ssct merge` puts the shares together (docs/many-machines.md).
+    #[arg(long, value_name = "I/N", requires_all = ["output", "cache"], conflicts_with = "standard_error")]
+    pub shard: Option<Shard>,
     /// Print which passes were recorded, and which were not and why.
     #[arg(long, conflicts_with = "json")]
     pub explain: bool,
@@ -158,6 +172,8 @@ pub struct TimeOptions {
     /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
     #[arg(long, value_name = "FILE", conflicts_with = "path")]
     pub trace: Option<PathBuf>,
+    #[command(flatten)]
+    pub shard: ShardOptions,
     /// Write time.json, time-samples.csv, time.svg and time.txt into a folder; of a path, path.json,
     /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]
@@ -272,6 +288,25 @@ pub struct ErrorOptions {
     /// Rays a pixel of the screen and the world reference.
     #[arg(long, default_value_t = 64)]
     pub rays: u32,
+    #[command(flatten)]
+    pub shard: ShardOptions,
+    /// Measure nothing, and print how long the study is predicted to take on so many machines (docs/many-machines.md).
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u32).range(1..=1_000_000),
+        conflicts_with_all = ["shard", "output", "resume", "precision", "in_time"]
+    )]
+    pub plan: Vec<u32>,
+    /// For --plan: also the median and the 95th percentile of simulated runs in which some machines are slow and some
+    /// attempts fail.
+    #[arg(long, requires = "plan")]
+    pub simulate: bool,
+    /// For --plan: the folder of a run of `ssct error` on the machines in question, whose costs are taken instead of those
+    /// that are part of the program.
+    #[arg(long, value_name = "DIR", requires = "plan")]
+    pub costs: Option<PathBuf>,
     /// Write records, plots and pictures into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -295,6 +330,8 @@ pub struct StressOptions {
     /// Only cases whose name contains this.
     #[arg(long, value_name = "WORDS")]
     pub case: Option<String>,
+    #[command(flatten)]
+    pub shard: ShardOptions,
     /// Write stress.json, stress.txt and index.html into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -426,6 +463,13 @@ pub struct FiguresOptions {
     /// Width and height of each render, instead of those in print.
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
+    /// Make only this share of the figures, such as 3/8, the third of eight; `ssct merge` puts shards together
+    /// (docs/many-machines.md).
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Go on with what the folder has: nothing that was made with the same settings is made again.
+    #[arg(long)]
+    pub resume: bool,
     #[command(flatten)]
     pub device: DeviceOptions,
 }

@@ -9,6 +9,8 @@ use super::cli::{
 use super::compare::CompareOptions;
 use super::drivers::DriversOptions;
 use super::gpu_study::GpuStudyOptions;
+use super::index::IndexOptions;
+use super::merge::MergeOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
@@ -56,4 +58,8 @@ pub enum Command {
     Truth(TruthOptions),
     /// Compare the times of two runs, or two images.
     Compare(CompareOptions),
+    /// Make one page over many runs: devices, commits and dates, with figures over runs.
+    Index(IndexOptions),
+    /// Put the shards of a study together.
+    Merge(MergeOptions),
 }

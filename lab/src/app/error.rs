@@ -2,11 +2,13 @@
 
 use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
-use super::run::Run;
+use super::run::{Run, command_line};
 use super::{error_age, error_video, precision, progress, resolve};
 use crate::error::Result;
-use crate::report::{error_report, files};
+use crate::report::error_report::{self, IMAGES};
+use crate::report::files;
 use crate::scene::{Scene, View, library};
+use crate::study::cost::CellCost;
 use crate::study::error::ErrorRecord;
 use crate::study::{Globals, sweep};
 use std::io::Write;
@@ -22,16 +24,21 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     if let Some(way) = &options.video {
         return error_video::run(options, way);
     }
-    let gpu = resolve::gpu(&options.common.device)?;
     let plan = plan(options)?;
-    let bar = progress::bar("error", plan.cells());
+    if !options.plan.is_empty() {
+        return super::plan::run(options, &plan);
+    }
+    let gpu = resolve::gpu(&options.common.device)?;
+    let list = plan.list(&gpu, options.shard.shard, command_line())?;
+    let bar = progress::bar("error", list.owned());
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
-    let pictures = options.output.as_ref().map(|folder| folder.join("images"));
-    let outcome = plan.measure(&gpu, &mut run.journal, pictures.as_deref(), &mut || bar.inc(1));
+    run.list(&list)?;
+    let pictures = options.output.as_ref().map(|folder| folder.join(IMAGES));
+    let outcome = plan.measure(&gpu, &mut run.journal, Some(&list), pictures.as_deref(), &mut || bar.inc(1));
     bar.finish_and_clear();
     let records = plan.records(&gpu, &run.journal);
     // What there is, whatever ended the measurement; and what ended it counts for more.
-    let wrote = write(options, &records);
+    let wrote = write(options, &records, &plan.costs(&gpu, &run.journal), &list.command);
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
@@ -39,9 +46,9 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(options: &ErrorOptions, records: &[ErrorRecord]) -> anyhow::Result<()> {
+fn write(options: &ErrorOptions, records: &[ErrorRecord], costs: &[CellCost], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        error_report::write(folder, records)?;
+        error_report::write(folder, records, costs, command, &[])?;
     }
     let shown = if options.json { files::json(records) } else { error_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;

@@ -1,12 +1,15 @@
 //! `ssct error --age`: error over the age of captures, while things move.
 
 use super::cli::ErrorOptions;
+use super::error_cells::list_head;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::Error;
-use crate::methods;
-use crate::report::{age_report, files};
+use crate::methods::{self, MethodInfo};
+use crate::report::{age_report, error_report, files};
+use crate::study::Globals;
 use crate::study::age::{AgeRecord, AgeSpec, measure};
+use crate::study::cell_list::{CellList, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::stress::JUDGED;
 use glam::Vec3;
@@ -39,21 +42,35 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
             cells.extend(globals.iter().map(|&g| (method, size, g)));
         }
     }
+    let scene_digest = scene_digest(&scene);
+    let (moving, faces) = (&options.moving[..], &options.faces[..]);
+    let spec = |&(method, size, globals): &(&'static MethodInfo, [u32; 2], Globals)| {
+        let (setup, rays, gpu, scene, view) = (setup.at(size), options.rays, &gpu, &scene, &view);
+        AgeSpec { gpu, scene, view, globals, method, setup, moving, step_m, faces, frames, rays }
+    };
+    let settings = |spec: &AgeSpec| {
+        let set = spec.setup.recorded(Some(spec.method));
+        let set = json!([spec.method.name, set, spec.globals, format!("{:?}", spec.view)]);
+        json!([scene_digest, set, json!([moving, step_m.to_array(), faces, frames, spec.rays])])
+    };
+    let key = |spec: &AgeSpec| format!("age {} {} {}", scene.name, view.name, digest(&gpu, &settings(spec)));
+    let planned = |spec: &AgeSpec| {
+        let stem = error_report::stem(&scene.name, &view.name, spec.setup.extent, spec.globals.roughness);
+        PlannedCell::new(format!("{stem}-{}", spec.method.name), settings(spec), 1.0, key(spec))
+    };
+    let specs: Vec<AgeSpec> = cells.iter().map(spec).collect();
+    let planned = specs.iter().map(planned).collect();
+    let list = CellList::new(list_head("age", options, &setup, &scene), gpu.info(), planned);
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
-    let bar = progress::bar("age", cells.len());
+    run.list(&list)?;
+    let bar = progress::bar("age", list.owned());
     let mut records: Vec<AgeRecord> = Vec::new();
     let mut outcome = Ok(());
-    let scene_digest = scene_digest(&scene);
-    for (method, size, globals) in cells {
-        let (moving, faces) = (&options.moving[..], &options.faces[..]);
-        let (setup, rays, gpu, scene, view) = (setup.at(size), options.rays, &gpu, &scene, &view);
-        let spec = AgeSpec { gpu, scene, view, globals, method, setup, moving, step_m, faces, frames, rays };
-        let set = json!([method.name, spec.setup.recorded(Some(method)), globals, format!("{view:?}")]);
-        let moves = json!([moving, step_m.to_array(), faces, frames, rays]);
-        let key = format!("age {} {} {}", scene.name, view.name, digest(gpu, &json!([scene_digest, set, moves])));
+    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+        let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
-            let measured = run.journal.get_or(&key, |_| measure(&spec, &mut go_on));
+            let measured = run.journal.get_or(&key, |_| measure(spec, &mut go_on));
             outcome = measured.map(drop).and_then(|()| progress::step(&bar));
         }
         records.extend(run.journal.get::<Vec<AgeRecord>>(&key).into_iter().flatten());

@@ -1,15 +1,21 @@
 //! The cells of the error study: scene, view, size and roughness. What `ssct error` and `ssct study`
 //! share. A cell that the journal has is not measured again.
 
-use super::run::go_on;
+use super::cli::ErrorOptions;
+use super::run::{command_line, go_on};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{METHODS, Setup};
 use crate::report::error_report::{self, stem};
 use crate::scene::{Scene, View};
-use crate::study::error::{ErrorRecord, ErrorSpec, Variant, measure};
+use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
+use crate::study::cost::CellCost;
+use crate::study::cost_model::{CellShape, CostModel, CostParts};
+use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure};
 use crate::study::journal::{Journal, scene_digest};
+use crate::study::shard::Shard;
 use crate::study::{Globals, Stage};
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// Pixels of a quick study.
@@ -56,12 +62,51 @@ impl Plan {
         self.scenes.iter().map(|(_, views)| views.len()).sum::<usize>() * self.sizes.len() * self.globals.len()
     }
 
-    /// Measures every cell that the journal lacks; pictures go into a folder, where there is one. `progress`
-    /// is called after each cell, `go_on` between the steps of one; the error of either ends the study.
+    /// The cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the variants are of several versions of the definitions.
+    pub fn list(&self, gpu: &Gpu, shard: Option<Shard>, command: String) -> Result<CellList> {
+        let scenes = self.scenes.iter().map(|(scene, _)| (scene.name.clone(), scene_digest(scene))).collect();
+        let definitions = definitions_of(&self.variants)?;
+        let head = CellListHead { kind: "error", definitions, command, shard, settings: Value::Null, scenes };
+        Ok(CellList::new(head, gpu.info(), self.planned(Some(gpu))))
+    }
+
+    /// The cells with what they are predicted to cost by the costs that are part of the program; without a device nobody
+    /// knows where a journal keeps them.
+    fn planned(&self, gpu: Option<&Gpu>) -> Vec<PlannedCell> {
+        let planned = |spec: ErrorSpec| {
+            let setup = json!([spec.settings(), spec.samples, spec.rays]);
+            let key = gpu.map(|gpu| key(gpu, &spec)).unwrap_or_default();
+            let cost = CostModel::kept().predict(&CellShape::of(&spec)).total_s();
+            PlannedCell::new(stem_of(&spec), setup, cost, key)
+        };
+        self.specs().map(planned).collect()
+    }
+
+    /// The cells with what they are predicted to cost by a model, and the bytes that they take, if that is known.
+    pub fn priced(&self, model: &CostModel) -> Vec<(PlannedCell, CostParts, Option<f64>)> {
+        let price = |(cell, spec): (PlannedCell, ErrorSpec)| {
+            let shape = CellShape::of(&spec);
+            (cell, model.predict(&shape), model.memory_bytes(&shape))
+        };
+        self.planned(None).into_iter().zip(self.specs()).map(price).collect()
+    }
+
+    /// How long the parts of every cell that the journal has took.
+    pub fn costs(&self, gpu: &Gpu, journal: &Journal) -> Vec<CellCost> {
+        self.specs().filter_map(|spec| journal.get(&cost_key(&key(gpu, &spec)))).collect()
+    }
+
+    /// Measures every cell that the journal lacks, of a list those that are its own; pictures go into a folder, where
+    /// there is one. `progress` is called after each cell, `go_on` between the steps of one; the error of either ends the
+    /// study.
     pub fn measure(
         &self,
         gpu: &Gpu,
         journal: &mut Journal,
+        list: Option<&CellList>,
         pictures: Option<&Path>,
         progress: &mut dyn FnMut(),
     ) -> Result<()> {
@@ -69,8 +114,11 @@ impl Plan {
             return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
         }
         let mut stage: Option<(&str, Stage)> = None;
-        for spec in self.specs(gpu) {
-            let key = key(&spec);
+        for (n, spec) in self.specs().enumerate() {
+            if list.is_some_and(|list| !list.owns(n)) {
+                continue;
+            }
+            let key = key(gpu, &spec);
             // Of one scene at a time.
             stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
             journal.get_or(&key, |journal| {
@@ -78,10 +126,11 @@ impl Plan {
                     Some(stage) => stage,
                     none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
                 };
-                let cell = measure(&spec, stage, journal, &mut go_on)?;
+                let cell = measure(gpu, &spec, stage, journal, &mut go_on)?;
                 if let Some(folder) = pictures {
                     error_report::write_strips(folder, &stem_of(&spec), &cell)?;
                 }
+                journal.put(cost_key(&key), &cell.cost)?;
                 Ok(cell.records)
             })?;
             progress();
@@ -92,10 +141,10 @@ impl Plan {
 
     /// The records of every cell that the journal has.
     pub fn records(&self, gpu: &Gpu, journal: &Journal) -> Vec<ErrorRecord> {
-        self.specs(gpu).filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(&spec))).flatten().collect()
+        self.specs().filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(gpu, &spec))).flatten().collect()
     }
 
-    fn specs<'a>(&'a self, gpu: &'a Gpu) -> impl Iterator<Item = ErrorSpec<'a>> {
+    fn specs(&self) -> impl Iterator<Item = ErrorSpec<'_>> {
         let (warmup, samples, rays) = (1, self.samples, self.rays);
         let variants = &self.variants[..];
         self.scenes.iter().flat_map(move |(scene, views)| {
@@ -105,9 +154,21 @@ impl Plan {
             let cells = cells.flat_map(|(view, extent)| self.globals.iter().map(move |&g| (view, extent, g)));
             cells.map(move |(view, extent, globals)| {
                 let scene_digest = digest.clone();
-                ErrorSpec { gpu, scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
+                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
             })
         })
+    }
+}
+
+/// What the list of cells of a study of one scene is of: `ssct error` in one of its other kinds.
+pub fn list_head(kind: &'static str, options: &ErrorOptions, setup: &Setup, scene: &Scene) -> CellListHead {
+    CellListHead {
+        kind,
+        definitions: setup.effect().definitions.into(),
+        command: command_line(),
+        shard: options.shard.shard,
+        settings: Value::Null,
+        scenes: vec![(scene.name.clone(), scene_digest(scene))],
     }
 }
 
@@ -116,6 +177,11 @@ fn stem_of(spec: &ErrorSpec) -> String {
 }
 
 /// Where the journal keeps a cell.
-fn key(spec: &ErrorSpec) -> String {
-    format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(), spec.samples, spec.rays)
+fn key(gpu: &Gpu, spec: &ErrorSpec) -> String {
+    format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(gpu), spec.samples, spec.rays)
+}
+
+/// Where the journal keeps how long the parts of a cell took, by where it keeps the cell.
+pub fn cost_key(cell: &str) -> String {
+    format!("cost of {cell}")
 }

@@ -1,11 +1,15 @@
 //! `ssct error --video`: films of methods beside the world's.
 
 use super::cli::ErrorOptions;
+use super::error_cells::list_head;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::report::{files, video_report};
+use crate::report::{error_report, files, video_report};
 use crate::scene::Scene;
+use crate::study::Globals;
+use crate::study::cell_list::{CellList, PlannedCell};
+use crate::study::error::Variant;
 use crate::study::journal::{digest, scene_digest};
 use crate::study::video::{VideoRecord, VideoSpec, Way, measure};
 use glam::Vec3;
@@ -32,25 +36,38 @@ pub fn run(options: &ErrorOptions, way: &Path) -> anyhow::Result<()> {
     let step_m = options.step.unwrap_or(Vec3::ZERO);
     let gpu = resolve::gpu(&common.device)?;
     let cells: Vec<_> = sizes.iter().flat_map(|&size| globals.iter().map(move |&g| (size, g))).collect();
+    let scene_digest = scene_digest(&scene);
+    let (moving, variants, way) = (&options.moving[..], &variants[..], &way);
+    let (frames, frames_per_second, rays) = (options.frames, options.fps, options.rays);
+    let spec = |&(extent, globals): &([u32; 2], Globals)| {
+        let (gpu, scene) = (&gpu, &scene);
+        VideoSpec { gpu, scene, way, extent, globals, variants, frames, frames_per_second, rays, moving, step_m }
+    };
+    let settings = |spec: &VideoSpec| {
+        let recorded = |v: &Variant| json!([v.method.name, v.setup.at(spec.extent).recorded(Some(v.method))]);
+        let set: Vec<_> = variants.iter().map(recorded).collect();
+        let moves = json!([format!("{way:?}"), moving, step_m.to_array(), frames, frames_per_second, rays]);
+        json!([scene_digest, set, spec.globals, moves])
+    };
+    let key = |spec: &VideoSpec| format!("video {} {} {}", scene.name, way.name(), digest(&gpu, &settings(spec)));
+    let planned = |spec: &VideoSpec| {
+        let name = error_report::stem(&scene.name, way.name(), spec.extent, spec.globals.roughness);
+        PlannedCell::new(name, settings(spec), 1.0, key(spec))
+    };
+    let specs: Vec<VideoSpec> = cells.iter().map(spec).collect();
+    let planned = specs.iter().map(planned).collect();
+    let list = CellList::new(list_head("video", options, &base, &scene), gpu.info(), planned);
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
-    let bar = progress::bar("video", cells.len());
+    run.list(&list)?;
+    let bar = progress::bar("video", list.owned());
     let mut records: Vec<VideoRecord> = Vec::new();
     let mut outcome = Ok(());
-    let scene_digest = scene_digest(&scene);
-    for (extent, globals) in cells {
-        let (moving, variants, way) = (&options.moving[..], &variants[..], &way);
-        let (frames, frames_per_second, rays, gpu, scene) = (options.frames, options.fps, options.rays, &gpu, &scene);
-        let spec =
-            VideoSpec { gpu, scene, way, extent, globals, variants, frames, frames_per_second, rays, moving, step_m };
-        let set: Vec<_> =
-            variants.iter().map(|v| json!([v.method.name, v.setup.at(extent).recorded(Some(v.method))])).collect();
-        let moves = json!([format!("{way:?}"), moving, step_m.to_array(), frames, frames_per_second, rays]);
-        let digest = digest(gpu, &json!([scene_digest, set, globals, moves]));
-        let key = format!("video {} {} {digest}", scene.name, way.name());
+    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+        let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
             let filmed = run.journal.get_or(&key, |_| {
-                let (records, films) = measure(&spec, &mut go_on)?;
+                let (records, films) = measure(spec, &mut go_on)?;
                 if let Some(folder) = &options.output {
                     video_report::write_clips(folder, &records, &films)?;
                 }
@@ -61,7 +78,7 @@ pub fn run(options: &ErrorOptions, way: &Path) -> anyhow::Result<()> {
         records.extend(run.journal.get::<Vec<VideoRecord>>(&key).into_iter().flatten());
     }
     bar.finish_and_clear();
-    let wrote = write(options, &records);
+    let wrote = write(options, &records, &list.command);
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
@@ -88,13 +105,9 @@ fn named(options: &ErrorOptions, scene: &Scene, name: &Path) -> Result<Way> {
     resolve::view(scene, place, None).map(of_view)
 }
 
-fn write(options: &ErrorOptions, records: &[VideoRecord]) -> anyhow::Result<()> {
+fn write(options: &ErrorOptions, records: &[VideoRecord], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        let of = |r: &VideoRecord| {
-            let (way, frames, fps, rays) = (&r.way, r.frames.len(), r.frames_per_second, r.rays);
-            format!("ssct error --video {way} --frames {frames} --fps {fps} --rays {rays}")
-        };
-        video_report::write(folder, records, &records.first().map(of).unwrap_or_default())?;
+        video_report::write(folder, records, command)?;
     }
     let shown = if options.json { files::json(records) } else { video_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;

@@ -14,11 +14,15 @@ mod error_video;
 mod figures;
 mod gbuffer;
 mod gpu_study;
+mod index;
+mod merge;
 mod motion;
 mod parameters;
+mod plan;
 mod precision;
 mod progress;
 mod reference;
+mod reference_part;
 mod render;
 mod resolve;
 mod run;
@@ -81,6 +85,8 @@ pub fn run() -> ExitCode {
         Command::View(options) => view::run(options),
         Command::Truth(options) => truth::run(options),
         Command::Compare(options) => compare::run(options),
+        Command::Index(options) => index::run(options),
+        Command::Merge(options) => merge::run(options),
     };
     // What is still to be printed may find no room, as what is printed.
     let done = done.and_then(|()| Ok(std::io::stdout().flush()?));

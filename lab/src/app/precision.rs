@@ -1,13 +1,13 @@
 //! `ssct error --precision`: error against the bytes of a G-buffer's pixel.
 
 use super::cli::ErrorOptions;
-use super::error_cells::{QUICK_SIZE, QUICK_VIEWS};
+use super::error_cells::{QUICK_SIZE, QUICK_VIEWS, list_head};
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods;
-use crate::report::{files, precision_report};
-use crate::scene::Scene;
+use crate::report::{error_report, files, precision_report};
+use crate::study::cell_list::{CellList, PlannedCell};
 use crate::study::precision::{PrecisionRecord, PrecisionSpec, measure};
 use crate::study::{Globals, stress};
 use std::io::Write;
@@ -59,23 +59,34 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let gpu = resolve::gpu(&options.common.device)?;
     let setup = options.common.method_options.setup(size);
     methods::check_read(&methods, &setup)?;
+    let of_view = |(view, globals)| {
+        let (gpu, scene, methods, setup, rays) = (&gpu, &scene, &methods[..], setup.clone(), options.rays);
+        PrecisionSpec { gpu, scene, view, globals, methods, setup, rays }
+    };
+    let specs: Vec<_> = views.iter().flat_map(|view| globals.iter().map(move |g| (view, *g))).map(of_view).collect();
+    let key = |spec: &PrecisionSpec| format!("precision {} {} {}", scene.name, spec.view.name, spec.digest());
+    let planned = |spec: &PrecisionSpec| {
+        let name = error_report::stem(&scene.name, &spec.view.name, size, spec.globals.roughness);
+        PlannedCell::new(name, spec.settings(), 1.0, key(spec))
+    };
+    let cells = specs.iter().map(planned).collect();
+    let list = CellList::new(list_head("precision", options, &setup, &scene), gpu.info(), cells);
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
-    let bar = progress::bar("precision", views.len() * globals.len());
+    run.list(&list)?;
+    let bar = progress::bar("precision", list.owned());
     let mut records: Vec<PrecisionRecord> = Vec::new();
     let mut outcome = Ok(());
-    for (view, &globals) in views.iter().flat_map(|view| globals.iter().map(move |g| (view, g))) {
-        let (gpu, scene, methods, setup, rays) = (&gpu, &scene, &methods[..], setup.clone(), options.rays);
-        let spec = PrecisionSpec { gpu, scene, view, globals, methods, setup, rays };
-        let key = format!("precision {} {} {}", scene.name, view.name, spec.digest());
+    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+        let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
-            let measured = run.journal.get_or(&key, |_| measure(&spec));
+            let measured = run.journal.get_or(&key, |_| measure(spec));
             outcome = measured.map(drop).and_then(|()| progress::step(&bar));
         }
         records.extend(run.journal.get::<Vec<PrecisionRecord>>(&key).into_iter().flatten());
     }
     bar.finish_and_clear();
-    let wrote = write(options, &records, &scene);
+    let wrote = write(options, &records, &list.command);
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
@@ -84,10 +95,9 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
 }
 
 /// Writes the files, if a folder is asked for, and prints the records or the text.
-fn write(options: &ErrorOptions, records: &[PrecisionRecord], scene: &Scene) -> anyhow::Result<()> {
+fn write(options: &ErrorOptions, records: &[PrecisionRecord], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        let command = format!("ssct error --precision --scene {} --rays {}", scene.name, options.rays);
-        precision_report::write(folder, records, &command)?;
+        precision_report::write(folder, records, command)?;
     }
     let mut out = std::io::stdout().lock();
     let text = if options.json { files::json(records) } else { precision_report::text(records) };

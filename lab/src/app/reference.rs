@@ -1,6 +1,7 @@
 //! `ssct render --method reference`: the world reference as an image. It needs no Vulkan device.
 
 use super::cli::RenderOptions;
+use super::reference_part::{self, ReferencePart};
 use super::run::go_on;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
@@ -10,7 +11,7 @@ use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
-use crate::reference::world_state::WorldState;
+use crate::reference::world_state::{Fingerprint, WorldState};
 use crate::report::images;
 use crate::scene::{GBufferData, Material, Scene};
 use glam::Vec3;
@@ -44,11 +45,18 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let reference = WorldReference::by(effect.definitions, &world, &first_hits, &camera, escape(&effect), 1)
         .with_bounces(effect.bounces);
     let bar = progress::bar("reference", options.max_rays as usize);
-    let state = sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut |state| {
+    let mut progress = |state: &WorldState| {
         bar.set_position(u64::from(state.sample_counts().max().unwrap_or(0)));
         bar.set_message(format!("reference, standard error {:.4}", state.overall_standard_error()));
         Ok(())
-    })?;
+    };
+    let state = match (options.shard, &options.cache) {
+        (Some(shard), Some(folder)) => {
+            let part = ReferencePart::new(&reference, (&scene, &view), effect.definitions, shard, options.max_rays);
+            reference_part::sample(&reference, &part, folder, &mut progress)?
+        }
+        _ => sample(&reference, &target(options), options.cache.clone().or_else(default_cache), &mut progress)?,
+    };
     bar.finish_and_clear();
 
     let made = reference.image(&state);
@@ -144,8 +152,12 @@ fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
 
 /// The file that keeps a reference's state in a folder.
 pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
-    let name: String = reference.fingerprint().iter().take(16).map(|b| format!("{b:02x}")).collect();
-    folder.join(format!("{name}.world"))
+    folder.join(format!("{}.world", short(&reference.fingerprint())))
+}
+
+/// The name of what a reference is of.
+pub fn short(fingerprint: &Fingerprint) -> String {
+    fingerprint.iter().take(16).map(|b| format!("{b:02x}")).collect()
 }
 
 /// Where states are kept unless `--cache` says otherwise.

@@ -2,6 +2,7 @@
 
 use super::cli::RenderOptions;
 use super::resolve;
+use crate::error::Error;
 use crate::methods::{self, Setup, Wants};
 use crate::report::figures::Figure;
 use crate::report::{figures, images};
@@ -14,6 +15,10 @@ pub fn run(options: &RenderOptions) -> anyhow::Result<()> {
     let method = method_name(options);
     if method == "reference" {
         return super::reference::run(options);
+    }
+    if options.shard.is_some() {
+        let message = "--shard is for --method reference, whose rays can be divided; any other image is drawn at once";
+        return Err(Error::Usage(message.into()).into());
     }
     let common = &options.common;
     let method = methods::find(method)?;

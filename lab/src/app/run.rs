@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::report::run_folder::{Claim, JOURNAL};
+use crate::study::cell_list::CellList;
 use crate::study::journal::Journal;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
@@ -38,6 +39,14 @@ impl Run {
         Ok(Self { journal, claim })
     }
 
+    /// Writes which cells the run has into its folder, if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn list(&self, cells: &CellList) -> Result<()> {
+        self.claim.as_ref().map_or(Ok(()), |(claim, _)| claim.list(cells))
+    }
+
     /// Notes that all is measured and written.
     pub fn finish(self) -> Result<()> {
         self.claim.map_or(Ok(()), |(claim, _)| claim.finish())
@@ -57,6 +66,38 @@ impl Run {
     }
 }
 
+/// Flags that say how and where this run goes on, and nothing of what the whole study is.
+const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
+/// The same of flags with a value.
+const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
+
+/// The command of this process as a page shows it: without what differs from one machine and shard to another.
+pub fn command_line() -> String {
+    of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
+}
+
+/// The arguments of the whole study after the program's name, those with blanks in quotes.
+fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
+    let mut words = vec!["ssct".to_owned()];
+    let mut is_value = false;
+    for argument in arguments {
+        let flag = argument.split('=').next().unwrap_or_default();
+        if std::mem::take(&mut is_value) || OF_THIS_RUN.contains(&flag) {
+            continue;
+        }
+        if OF_THIS_RUN_WITH_VALUE.contains(&flag) {
+            is_value = !argument.contains('=');
+            continue;
+        }
+        // What follows -o without a blank is its value.
+        if argument.starts_with("-o") {
+            continue;
+        }
+        words.push(if argument.contains(char::is_whitespace) { format!("\"{argument}\"") } else { argument });
+    }
+    words.join(" ")
+}
+
 /// To be called between two samples.
 ///
 /// # Errors
@@ -65,5 +106,21 @@ pub fn go_on() -> Result<()> {
     match ASKED.load(Ordering::Relaxed) {
         0 => Ok(()),
         signal => Err(Error::Stopped { signal: signal as u8, kept: None }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_of_a_study_have_one_command() {
+        let of = |text: &str| of_the_study(text.split_whitespace().map(str::to_owned));
+        let study = "ssct error --quick --rays 4";
+        for more in ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", ""] {
+            assert_eq!(of(&format!("error --quick {more} --rays 4")), study);
+        }
+        let quoted = of_the_study(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());
+        assert_eq!(quoted, "ssct error --variant \"stochastic --history on\"");
     }
 }

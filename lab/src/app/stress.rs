@@ -1,13 +1,16 @@
 //! `ssct stress`: numerical stability.
 
 use super::cli::StressOptions;
-use super::run::Run;
+use super::run::{Run, command_line};
 use super::{progress, resolve};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::methods::{self, METHODS, MethodInfo, Setup};
 use crate::report::{files, stress_report};
 use crate::scene::{Scene, library};
+use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::journal::{self, Journal};
+use crate::study::record::DEFINITIONS;
 use crate::study::stress::captures::{self, CaptureCase};
 use crate::study::stress::lineup::{SceneLineup, ScreenLineup};
 use crate::study::stress::motion::{self, MOTIONS, Motion, MotionRecord, MotionSpec};
@@ -16,6 +19,7 @@ use indicatif::ProgressBar;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::json;
+use std::collections::HashSet;
 use std::io::Write;
 
 /// Pixels of the cases with a scene.
@@ -34,7 +38,6 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         names => names.iter().map(|n| methods::find(n)).collect::<Result<_>>()?,
     };
     let gpu = resolve::gpu(&options.device)?;
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
     let chosen = |name: &str| options.case.as_ref().is_none_or(|part| name.contains(part.as_str()));
     let cases: Vec<_> = cases(options.quick).into_iter().filter(|c| chosen(&c.name)).collect();
     let names = if options.quick { &library::names()[..1] } else { library::names() };
@@ -52,22 +55,31 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         .collect();
     let following: Vec<_> = methods.iter().copied().filter(|m| m.takes_captures).collect();
 
-    let bar = progress::bar("stress", cases.len() + places.len() + of_captures.len());
     let names: Vec<_> = methods.iter().map(|m| m.name).collect();
     let digest = journal::digest(&gpu, &json!(names));
     let key = |of: &str| format!("stress {digest} {of}");
     let motions = motions(&scenes, options);
-    bar.inc_length(motions.len() as u64);
+    let case_names = cases.iter().map(|c| c.name.clone()).chain(places.iter().map(|(_, p)| p.name.clone()));
+    let case_names: Vec<String> = case_names.chain(of_captures.iter().map(|(_, c)| c.name.clone())).collect();
+    let motion_names = motions.iter().map(|(scene, spec, motion)| motion_name(scene, spec, *motion));
+    let all_names: Vec<String> = case_names.iter().cloned().chain(motion_names).collect();
+    let list = list(options, &gpu, &methods, &scenes, all_names.iter().map(|name| (name.clone(), key(name))).collect());
+    // Names of cases are unique, and those of motions, too.
+    let own: HashSet<&String> =
+        all_names.iter().enumerate().filter(|(n, _)| list.owns(*n)).map(|(_, name)| name).collect();
+    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    run.list(&list)?;
+    let bar = progress::bar("stress", list.owned());
     let measure = |journal: &mut Journal| -> Result<()> {
         let mut last = Last::default();
-        for case in &cases {
+        for case in cases.iter().filter(|c| own.contains(&c.name)) {
             kept(journal, key(&case.name), &bar, || {
                 let lineup = last.of(case.extent(), || ScreenLineup::new(&gpu, case.extent(), &methods))?;
                 stress::run(&gpu, case, lineup)
             })?;
         }
         let mut last = Last::default();
-        for (scene, place) in &places {
+        for (scene, place) in places.iter().filter(|(_, p)| own.contains(&p.name)) {
             kept(journal, key(&place.name), &bar, || {
                 let make =
                     || SceneLineup::with_hits(&gpu, stress::moved(scene, place), &Setup::new(SCENE_SIZE), &methods);
@@ -75,7 +87,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
             })?;
         }
         let mut last = Last::default();
-        for (scene, case) in &of_captures {
+        for (scene, case) in of_captures.iter().filter(|(_, c)| own.contains(&c.name)) {
             kept(journal, key(&case.name), &bar, || {
                 let make = || case.lineup(&gpu, scene, CAPTURE_SIZE, &following);
                 captures::run(&gpu, case, last.of((&scene.name, case.key()), make)?)
@@ -83,7 +95,11 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
         }
         let mut last = Last::default();
         for (scene, spec, motion) in &motions {
-            kept(journal, key(&motion_name(scene, spec, *motion)), &bar, || {
+            let name = motion_name(scene, spec, *motion);
+            if !own.contains(&name) {
+                continue;
+            }
+            kept(journal, key(&name), &bar, || {
                 let make = || SceneLineup::new(&gpu, (*scene).clone(), &Setup::new(spec.extent), &methods);
                 motion::run(&gpu, spec, *motion, last.of((&scene.name, spec.extent), make)?)
             })?;
@@ -92,21 +108,25 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     };
     let outcome = measure(&mut run.journal);
     bar.finish_and_clear();
-    let names = cases.iter().map(|c| &c.name).chain(places.iter().map(|(_, p)| &p.name));
-    let names = names.chain(of_captures.iter().map(|(_, c)| &c.name));
     let of_case = |name: &String| run.journal.get::<Vec<StressRecord>>(&key(name)).unwrap_or_default();
-    let records: Vec<StressRecord> = names.flat_map(of_case).collect();
+    let records: Vec<StressRecord> = case_names.iter().flat_map(of_case).collect();
     let of_motion = |(scene, spec, motion): &(&Scene, MotionSpec, Motion)| {
         run.journal.get::<Vec<MotionRecord>>(&key(&motion_name(scene, spec, *motion))).unwrap_or_default()
     };
     let motions: Vec<MotionRecord> = motions.iter().flat_map(of_motion).collect();
 
     // What there is, whatever ended the measurement; and what ended it counts for more.
-    let wrote = write(options, &records, &motions, outcome.is_ok());
+    let stopped = if outcome.is_ok() { "" } else { ", stopped on the way" };
+    let wrote = write(options, &records, &motions, &format!("{}{stopped}", list.command));
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
     gpu.check_validation()?;
+    all_passed(&records)
+}
+
+/// Fails if a case is not passed that must be.
+pub fn all_passed(records: &[StressRecord]) -> anyhow::Result<()> {
     let violated: Vec<_> = records.iter().filter(|r| r.judged && !r.pass).collect();
     if let Some(first) = violated.first() {
         anyhow::bail!(
@@ -124,12 +144,10 @@ fn write(
     options: &StressOptions,
     records: &[StressRecord],
     motions: &[MotionRecord],
-    whole: bool,
+    command: &str,
 ) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
-        let command = if options.quick { "ssct stress --quick" } else { "ssct stress" };
-        let stopped = if whole { "" } else { ", stopped on the way" };
-        stress_report::write(folder, records, motions, &format!("{command}{stopped}"))?;
+        stress_report::write(folder, records, motions, command)?;
     }
     let mut out = std::io::stdout().lock();
     if options.json {
@@ -139,6 +157,35 @@ fn write(
         out.write_all(stress_report::text(records, motions).as_bytes())?;
     }
     Ok(())
+}
+
+/// The cells, each a case or a motion with its name and its key. What a case is made of is of the program, but for the
+/// scenes.
+fn list(
+    options: &StressOptions,
+    gpu: &Gpu,
+    methods: &[&'static MethodInfo],
+    scenes: &[Scene],
+    cases: Vec<(String, String)>,
+) -> CellList {
+    let setup = Setup::new(SCENE_SIZE);
+    let set: Vec<_> = methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
+    let scenes: Vec<(String, String)> = scenes.iter().map(|s| (s.name.clone(), journal::scene_digest(s))).collect();
+    let digests: Vec<&String> = scenes.iter().map(|(_, digest)| digest).collect();
+    let planned = |(name, key): (String, String)| {
+        let setup = json!([name, set, digests]);
+        PlannedCell::new(name, setup, 1.0, key)
+    };
+    let cells = cases.into_iter().map(planned).collect();
+    let head = CellListHead {
+        kind: "stress",
+        definitions: DEFINITIONS,
+        command: command_line(),
+        shard: options.shard.shard,
+        settings: json!({ "quick": options.quick }),
+        scenes,
+    };
+    CellList::new(head, gpu.info(), cells)
 }
 
 /// What was made last, for as long as the next asks for the same.

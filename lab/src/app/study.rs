@@ -124,7 +124,8 @@ impl Plan {
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
         let setup = Setup::new(self.size);
-        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples: self.samples, a_a: false }
+        let (samples, a_a, only) = (self.samples, false, None);
+        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples, a_a, only }
     }
 }
 
@@ -157,7 +158,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
         }
         if let Some(cells) = &cells {
             let images = folder.join(ERROR_FOLDER).join("images");
-            cells.measure(&gpu, journal, Some(&images), &mut || bar.inc(1))?;
+            cells.measure(&gpu, journal, None, Some(&images), &mut || bar.inc(1))?;
         }
         Ok((views, figures))
     };
@@ -168,11 +169,14 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let journal = &run.journal;
     let view_records: Vec<TimeRecord> = view_specs.iter().flat_map(|s| timing::records(s, journal)).collect();
     let table_records: Vec<TimeRecord> = table_spec.iter().flat_map(|s| timing::records(s, journal)).collect();
+    let error_costs = cells.as_ref().map(|c| c.costs(&gpu, journal)).unwrap_or_default();
     let error_records = cells.map(|c| c.records(&gpu, journal)).unwrap_or_default();
     let all: Vec<TimeRecord> = view_records.iter().chain(&table_records).cloned().collect();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
         .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()))
-        .and_then(|()| error_report::write(&folder.join(ERROR_FOLDER), &error_records));
+        .and_then(|()| {
+            error_report::write(&folder.join(ERROR_FOLDER), &error_records, &error_costs, &plan.command, &[])
+        });
     // What ended it counts for more than what could not be written then.
     let (views, figures) = run.ended(outcome)?;
     wrote?;

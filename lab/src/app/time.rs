@@ -1,19 +1,29 @@
 //! `ssct time`.
 
 use super::cli::{Table, TimeOptions};
-use super::run::Run;
+use super::run::{Run, command_line};
 use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods::{self, METHODS};
 use crate::report::{files, plot, tables, trace};
+use crate::study::cell_list::{CellList, CellListHead};
+use crate::study::journal::scene_digest;
 use crate::study::table::{TABLE_5_8, compare};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
 
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let common = &options.common;
+    let undivided = options.path.is_some().then_some("--path, whose frames follow each other");
+    let undivided =
+        undivided.or((options.table == Some(Table::Captions)).then_some("--table captions, whose rows are few"));
+    if let Some(what) = undivided.filter(|_| options.shard.shard.is_some()) {
+        return Err(Error::Usage(format!("--shard is not for {what}")).into());
+    }
     if let Some(path) = &options.path {
         return super::time_path::run(options, path);
     }
@@ -41,8 +51,20 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let setup = common.method_options.setup(sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
     let a_a = options.a_a;
-    let spec = TimeSpec { gpu: &gpu, scene: &scene, view: &view, methods, sizes, globals, setup, warmup, samples, a_a };
+    let (gpu, scene, view, only) = (&gpu, &scene, &view, None);
+    let mut spec = TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup, samples, a_a, only };
+    let head = CellListHead {
+        kind: "time",
+        definitions: spec.setup.effect().definitions.into(),
+        command: command_line(),
+        shard: options.shard.shard,
+        settings: json!(TimeSettings { table, samples, a_a }),
+        scenes: vec![(scene.name.clone(), scene_digest(scene))],
+    };
+    let list = CellList::new(head, gpu.info(), spec.planned());
+    spec.only = Some(list.cells.iter().map(|c| c.own).collect());
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    run.list(&list)?;
     let bar = progress::bar("timing", spec.frames());
     let outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
     bar.finish_and_clear();
@@ -51,17 +73,34 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         files::write(path, trace::json(&timing::frames(&spec, &run.journal)).as_bytes())?;
     }
 
-    let written = TimeOutput {
-        stem: "time",
-        json: files::json(&records),
-        samples: ("time-samples.csv", files::samples_csv(&records)),
-        plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
-        text: text(&records, table),
-    };
-    written.conclude(options, run, outcome, &gpu)
+    let written = output(&records, table).map_err(anyhow::Error::msg)?;
+    written.conclude(options, run, outcome, gpu)
 }
 
-fn text(records: &[TimeRecord], table: bool) -> String {
+/// What the files of a run need to know beside its cells.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct TimeSettings {
+    /// Whether the thesis's table is compared with.
+    pub table: bool,
+    /// Frames that count.
+    pub samples: usize,
+    /// Whether methods are timed against themselves.
+    pub a_a: bool,
+}
+
+/// The files and the text of records of one device.
+pub fn output(records: &[TimeRecord], table: bool) -> std::result::Result<TimeOutput, String> {
+    Ok(TimeOutput {
+        stem: "time",
+        json: files::json(records),
+        samples: ("time-samples.csv", files::samples_csv(records)),
+        plot: plot::stage_bars(records)?,
+        text: text(records, table),
+    })
+}
+
+/// The text of records of one device.
+pub fn text(records: &[TimeRecord], table: bool) -> String {
     let mut text = String::new();
     if let Some(first) = records.first() {
         text += &device_line(&first.head.program.device);

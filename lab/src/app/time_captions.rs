@@ -48,6 +48,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
             Err(e) => missing.push(format!("figure {}: {e}\n", caption.figure)),
         }
         let spec = TimeSpec {
+            only: None,
             a_a: options.a_a,
             gpu: &gpu,
             scene,

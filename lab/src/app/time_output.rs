@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu};
 use crate::report::files;
 use std::io::Write;
+use std::path::Path;
 
 /// The results of a measurement as files and text.
 pub struct TimeOutput {
@@ -32,14 +33,19 @@ impl TimeOutput {
         Ok(gpu.check_validation()?)
     }
 
+    /// Writes the files into a folder.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
+        files::write(&named("json"), self.json.as_bytes())?;
+        files::write(&folder.join(self.samples.0), self.samples.1.as_bytes())?;
+        files::write(&named("svg"), self.plot.as_bytes())?;
+        files::write(&named("txt"), self.text.as_bytes())
+    }
+
     /// Writes the files, if a folder is asked for, and prints the records or the text.
     fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
         if let Some(folder) = &options.output {
-            let named = |extension: &str| folder.join(format!("{}.{extension}", self.stem));
-            files::write(&named("json"), self.json.as_bytes())?;
-            files::write(&folder.join(self.samples.0), self.samples.1.as_bytes())?;
-            files::write(&named("svg"), self.plot.as_bytes())?;
-            files::write(&named("txt"), self.text.as_bytes())?;
+            self.write(folder)?;
         }
         let shown = if options.json { &self.json } else { &self.text };
         std::io::stdout().lock().write_all(shown.as_bytes())?;

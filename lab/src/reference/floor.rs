@@ -3,6 +3,7 @@
 //! screen cannot bring it nearer to the world.
 
 use super::first_hits::FirstHits;
+use super::partial_sums::PartialSums;
 use super::world::WorldReference;
 use super::world_hits::ShownPlaces;
 use super::world_state::WorldState;
@@ -13,30 +14,34 @@ use glam::{DVec3, Vec3};
 #[derive(Debug, Clone)]
 pub struct ScreenFloor<'a> {
     screen: ShownPlaces<'a>,
-    sums: Vec<DVec3>,
+    sums: PartialSums<DVec3>,
 }
 
 impl<'a> ScreenFloor<'a> {
     /// Of a G-buffer and its own first hits, without samples.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
-        Self { screen: ShownPlaces::new(gbuffer, first_hits), sums: vec![DVec3::ZERO; gbuffer.depth.len()] }
+        Self { screen: ShownPlaces::new(gbuffer, first_hits), sums: PartialSums::new(0, gbuffer.depth.len()) }
     }
 
     /// Adds samples to the state of a reference of the same size, and what the screen shows of the same samples to the
     /// sums.
     pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
         let Self { screen, sums } = self;
-        reference.add_beside(state, samples, sums, |sum, sample| {
-            let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
-            // What further bounces bring is on no screen.
-            *sum += on_screen.map_or(sample.radiance, |color| color + sample.bounced);
-        });
+        let last = state.samples.saturating_add(samples);
+        while let Some(stop) = sums.next_stop(last) {
+            reference.add_beside(state, stop, sums.open(), |sum, sample| {
+                let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));
+                // What further bounces bring is on no screen.
+                *sum += on_screen.map_or(sample.radiance, |color| color + sample.bounced);
+            });
+            sums.close(stop);
+        }
     }
 
     /// The reflection colour, linear, rows from the top; of the state that all samples were added to.
     pub fn image(&self, state: &WorldState) -> Vec<Vec3> {
-        let pixels = self.sums.iter().zip(state.sample_counts());
-        pixels.map(|(sum, samples)| (*sum / f64::from(samples.max(1))).as_vec3()).collect()
+        let pixels = state.sample_counts().enumerate();
+        pixels.map(|(pixel, samples)| (self.sums.total(pixel) / f64::from(samples.max(1))).as_vec3()).collect()
     }
 }
 

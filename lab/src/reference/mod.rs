@@ -15,6 +15,7 @@ pub mod hierarchy;
 pub mod images;
 pub mod lobe;
 pub mod oracle;
+pub mod partial_sums;
 pub mod ray;
 pub mod screen;
 pub mod surface;
@@ -23,6 +24,7 @@ pub mod unified;
 pub mod visibility;
 pub mod world;
 pub mod world_hits;
+pub mod world_part;
 pub mod world_state;
 
 pub use capture_data::CaptureData;

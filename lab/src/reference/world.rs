@@ -7,7 +7,8 @@
 //!
 //! What a ray hits is lit directly, as in the G-buffer. With several bounces (docs/definitions.md, "Bounces") it reflects,
 //! too: the sample goes on along one direction of the lobe there. Each sample depends only on the seed, its pixel and its number, and a pixel's samples are summed in
-//! the order of their numbers. A result therefore does not depend on threads or on interruptions.
+//! the order of their numbers, in groups that are always the same ([`super::partial_sums`]). A result therefore does not
+//! depend on threads, on interruptions, or on how samples were divided among machines.
 
 use super::first_hits::{FirstHits, PrimaryRays, Receiver};
 use super::lobe::lobe_direction;
@@ -131,6 +132,13 @@ impl<'a> WorldReference<'a> {
 
     /// A state without samples.
     pub fn start(&self) -> WorldState {
+        self.start_at(0)
+    }
+
+    /// A state without samples whose first will be that of a number, a multiple of
+    /// [`LEAF`](super::partial_sums::LEAF): a part of the samples, for who merges it with the others
+    /// ([`super::world_part`]).
+    pub fn start_at(&self, first: u32) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
             // Of several bounces, a later one may meet a lobe.
@@ -139,40 +147,43 @@ impl<'a> WorldReference<'a> {
             (Some(_), _) => Kind::Sampled { least: 0 },
         };
         let kinds = self.first_hits.receivers.iter().map(kind).collect();
-        WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], kinds)
+        WorldState::new(self.fingerprint(), [self.first_hits.width, self.first_hits.height], first, kinds)
     }
 
     /// Adds samples to every pixel that takes more than one, and traces what is still missing of the others: a
     /// mirror's single ray, or the least rays of a mirror.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
-        let mut nothing = vec![(); state.pixels.len()];
-        self.add_beside(state, samples, &mut nothing, |(), _| ());
+        let last = state.samples.saturating_add(samples);
+        let mut nothing = vec![(); state.sums.pixels()];
+        while let Some(stop) = state.sums.next_stop(last) {
+            self.add_beside(state, stop, &mut nothing, |(), _| ());
+        }
     }
 
-    /// The same; `look` sees each sample, in the order of their numbers, with what is kept for its pixel `beside` the
-    /// state.
+    /// The same up to the next stop of the state's sums; `look` sees each sample, in the order of their numbers, with what
+    /// is kept for its pixel `beside` the state.
     pub(super) fn add_beside<T: Send>(
         &self,
         state: &mut WorldState,
-        samples: u32,
+        stop: u32,
         beside: &mut [T],
         look: impl Fn(&mut T, &WorldSample) + Sync,
     ) {
-        let (first, last) = (state.samples, state.samples.saturating_add(samples));
-        let WorldState { pixels, kinds, .. } = state;
+        let first = state.samples;
+        let WorldState { sums, kinds, .. } = state;
         let of_receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
-        pixels.par_iter_mut().zip(beside).zip(of_receivers).enumerate().with_min_len(64).for_each(
+        sums.open().par_iter_mut().zip(beside).zip(of_receivers).enumerate().with_min_len(64).for_each(
             |(index, ((sums, kept), (receiver, kind)))| {
                 let Some(receiver) = receiver else { return };
                 let stream = Stream::new(self.seed, index as u64);
-                for number in kind.samples(first)..kind.samples(last) {
+                for number in kind.samples(first)..kind.samples(stop) {
                     let sample = self.sample(index, receiver, u64::from(number), &stream);
                     sums.add(sample.radiance);
                     look(kept, &sample);
                 }
             },
         );
-        state.samples = last;
+        state.advance(stop);
     }
 
     /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an

@@ -1,21 +1,27 @@
 //! The sums of a world reference and their file. A long run can stop and continue later with a result that is
 //! identical to the bit. A file contains a fingerprint of its inputs and is rejected for any other inputs.
 
+use super::partial_sums::{LEAF, PartialSums, parts};
 use super::world::{Escape, WorldReference};
 use crate::error::{Error, Result};
 use crate::scene::{Encoding, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::io::Write;
+use std::ops::AddAssign;
 use std::path::Path;
 
 /// The file's first bytes.
 const MAGIC: &[u8; 8] = b"ssctwrld";
-/// Must change whenever the meaning of the numbers does: their layout, the sampling, or the shading.
-const VERSION: u32 = 1;
-/// Magic, version, fingerprint, width, height, samples.
-const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4;
-/// Six f64 per pixel.
+/// Must change whenever the meaning of samples does: the sampling, or the shading.
+const SAMPLING: u32 = 1;
+/// Must change whenever the meaning of the numbers in a file does.
+const LAYOUT: u32 = 2;
+/// The layout of files that have one sum a pixel, and do not say which sample is the first.
+const LAYOUT_OF_ONE_SUM: u32 = 1;
+/// Magic, layout, fingerprint, width, height, the first sample, the one after the last.
+const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4 + 4;
+/// Six f64 per pixel and part.
 const PIXEL_BYTES: usize = 48;
 /// The SHA-256 hash of all preceding bytes.
 const CHECK_BYTES: usize = 32;
@@ -29,9 +35,9 @@ pub struct WorldState {
     fingerprint: Fingerprint,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// Samples of every glossy pixel so far.
+    /// Samples of every glossy pixel so far; of a part, the number after its last one.
     pub samples: u32,
-    pub(super) pixels: Vec<Sums>,
+    pub(super) sums: PartialSums<Sums>,
     pub(super) kinds: Vec<Kind>,
 }
 
@@ -72,10 +78,28 @@ impl Sums {
     }
 }
 
+impl AddAssign for Sums {
+    fn add_assign(&mut self, other: Self) {
+        self.color += other.color;
+        self.squares += other.squares;
+    }
+}
+
 impl WorldState {
     /// A state without samples.
-    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], kinds: Vec<Kind>) -> Self {
-        Self { fingerprint, extent, samples: 0, pixels: vec![Sums::default(); kinds.len()], kinds }
+    pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
+        Self { fingerprint, extent, samples: first, sums: PartialSums::new(first, kinds.len()), kinds }
+    }
+
+    /// Samples up to a stop were added to the open sums.
+    pub(super) fn advance(&mut self, stop: u32) {
+        self.sums.close(stop);
+        self.samples = stop;
+    }
+
+    /// The number of the first sample: 0, but for a part.
+    pub fn first(&self) -> u32 {
+        self.sums.first()
     }
 
     /// The number of pixels that need more than one sample.
@@ -85,19 +109,29 @@ impl WorldState {
 
     /// The number of samples of each pixel.
     pub fn sample_counts(&self) -> impl Iterator<Item = u32> {
-        self.kinds.iter().map(|kind| kind.samples(self.samples))
+        self.kinds.iter().map(|kind| self.count(*kind))
+    }
+
+    /// The samples of a pixel of a kind.
+    fn count(&self, kind: Kind) -> u32 {
+        kind.samples(self.samples) - kind.samples(self.first())
+    }
+
+    /// The sums of each pixel.
+    fn totals(&self) -> impl Iterator<Item = Sums> {
+        (0..self.sums.pixels()).map(|pixel| self.sums.total(pixel))
     }
 
     /// The mean of each pixel; black without samples.
     pub fn means(&self) -> impl Iterator<Item = DVec3> {
-        self.pixels.iter().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
+        self.totals().zip(self.sample_counts()).map(|(sums, n)| sums.color / f64::from(n.max(1)))
     }
 
     /// The standard error of each pixel's mean, per channel: √(sample variance / n). 0 for a mirror's single ray and
     /// where nothing reflects; infinite for any other pixel with fewer than two samples.
     pub fn standard_errors(&self) -> impl Iterator<Item = DVec3> {
-        self.pixels.iter().zip(&self.kinds).map(move |(sums, kind)| {
-            let n = f64::from(kind.samples(self.samples));
+        self.totals().zip(&self.kinds).map(move |(sums, kind)| {
+            let n = f64::from(self.count(*kind));
             match kind {
                 Kind::Sampled { .. } if n < 2.0 => DVec3::INFINITY,
                 Kind::Sampled { .. } => {
@@ -118,27 +152,81 @@ impl WorldState {
     }
 
     /// Writes the state atomically: to a temporary file beside the target, which is then renamed.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
     pub fn save(&self, path: &Path) -> Result<()> {
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let failed = |e| Error::io("write", path, e);
-        let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * self.pixels.len() + CHECK_BYTES);
-        bytes.extend(MAGIC);
-        bytes.extend(VERSION.to_le_bytes());
-        bytes.extend(self.fingerprint);
-        for v in [self.extent[0], self.extent[1], self.samples] {
-            bytes.extend(v.to_le_bytes());
-        }
-        for v in self.pixels.iter().flat_map(|s| [s.color.to_array(), s.squares.to_array()]).flatten() {
-            bytes.extend(v.to_le_bytes());
-        }
-        let check = Sha256::digest(&bytes);
-        bytes.extend(check);
-        std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
-        let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
-        file.write_all(&bytes).map_err(failed)?;
-        file.persist(path).map_err(|e| failed(e.error))?;
-        Ok(())
+        write_state(path, &self.fingerprint, self.extent, &self.sums)
     }
+}
+
+/// A state as a file has it, of whichever reference.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct KeptState {
+    pub(super) fingerprint: Fingerprint,
+    pub(super) extent: [u32; 2],
+    pub(super) sums: PartialSums<Sums>,
+}
+
+/// Writes a state as [`WorldState::save`] does.
+pub(super) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums: &PartialSums<Sums>) -> Result<()> {
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let failed = |e| Error::io("write", path, e);
+    let mut bytes = Vec::with_capacity(HEAD_BYTES + PIXEL_BYTES * sums.kept().count() + CHECK_BYTES);
+    bytes.extend(MAGIC);
+    bytes.extend(LAYOUT.to_le_bytes());
+    bytes.extend(of);
+    for v in [extent[0], extent[1], sums.first(), sums.end()] {
+        bytes.extend(v.to_le_bytes());
+    }
+    for v in sums.kept().flat_map(|s| [s.color.to_array(), s.squares.to_array()]).flatten() {
+        bytes.extend(v.to_le_bytes());
+    }
+    let check = Sha256::digest(&bytes);
+    bytes.extend(check);
+    std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
+    let mut file = tempfile::Builder::new().prefix(".ssct-").tempfile_in(folder).map_err(failed)?;
+    file.write_all(&bytes).map_err(failed)?;
+    file.persist(path).map_err(|e| failed(e.error))?;
+    Ok(())
+}
+
+/// Reads a state of any reference.
+///
+/// # Errors
+/// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
+/// was made by another version.
+pub(super) fn read_state(path: &Path) -> Result<KeptState> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
+    let wrong = |message: &str| Error::malformed(path, None, message);
+    if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
+        return Err(wrong("this is not a state of a world reference"));
+    }
+    let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
+    let (extent, layout) = ([number(44), number(48)], number(8));
+    let (first, end, head) = match layout {
+        LAYOUT => (number(52), number(56), HEAD_BYTES),
+        // One sum is that of one part; of more, the sums of the parts are gone.
+        LAYOUT_OF_ONE_SUM if parts(0, number(52)).len() <= 1 && number(52) <= LEAF => (0, number(52), HEAD_BYTES - 4),
+        _ => return Err(wrong("the state was written by another version")),
+    };
+    let damaged = || wrong("the state is damaged or cut off");
+    let pixels = extent[0] as usize * extent[1] as usize;
+    let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
+    // The older layout has its sums even without samples.
+    let count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
+    let expected = pixels.checked_mul(count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
+    let aligned = first.is_multiple_of(LEAF) && first <= end;
+    if !aligned || expected != Some(content.len()) || Sha256::digest(content)[..] != *check {
+        return Err(damaged());
+    }
+    let sums = content[head..].as_chunks::<PIXEL_BYTES>().0.iter().map(|bytes| {
+        let v: [f64; 6] = std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
+        Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) }
+    });
+    let kept = if end > first { pixels * count } else { 0 };
+    let sums = PartialSums::from_kept(first, end, pixels, sums.take(kept)).ok_or_else(damaged)?;
+    Ok(KeptState { fingerprint: std::array::from_fn(|i| bytes[12 + i]), extent, sums })
 }
 
 impl WorldReference<'_> {
@@ -148,39 +236,33 @@ impl WorldReference<'_> {
     /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or
     /// truncated, or was made from another scene, camera, size, seed or version.
     pub fn load(&self, path: &Path) -> Result<WorldState> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-        let wrong = |message: &str| Error::malformed(path, None, message);
-        let mut state = self.start();
-        if bytes.len() < HEAD_BYTES || !bytes.starts_with(MAGIC) {
-            return Err(wrong("this is not a state of a world reference"));
+        let kept = read_state(path)?;
+        let state = self.start_at(kept.sums.first());
+        if kept.fingerprint != state.fingerprint || kept.extent != state.extent {
+            let message = "the state belongs to another scene, camera, size, seed or material";
+            return Err(Error::malformed(path, None, message));
         }
-        let number = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]));
-        if number(8) != VERSION {
-            return Err(wrong("the state was written by another version"));
-        }
-        if bytes[12..44] != state.fingerprint {
-            return Err(wrong("the state belongs to another scene, camera, size, seed or material"));
-        }
-        // The fingerprint includes the size, so the length is known.
-        let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
-        if content.len() != HEAD_BYTES + PIXEL_BYTES * state.pixels.len() || Sha256::digest(content)[..] != *check {
-            return Err(wrong("the state is damaged or cut off"));
-        }
-        state.samples = number(52);
-        for (sums, bytes) in state.pixels.iter_mut().zip(content[HEAD_BYTES..].as_chunks::<PIXEL_BYTES>().0) {
-            let v: [f64; 6] = std::array::from_fn(|i| f64::from_le_bytes(std::array::from_fn(|k| bytes[8 * i + k])));
-            *sums = Sums { color: DVec3::from_slice(&v[..3]), squares: DVec3::from_slice(&v[3..]) };
-        }
-        Ok(state)
+        Ok(WorldState { samples: kept.sums.end(), sums: kept.sums, ..state })
     }
 
     /// Continues with a file if it fits; otherwise starts afresh. The error, if there is one, says why an
     /// existing file was not used.
     pub fn resume(&self, path: &Path) -> (WorldState, Option<Error>) {
+        self.resume_at(path, 0)
+    }
+
+    /// The same of a part of the samples, from `first` on.
+    pub fn resume_at(&self, path: &Path, first: u32) -> (WorldState, Option<Error>) {
         match self.load(path) {
-            Ok(state) => (state, None),
-            Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => (self.start(), None),
-            Err(error) => (self.start(), Some(error)),
+            Ok(state) if state.first() == first => (state, None),
+            Ok(state) => {
+                let message = format!("the state begins with sample {} and not with {first}", state.first());
+                (self.start_at(first), Some(Error::malformed(path, None, message)))
+            }
+            Err(Error::Io { source, .. }) if source.kind() == std::io::ErrorKind::NotFound => {
+                (self.start_at(first), None)
+            }
+            Err(error) => (self.start_at(first), Some(error)),
         }
     }
 
@@ -188,7 +270,7 @@ impl WorldReference<'_> {
     /// them camera and size), escape, footprint, seed and version.
     pub fn fingerprint(&self) -> Fingerprint {
         let mut hash = Hash(Sha256::new());
-        hash.numbers(&[u64::from(VERSION), self.seed, u64::from(self.escape == Escape::Environment)]);
+        hash.numbers(&[u64::from(SAMPLING), self.seed, u64::from(self.escape == Escape::Environment)]);
         if self.bounces > 1 {
             hash.numbers(&[u64::from(self.bounces)]);
         }

@@ -83,14 +83,22 @@ fn percent(share: f64) -> f64 {
 }
 
 fn labels(r: &TimeComparison) -> [String; 7] {
-    let s = &r.subject;
+    let [place, size, roughness, normals, method, preset] = subject_labels(&r.subject);
+    [place, size, roughness, normals, method, preset, r.pass.clone()]
+}
+
+/// The names of the columns of [`subject_labels`].
+pub const SUBJECT_COLUMNS: [&str; 6] = ["scene view", "size", "roughness", "normals", "method", "preset"];
+
+/// What was timed, in a few words a column.
+pub fn subject_labels(s: &Subject) -> [String; 6] {
     let own = |name: &str| match s.get(name) {
         "" => "own".to_owned(),
         value => value.to_owned(),
     };
     let place = format!("{} {}", s.get("scene"), s.get("view"));
     let size = format!("{}x{}", s.get("width"), s.get("height"));
-    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned(), r.pass.clone()]
+    [place, size, own("roughness"), own("normal_deviation"), method(s), s.get("preset").to_owned()]
 }
 
 /// A method with the parameters that are not those of its preset.
@@ -103,9 +111,8 @@ fn method(s: &Subject) -> String {
 }
 
 fn cells(records: &[TimeComparison]) -> Vec<Vec<String>> {
-    let header = ["scene view", "size", "roughness", "normals", "method", "preset", "pass"];
-    let figures = ["A ms", "B ms", "B/A", "low", "high", "floor", "n", "verdict"];
-    let mut rows = vec![[&header[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    let figures = ["pass", "A ms", "B ms", "B/A", "low", "high", "floor", "n", "verdict"];
+    let mut rows = vec![[&SUBJECT_COLUMNS[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
     let number = |v: Option<f64>| v.map_or_else(|| "-".into(), |v| format!("{v:.3}"));
     for r in records.iter().filter(|r| r.only_in.is_none()) {
         let mut row = labels(r).to_vec();

@@ -1,13 +1,18 @@
 //! The error study as files and text: records, plots of run time against error, picture strips.
 
+use super::devices::{by_device, device_name};
+use super::html::ErrorPage;
 use super::images::{Rgb, write_exr};
 use super::{files, plot, tables};
 use crate::error::{Error, Result};
-use crate::gpu::Pixels;
+use crate::gpu::{DeviceInfo, Pixels};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::pareto;
+use crate::study::cost::CellCost;
 use crate::study::error::{Against, ErrorRecord, MeasuredCell, display};
+use crate::study::record::DEFINITIONS;
 use crate::study::sweep::{self, Point};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// The three references with what their plots show.
@@ -68,14 +73,72 @@ fn bytes_against_error(points: &[Point]) -> std::result::Result<Option<String>, 
     plot::against(&named, ["MiB on the device, prepared", WORLD_AXIS]).map(Some)
 }
 
-/// Writes error.json, error.txt and one plot a reference.
-pub fn write(folder: &Path, records: &[ErrorRecord]) -> Result<()> {
+/// The file of what the cells cost.
+pub const COSTS: &str = "costs.json";
+
+/// Folder of a cell's pictures.
+pub const IMAGES: &str = "images";
+
+/// Writes error.json, error.txt, costs.json, for each device one plot a reference, and index.html. `command` is the
+/// study's, and `missing` names the cells that it has and the records lack.
+pub fn write(
+    folder: &Path,
+    records: &[ErrorRecord],
+    costs: &[CellCost],
+    command: &str,
+    missing: &[String],
+) -> Result<()> {
+    let failed = |e: String| Error::io("draw the plots of", folder, std::io::Error::other(e));
+    let mut parts = Vec::new();
+    let apart = by_device(records, |r| &r.head.program.device);
+    for (n, (device, records)) in apart.iter().enumerate() {
+        let plots = plots(records).map_err(failed)?;
+        let device_part = if apart.len() > 1 { format!("-device-{}", n + 1) } else { String::new() };
+        for plot in &plots {
+            files::write(&folder.join(format!("error-{}{device_part}.svg", plot.name)), plot.svg.as_bytes())?;
+        }
+        parts.push(DevicePart { device: device.clone(), cells: cells(records), plots });
+    }
     files::write(&folder.join("error.json"), files::json(records).as_bytes())?;
     files::write(&folder.join("error.txt"), text(records).as_bytes())?;
-    for plot in plots(records).map_err(|e| Error::io("draw the plots of", folder, std::io::Error::other(e)))? {
-        files::write(&folder.join(format!("error-{}.svg", plot.name)), plot.svg.as_bytes())?;
-    }
-    Ok(())
+    files::write(&folder.join(COSTS), files::json(costs).as_bytes())?;
+    let sources = source_cells(&one_of_each(records));
+    let page = ErrorPage { definitions: definitions(records), command, devices: &parts, sources: &sources, missing };
+    files::write(&folder.join("index.html"), page.render().as_bytes())
+}
+
+/// What was measured on one device.
+pub struct DevicePart {
+    /// The device.
+    pub device: DeviceInfo,
+    /// How many cells.
+    pub cells: usize,
+    /// Run time against error on it.
+    pub plots: Vec<ErrorPlot>,
+}
+
+fn definitions(records: &[ErrorRecord]) -> u32 {
+    records.first().map_or(DEFINITIONS, |r| r.head.program.definitions)
+}
+
+/// Where a record is of.
+fn cell_of(r: &ErrorRecord) -> String {
+    stem(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
+}
+
+/// How many cells some records are of.
+fn cells(records: &[ErrorRecord]) -> usize {
+    records.iter().map(cell_of).collect::<BTreeSet<_>>().len()
+}
+
+/// Of figures that several devices measured, the first: an error is the same on all of them.
+fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
+    let mut seen = BTreeSet::new();
+    let of = |r: &&ErrorRecord| {
+        let set = serde_json::to_string(&r.head.setup).unwrap_or_default();
+        seen.insert(format!("{} {} {:?} {:?} {set}", cell_of(r), r.head.method, r.head.preset, r.against))
+    };
+    records.iter().filter(of).cloned().collect()
 }
 
 /// What the files of a cell begin with.
@@ -116,8 +179,22 @@ fn heat(errors: &[f32], width: u32, height: u32) -> Vec<u8> {
     FlipMap { width, height, errors: errors.iter().map(|e| e.clamp(0.0, 1.0)).collect() }.picture()
 }
 
-/// Points of every reference with the front, and where the error comes from.
+/// For each device the points of every reference with the front; and where the error comes from.
 pub fn text(records: &[ErrorRecord]) -> String {
+    let mut text = String::new();
+    let apart = by_device(records, |r| &r.head.program.device);
+    for (device, records) in &apart {
+        if apart.len() > 1 {
+            text += &format!("{}; {} cells\n\n", device_name(device), cells(records));
+        }
+        text += &points_text(records);
+    }
+    text += "RMSE of the reflection colour by roughness, median over the views\n";
+    text + &tables::aligned(&source_cells(&one_of_each(records)))
+}
+
+/// Points of every reference with the front, of records of one device.
+fn points_text(records: &[ErrorRecord]) -> String {
     let mut text = String::new();
     for (against, _, axis) in REFERENCES {
         let points = sweep::points(records, against);
@@ -128,8 +205,7 @@ pub fn text(records: &[ErrorRecord]) -> String {
         text += &tables::aligned(&point_cells(&points, floor(records, against)));
         text += "\n";
     }
-    text += "RMSE of the reflection colour by roughness, median over the views\n";
-    text + &tables::aligned(&source_cells(records))
+    text
 }
 
 /// What is beside errors against the world.

@@ -270,6 +270,77 @@ pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Stri
     Ok(svg)
 }
 
+/// A line of [`trend`].
+pub struct TrendPlotLine {
+    /// What the legend calls it.
+    pub name: String,
+    /// Its value in each run, ≥ 0; nothing where the run has none.
+    pub values: Vec<Option<f64>>,
+}
+
+/// Most characters of a name in a trend's legend.
+const TREND_NAME: usize = 64;
+
+/// Values over runs, which stand side by side under their numbers, from 0 up; a line joins the runs that have a value.
+pub fn trend(runs: &[usize], lines: &[TrendPlotLine], y_axis: &str) -> Result<String, String> {
+    let names: Vec<String> = lines.iter().map(|l| shortened(&l.name, TREND_NAME)).collect();
+    let shown: Vec<&str> = names.iter().map(String::as_str).collect();
+    let columns = legend_columns(&shown);
+    let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
+    let most = lines.iter().flat_map(|l| &l.values).flatten().fold(1e-6_f64, |most, v| most.max(*v));
+    let mut svg = String::new();
+    {
+        let root = SVGBackend::with_string(&mut svg, (WIDTH, 300 + legend)).into_drawing_area();
+        let failed = |e: DrawingAreaErrorKind<std::io::Error>| e.to_string();
+        root.fill(&WHITE).map_err(failed)?;
+        let last = runs.len().saturating_sub(1).max(1) as f64;
+        let mut chart = ChartBuilder::on(&root)
+            .margin(10)
+            .margin_top(legend)
+            .margin_right(24)
+            .x_label_area_size(44)
+            .y_label_area_size(64)
+            .build_cartesian_2d(-0.15..last + 0.15, 0.0..most * 1.05)
+            .map_err(failed)?;
+        chart
+            .configure_mesh()
+            .disable_x_mesh()
+            .light_line_style(TRANSPARENT)
+            .x_labels(0)
+            .x_desc("runs, by their numbers")
+            .y_desc(y_axis)
+            .label_style(("sans-serif", TEXT))
+            .draw()
+            .map_err(failed)?;
+        // Of many runs, as many are numbered as there is room for.
+        let step = runs.len().div_ceil(16).max(1);
+        for (n, run) in runs.iter().enumerate().filter(|(n, _)| n % step == 0) {
+            let at = chart.backend_coord(&(n as f64, 0.0));
+            let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
+            root.draw(&Text::new(run.to_string(), (at.0, at.1 + 5), style)).map_err(failed)?;
+        }
+        let colors: Vec<String> = (0..lines.len()).map(|n| n.to_string()).collect();
+        for (n, line) in lines.iter().enumerate() {
+            let color = stage_color(&colors, &colors[n]);
+            let points: Vec<_> = line.values.iter().enumerate().filter_map(|(n, v)| Some((n as f64, (*v)?))).collect();
+            chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2))).map_err(failed)?;
+            chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled()))).map_err(failed)?;
+            let (x, y) = (12 + (n % columns) as i32 * legend_width(&shown), 10 + 20 * (n / columns) as i32);
+            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
+            root.draw(&Text::new(shown[n], (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
+        }
+        root.present().map_err(failed)?;
+    }
+    Ok(svg)
+}
+
+fn shortened(name: &str, most: usize) -> String {
+    match name.char_indices().nth(most) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.to_owned(),
+    }
+}
+
 fn legend_width(names: &[&str]) -> i32 {
     36 + 8 * names.iter().map(|n| n.chars().count()).max().unwrap_or(0) as i32
 }

@@ -1,7 +1,9 @@
 //! The folder of a run: one run at a time, its journal, and whether the last run in it was finished.
 
+use super::files;
 use crate::error::{Error, Result};
-use crate::study::journal::Journal;
+use crate::study::cell_list::CellList;
+use crate::study::journal::{self, Journal};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -9,8 +11,17 @@ use std::path::{Path, PathBuf};
 /// The journal's file, one entry a line.
 pub const JOURNAL: &str = "journal.jsonl";
 
+/// The file that says which cells the run has.
+pub const CELLS: &str = "cells.json";
+
 /// Its last line once all is done.
 const FINISHED: &str = "{\"finished\":true}";
+
+/// Whether the run of a journal was finished, which its last line says; not if it cannot be read.
+pub fn is_finished(journal: &Path) -> bool {
+    let text = std::fs::read(journal).unwrap_or_default();
+    String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED)
+}
 
 /// A folder that is this run's alone for as long as this lives, however it ends: the system gives the lock
 /// back.
@@ -71,6 +82,16 @@ impl Claim {
         Ok(Journal::resume(known.lines(), Some(Box::new(sink))))
     }
 
+    /// Writes which cells the run has.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn list(&self, cells: &CellList) -> Result<()> {
+        let text =
+            serde_json::to_string_pretty(cells).map_err(|e| Error::io("write", self.folder.join(CELLS), e.into()))?;
+        files::write(&self.folder.join(CELLS), format!("{text}\n").as_bytes())
+    }
+
     /// Notes that the run is finished, so that the next may begin anew.
     ///
     /// # Errors
@@ -80,6 +101,52 @@ impl Claim {
         let mut file = OpenOptions::new().append(true).open(&path).map_err(|e| Error::io("write", &path, e))?;
         file.write_all(format!("{FINISHED}\n").as_bytes()).map_err(|e| Error::io("write", &path, e))
     }
+}
+
+/// What a run left in a folder.
+pub struct RunRead {
+    /// Its cells.
+    pub cells: CellList,
+    /// Its journal.
+    pub journal: Journal,
+    /// The lines of the journal that are entries, in order.
+    pub lines: Vec<String>,
+}
+
+/// Reads a run's folder, which nobody may be writing into.
+///
+/// # Errors
+/// [`Error::Busy`] if a run has it, [`Error::Io`] for what cannot be read, [`Error::Malformed`] for a list of cells that
+/// is none.
+pub fn read(folder: &Path) -> Result<RunRead> {
+    let _lock = match File::open(folder) {
+        // Many may read at once; where there are no locks, or a folder cannot be opened as a file, nobody is kept out.
+        Ok(file) => match file.try_lock_shared() {
+            Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
+            _ => Some(file),
+        },
+        Err(e) if e.kind() == ErrorKind::NotFound => return Err(Error::io("read", folder, e)),
+        Err(_) => None,
+    };
+    let path = folder.join(CELLS);
+    let text = match std::fs::read(&path) {
+        Ok(text) => text,
+        Err(e) if e.kind() == ErrorKind::NotFound => {
+            let what = "does not say which cells it has (no cells.json): it is no folder of a run that can be merged";
+            return Err(Error::malformed(folder, None, what));
+        }
+        Err(e) => return Err(Error::io("read", &path, e)),
+    };
+    let cells = serde_json::from_slice(&text)
+        .map_err(|e| Error::malformed(&path, Some(e.line()), format!("is no list of cells: {e}")))?;
+    let path = folder.join(JOURNAL);
+    let text = match std::fs::read(&path) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+        Err(e) if e.kind() == ErrorKind::NotFound => String::new(),
+        Err(e) => return Err(Error::io("read", &path, e)),
+    };
+    let lines = text.lines().filter(|line| journal::key_of(line).is_some()).map(str::to_owned).collect();
+    Ok(RunRead { cells, journal: Journal::resume(text.lines(), None), lines })
 }
 
 /// What is locked: the folder itself, which leaves nothing behind.

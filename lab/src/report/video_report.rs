@@ -15,7 +15,7 @@ use webp_animation::{Encoder, EncoderOptions, EncodingConfig};
 const QUALITY: f32 = 85.0;
 
 /// Folder of the animated pictures.
-const CLIPS: &str = "clips";
+pub const CLIPS: &str = "clips";
 
 /// Writes video.json, video-frames.csv, video.txt, video.svg and index.html.
 pub fn write(folder: &Path, records: &[VideoRecord], command: &str) -> Result<()> {

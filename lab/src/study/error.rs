@@ -4,6 +4,7 @@
 mod truth;
 
 use self::truth::{Reference, Truth, truth};
+use super::cost::{CellCost, Laps, peak_bytes};
 use super::gbuffer;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest};
@@ -26,7 +27,7 @@ use crate::reference::world::Escape;
 use crate::scene::{GBufferData, Scene, View};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -61,6 +62,14 @@ pub(super) fn world_of(variants: &[Variant]) -> Result<(DefinitionsVersion, u32)
         return Err(Error::Usage("methods are held against each other by one version of the definitions".into()));
     }
     Ok((definitions, variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)))
+}
+
+/// The version of the definitions that figures of some variants are of.
+///
+/// # Errors
+/// [`Error::Usage`] if they are of several.
+pub fn definitions_of(variants: &[Variant]) -> Result<u32> {
+    Ok(world_of(variants)?.0.into())
 }
 
 /// What a figure is held against.
@@ -136,12 +145,12 @@ pub struct MeasuredCell {
     pub records: Vec<ErrorRecord>,
     /// References and methods as images.
     pub strips: Vec<Strip>,
+    /// How long each part took.
+    pub cost: CellCost,
 }
 
-/// How a cell is measured.
+/// How a cell is measured, on whatever device.
 pub struct ErrorSpec<'a> {
-    /// Device.
-    pub gpu: &'a Gpu,
     /// Scene.
     pub scene: &'a Scene,
     /// View.
@@ -163,18 +172,24 @@ pub struct ErrorSpec<'a> {
 }
 
 impl ErrorSpec<'_> {
-    /// Everything that the cell depends on, but for how often it is sampled.
-    pub fn digest(&self) -> String {
+    /// Everything that the cell depends on, but for the device, the program and how often it is sampled.
+    pub fn settings(&self) -> Value {
         let recorded = |v: &Variant| json!([v.method.name, v.setup.at(self.extent).recorded(Some(v.method))]);
         let variants: Vec<_> = self.variants.iter().map(recorded).collect();
         let view = format!("{:?}", self.view);
-        digest(self.gpu, &json!([self.scene_digest, view, self.globals, variants, self.warmup]))
+        json!([self.scene_digest, view, self.globals, variants, self.warmup])
+    }
+
+    /// Everything that the cell depends on, but for how often it is sampled.
+    pub fn digest(&self, gpu: &Gpu) -> String {
+        digest(gpu, &self.settings())
     }
 }
 
 /// Measures a cell; frames that the journal has are not timed again. `go_on` is called between two steps,
 /// and its error ends the cell.
 pub fn measure(
+    gpu: &Gpu,
     spec: &ErrorSpec,
     stage: &mut Stage,
     journal: &mut Journal,
@@ -186,15 +201,24 @@ pub fn measure(
     let shot = |stage: &mut Stage, setup: &Setup, wants: Wants, method: &MethodInfo| {
         Shot::new(stage, method, &setup.at(spec.extent), wants, camera, materials.clone())
     };
+    let mut laps = Laps::begin();
+    let mut cost = CellCost::of(gpu, spec);
     // Timed without a reflection of its own, as the time study does.
-    let made = spec.variants.iter().map(|v| shot(stage, &v.setup, Wants::IMAGE, v.method));
+    let made = spec.variants.iter().zip(&mut cost.variants).map(|(v, cost)| {
+        let made = shot(stage, &v.setup, Wants::IMAGE, v.method);
+        cost.setup_s = laps.lap();
+        made
+    });
     let mut shots = made.collect::<Result<Vec<_>>>()?;
-    let times = totals(spec, stage, &mut shots, journal, go_on)?;
-    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new() };
+    let times = totals((gpu, spec), stage, &mut shots, journal, &mut cost, go_on)?;
+    let mut cell = MeasuredCell { extent: spec.extent, records: Vec::new(), strips: Vec::new(), cost };
     let Some(first) = shots.first() else { return Ok(cell) };
+    laps.lap();
     // Where the journal has all times, no frame has run.
     stage.draw(first)?;
     let truth = truth(spec, gbuffer::read(&mut stage.context, first)?, &materials, (definitions, bounces), go_on)?;
+    (cell.cost.screen_s, cell.cost.world_s) = truth.seconds;
+    cell.cost.rest_s = laps.lap() - truth.seconds.0 - truth.seconds.1;
 
     for screen in &truth.screens {
         let name = strip_name(SCREEN_REFERENCE, screen.version);
@@ -204,7 +228,7 @@ pub fn measure(
     if let Some(world) = &truth.world_and_environment {
         cell.strips.push(Strip { name: WORLD_AND_ENVIRONMENT.into(), color: world.color.clone(), error: None });
     }
-    for ((variant, timed), time) in spec.variants.iter().zip(&shots).zip(times) {
+    for (n, ((variant, timed), time)) in spec.variants.iter().zip(&shots).zip(times).enumerate() {
         go_on()?;
         let color = {
             let (_, _, output) = stage.output_at_rest(timed)?;
@@ -231,26 +255,29 @@ pub fn measure(
                 ends: gbuffer::ray_ends(&p, &truth.data),
             });
         }
-        let mut head = Record::new(spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
+        let mut head = Record::new(gpu, spec, Of::Method(variant.method), &variant.setup, Some(time.median_ms));
         head.record.prepared = Some(timed.prepared().clone());
         cell.records.extend(head.against_all(&truth, variant.escape(), &color, hits.as_ref()));
         cell.strips.push(method_strip(variant.method.name, &color, &truth, variant, spec.extent));
+        cell.cost.variants[n].judged_s = laps.lap();
     }
     if let Some(variant) = spec.variants.first() {
         // What is left of the error when every hit is right, and what screen space itself costs.
         let setup = alone(&variant.setup);
-        let color = exact_hits_with_cone(spec, &truth, &setup)?;
+        let color = exact_hits_with_cone(gpu, spec, &truth, &setup)?;
         let of = Of::Other { name: EXACT_HITS, method: Some(&ssct::INFO) };
-        let head = Record::new(spec, of, &setup, None);
+        let head = Record::new(gpu, spec, of, &setup, None);
         cell.records.extend(head.against_all(&truth, Escape::Black, &color, None));
         let exact = Variant { setup: setup.clone(), ..variant.clone() };
         cell.strips.push(method_strip(EXACT_HITS, &color, &truth, &exact, spec.extent));
         for screen in &truth.screens {
             let setup = setup.with(|p: &mut EffectParams| p.oracle = screen.version);
-            let head = Record::new(spec, Of::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
+            let head = Record::new(gpu, spec, Of::Other { name: SCREEN_REFERENCE, method: None }, &setup, None);
             cell.records.push(head.image(Against::World, &truth, &truth.world, &screen.image.color));
         }
     }
+    cell.cost.rest_s += laps.lap();
+    cell.cost.peak_bytes = peak_bytes();
     Ok(cell)
 }
 
@@ -278,9 +305,9 @@ struct Record {
 }
 
 impl Record {
-    fn new(spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
+    fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
         let setup = setup.at(spec.extent);
-        let head = Head::new("error", spec.gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
+        let head = Head::new("error", gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
         Self {
             oracle: setup.effect().oracle,
             record: ErrorRecord {
@@ -368,9 +395,9 @@ fn method_strip(name: &str, color: &[[f32; 3]], truth: &Truth, of: &Variant, [wi
 
 /// The thesis's cone at the oracle's hits: the method's error without its ray tracing's. Each bounce reflects the image with
 /// the one before in it, as methods do.
-fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
+fn exact_hits_with_cone(gpu: &Gpu, spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Result<Vec<[f32; 3]>> {
     let [width, height] = spec.extent;
-    let mut context = FrameContext::new(spec.gpu)?;
+    let mut context = FrameContext::new(gpu)?;
     let texels: Vec<[f32; 4]> = truth
         .screen(setup.effect().oracle)
         .hits
@@ -381,7 +408,7 @@ fn exact_hits_with_cone(spec: &ErrorSpec, truth: &Truth, setup: &Setup) -> Resul
         })
         .collect();
     let hits = Image::from_texels(&mut context, "exact hits", [width, height], &texels)?;
-    let method = ThesisMethod::cone_alone(spec.gpu, &setup.at(spec.extent))?;
+    let method = ThesisMethod::cone_alone(gpu, &setup.at(spec.extent))?;
     let mut data = truth.data.clone();
     let mut made = Vec::new();
     for bounce in 0..setup.effect().bounces {
@@ -406,15 +433,22 @@ fn composite(data: &GBufferData, reflection: &[[f32; 4]]) -> Vec<Vec3> {
 
 /// Totals of the shots, timed in turn.
 fn totals(
-    spec: &ErrorSpec,
+    (gpu, spec): (&Gpu, &ErrorSpec),
     stage: &mut Stage,
     shots: &mut [Shot],
     journal: &mut Journal,
+    cost: &mut CellCost,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<Vec<Stats>> {
-    let cell = spec.digest();
+    let cell = spec.digest(gpu);
     let key = |shot: usize, sample: &str| format!("total {cell} {shot} {sample}");
-    interleave(stage, shots, &Round::timed(spec.warmup, spec.samples), &key, journal, go_on)?;
+    let rounds = Round::timed(spec.warmup, spec.samples);
+    cost.partial = (0..shots.len()).any(|m| (0..spec.samples).any(|n| journal.has(&key(m, &n.to_string()))));
+    let mut turns = cost.turns();
+    interleave(stage, shots, &rounds, &key, journal, &mut || {
+        turns.next();
+        go_on()
+    })?;
     let total = |m: usize, n: usize| journal.get::<Sample>(&key(m, &n.to_string())).map(|s| s.effect_ms());
     let all = |m: usize| (0..spec.samples).filter_map(|n| total(m, n)).collect::<Vec<_>>();
     Ok((0..shots.len()).map(|m| Stats::of(&all(m))).collect())

@@ -25,10 +25,6 @@ impl Journal {
     /// A journal that goes on from some lines, and keeps its own in a sink. Lines that are no entry are
     /// left out.
     pub fn resume<'l>(lines: impl Iterator<Item = &'l str>, sink: Option<Sink>) -> Self {
-        let entry = |line: &str| -> Option<(String, Value)> {
-            let mut entry: Value = serde_json::from_str(line).ok()?;
-            Some((entry["key"].as_str()?.to_owned(), entry.get_mut("value")?.take()))
-        };
         Self { known: lines.filter_map(entry).collect(), sink }
     }
 
@@ -40,6 +36,11 @@ impl Journal {
     /// Whether a result is known.
     pub fn has(&self, key: &str) -> bool {
         self.known.contains_key(key)
+    }
+
+    /// A result that is known, as it was kept.
+    pub fn value(&self, key: &str) -> Option<&Value> {
+        self.known.get(key)
     }
 
     /// A result that is known, or else measured now and kept.
@@ -59,6 +60,19 @@ impl Journal {
         Ok(result)
     }
 
+    /// Keeps an entry of another journal as its line stands there; what is no entry is left out.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn keep_line(&mut self, line: &str) -> Result<()> {
+        let Some((key, value)) = entry(line) else { return Ok(()) };
+        if let Some(sink) = &mut self.sink {
+            sink(line)?;
+        }
+        self.known.insert(key, value);
+        Ok(())
+    }
+
     /// Keeps a result.
     ///
     /// # Errors
@@ -73,11 +87,29 @@ impl Journal {
     }
 }
 
+/// Key and value of a line; `None` of a line that is no entry.
+fn entry(line: &str) -> Option<(String, Value)> {
+    let mut entry: Value = serde_json::from_str(line).ok()?;
+    Some((entry["key"].as_str()?.to_owned(), entry.get_mut("value")?.take()))
+}
+
+/// The key of a line; `None` of a line that is no entry.
+pub fn key_of(line: &str) -> Option<String> {
+    entry(line).map(|(key, _)| key)
+}
+
 /// A short name for everything that a result depends on: program, device, and settings, of which the
 /// scene's may be one. Two that differ in any of it have different names.
 pub fn digest(gpu: &Gpu, settings: &Value) -> String {
     let mut hash = Sha256::new();
     hash.update(json!(Provenance::on(gpu)).to_string());
+    hash.update(settings.to_string());
+    name(hash)
+}
+
+/// A short name for settings alone, the same on every machine and device.
+pub fn setup_digest(settings: &Value) -> String {
+    let mut hash = Sha256::new();
     hash.update(settings.to_string());
     name(hash)
 }

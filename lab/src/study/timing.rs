@@ -1,6 +1,7 @@
 //! The time study: methods interleaved on the same view, warm-up first, one submission a sample, and each
 //! sample in the journal as soon as it is there.
 
+use super::cell_list::PlannedCell;
 use super::compare::SEED;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
@@ -8,11 +9,12 @@ use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
 use super::stage::{Globals, Shot, Stage};
 use crate::error::Result;
 use crate::gpu::frame::Mode;
+use crate::gpu::timing::PassTime;
 use crate::gpu::{FrameReport, Gpu};
 use crate::methods::{MethodInfo, Setup, Wants};
 use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
-use serde_json::json;
+use serde_json::{Value, json};
 use std::fmt::Display;
 
 /// What is timed: every combination of sizes, roughness values and methods.
@@ -37,13 +39,32 @@ pub struct TimeSpec<'a> {
     pub samples: usize,
     /// Whether each method is timed against itself as well: twice in each turn, so that what it strays from itself is known.
     pub a_a: bool,
+    /// Which cells (a size with factors each, factors following each other) are measured; `None` for all.
+    pub only: Option<Vec<bool>>,
 }
 
 impl TimeSpec<'_> {
     /// Frames that [`measure`] submits if the journal has none.
     pub fn frames(&self) -> usize {
         let series = if self.a_a { 2 } else { 1 };
-        series * self.methods.len() * self.sizes.len() * self.globals.len() * (self.warmup + self.samples + 1)
+        series * self.methods.len() * self.groups().count() * (self.warmup + self.samples + 1)
+    }
+
+    /// All cells, whichever are measured: the methods of one size and factors, which are timed in turn. What they cost is
+    /// counted in pixels.
+    pub fn planned(&self) -> Vec<PlannedCell> {
+        let planned = |group: Group| {
+            let result = |m: &&'static MethodInfo| (group.prefix(m), json!(group.head(m)));
+            let [width, height] = group.extent;
+            let roughness = group.globals.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string());
+            PlannedCell {
+                name: format!("{}-{}-{width}x{height}-r{roughness}", self.scene.name, self.view.name),
+                setup: json!([group.settings, self.samples, self.a_a]),
+                cost: f64::from(width) * f64::from(height),
+                results: self.methods.iter().map(result).collect(),
+            }
+        };
+        self.all_groups().map(planned).collect()
     }
 }
 
@@ -52,12 +73,18 @@ struct Group<'a> {
     spec: &'a TimeSpec<'a>,
     extent: [u32; 2],
     globals: &'a Globals,
+    settings: Value,
     digest: String,
 }
 
 impl<'a> TimeSpec<'a> {
-    /// In the order in which they are measured.
+    /// Those that are measured, in this order.
     fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
+        let is_wanted = |n: usize| self.only.as_ref().is_none_or(|only| only.get(n) == Some(&true));
+        self.all_groups().enumerate().filter(move |(n, _)| is_wanted(*n)).map(|(_, group)| group)
+    }
+
+    fn all_groups(&'a self) -> impl Iterator<Item = Group<'a>> {
         let scene = scene_digest(self.scene);
         self.sizes.iter().flat_map(move |&extent| {
             let scene = scene.clone();
@@ -66,17 +93,28 @@ impl<'a> TimeSpec<'a> {
                 let methods: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
                 // Not how many samples: more may be asked for later.
                 let settings = json!([scene, format!("{:?}", self.view), globals, methods, self.warmup]);
-                Group { spec: self, extent, globals, digest: digest(self.gpu, &settings) }
+                let digest = digest(self.gpu, &settings);
+                Group { spec: self, extent, globals, settings, digest }
             })
         })
     }
 }
 
 impl Group<'_> {
-    fn key(&self, method: &MethodInfo, sample: impl Display) -> String {
+    /// What the keys of a method's samples begin with.
+    fn prefix(&self, method: &MethodInfo) -> String {
         let [width, height] = self.extent;
         let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
-        format!("time {scene} {view} {width}x{height} {} {} {sample}", self.digest, method.name)
+        format!("time {scene} {view} {width}x{height} {} {}", self.digest, method.name)
+    }
+
+    fn key(&self, method: &MethodInfo, sample: impl Display) -> String {
+        key(&self.prefix(method), sample)
+    }
+
+    fn head(&self, method: &MethodInfo) -> Head {
+        let (place, setup) = ((self.spec.scene, self.spec.view), self.spec.setup.at(self.extent));
+        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup, self.globals)
     }
 
     /// Keys of every sample of a method, and of the frame that counts its work.
@@ -84,48 +122,6 @@ impl Group<'_> {
         let samples = (0..self.spec.samples).map(|n| self.key(method, n));
         let again = (0..self.spec.samples).filter(|_| self.spec.a_a).map(|n| self.key(method, again(n)));
         samples.chain(again).chain([self.key(method, COUNTED)]).collect()
-    }
-
-    /// What the journal has of a method; `None` without a sample.
-    fn record(&self, method: &MethodInfo, journal: &Journal) -> Option<TimeRecord> {
-        let spec = self.spec;
-        let reports: Vec<Sample> =
-            (0..spec.samples).filter_map(|n| journal.get::<Sample>(&self.key(method, n))).collect();
-        let first = reports.first()?;
-        let work = journal.get::<Sample>(&self.key(method, COUNTED)).map(|s| s.report.work).unwrap_or_default();
-        let (place, setup) = ((spec.scene, spec.view), spec.setup.at(self.extent));
-        let head = Head::new("time", spec.gpu, place, Of::Method(method), &setup, self.globals);
-        let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
-            reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect()
-        };
-        let samples = times(&reports);
-        let reports_again: Vec<Sample> =
-            (0..spec.samples).filter_map(|n| journal.get::<Sample>(&self.key(method, again(n)))).collect();
-        let samples_again = times(&reports_again);
-        let of_pass =
-            |samples: &[Vec<f64>], i: usize| samples.iter().filter_map(|s| s.get(i).copied()).collect::<Vec<_>>();
-        let totals = |reports: &[Sample]| reports.iter().map(Sample::effect_ms).collect::<Vec<_>>();
-        let passes = first.report.passes.iter().enumerate();
-        let passes = passes
-            .map(|(i, p)| PassRecord {
-                name: p.name.clone(),
-                counted: p.counted,
-                stats: Stats::of(&of_pass(&samples, i)),
-                noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
-                work: work.get(i).copied(),
-            })
-            .collect();
-        Some(TimeRecord {
-            head,
-            passes,
-            total: Stats::of(&totals(&reports)),
-            noise_floor: noise_floor(&totals(&reports), &totals(&reports_again), SEED),
-            frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
-            drawn: first.drawn,
-            recorded: first.report.recorded.clone(),
-            skipped: first.report.skipped.clone(),
-            samples,
-        })
     }
 
     /// Runs what the journal lacks, the methods in turn; those that lack something are warmed up.
@@ -146,6 +142,52 @@ impl Group<'_> {
         };
         interleave(stage, shots, &rounds, &key, journal, progress)
     }
+}
+
+/// Where the journal keeps a sample.
+fn key(prefix: &str, sample: impl Display) -> String {
+    format!("{prefix} {sample}")
+}
+
+/// What a journal has of a method, of so many samples; `None` without a sample. `prefix` is what their keys begin with.
+pub fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
+    let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
+        (0..samples).filter_map(|n| journal.get::<Sample>(&key(prefix, name(n)))).collect()
+    };
+    let (reports, reports_again) = (series(&|n| n.to_string()), series(&|n| again(n)));
+    let first = reports.first()?;
+    let work = journal.get::<Sample>(&key(prefix, COUNTED)).map(|s| s.report.work).unwrap_or_default();
+    let times = |reports: &[Sample]| -> Vec<Vec<f64>> {
+        reports.iter().map(|r| r.report.passes.iter().map(|p| p.ms).collect()).collect()
+    };
+    let (samples, samples_again) = (times(&reports), times(&reports_again));
+    let of_pass = |samples: &[Vec<f64>], i: usize| samples.iter().filter_map(|s| s.get(i).copied()).collect::<Vec<_>>();
+    let totals = |reports: &[Sample]| reports.iter().map(Sample::effect_ms).collect::<Vec<_>>();
+    let pass = |(i, p): (usize, &PassTime)| PassRecord {
+        name: p.name.clone(),
+        counted: p.counted,
+        stats: Stats::of(&of_pass(&samples, i)),
+        noise_floor: noise_floor(&of_pass(&samples, i), &of_pass(&samples_again, i), SEED),
+        work: work.get(i).copied(),
+    };
+    let passes = first.report.passes.iter().enumerate().map(pass).collect();
+    Some(TimeRecord {
+        head,
+        passes,
+        total: Stats::of(&totals(&reports)),
+        noise_floor: noise_floor(&totals(&reports), &totals(&reports_again), SEED),
+        frame: Stats::of(&reports.iter().map(|r| r.report.frame_ms).collect::<Vec<_>>()),
+        drawn: first.drawn,
+        recorded: first.report.recorded.clone(),
+        skipped: first.report.skipped.clone(),
+        samples,
+    })
+}
+
+/// Whether a journal has every sample of a method, and the frame that counts its work.
+pub fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
+    let has = |sample: String| journal.has(&key(prefix, sample));
+    (0..samples).all(|n| has(n.to_string()) && (!a_a || has(again(n)))) && has(COUNTED.to_owned())
 }
 
 /// What the journal calls a sample of the second series.
@@ -193,7 +235,8 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
 
 /// The records of what the journal has, in the order of sizes, factors and methods.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
-    let of = |group: Group| spec.methods.iter().filter_map(|m| group.record(m, journal)).collect::<Vec<_>>();
+    let record = |group: &Group, m| record_of(group.head(m), &group.prefix(m), spec.samples, journal);
+    let of = |group: Group| spec.methods.iter().filter_map(|m| record(&group, m)).collect::<Vec<_>>();
     spec.groups().flat_map(of).collect()
 }
 
@@ -255,6 +298,7 @@ mod tests {
                 warmup: 0,
                 samples: 1,
                 a_a: false,
+                only: None,
             };
             let group = spec.groups().next().expect("one size");
             group.key(method, 0)

@@ -7,13 +7,18 @@ mod plates;
 mod workshop;
 
 use super::cli::FiguresOptions;
+use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};
+use crate::gpu::{DeviceInfo, Gpu};
 use crate::report::files;
 use crate::report::html::{Entry, FiguresPage, Group, Panel};
-use crate::report::run_folder::Claim;
+use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
+use crate::study::journal::digest;
+use crate::study::record::DEFINITIONS;
 use plate::{Document, FinishedFigure, Plate};
 use plates::plates;
+use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
 use workshop::Workshop;
@@ -22,33 +27,75 @@ use workshop::Workshop;
 pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let wanted = wanted(&options.only)?;
     let gpu = resolve::gpu(&options.device)?;
-    let _claim = Claim::new(&options.output)?;
+    let key = |plate: &Plate| format!("figure {} {}", plate.stem(), digest(&gpu, &settings(plate, options)));
+    let list = list(options, &gpu, wanted.iter().map(|plate| (*plate, key(plate))).collect());
+    let mut run = Run::begin(Some(&options.output), options.resume)?;
+    run.list(&list)?;
     let mut workshop = Workshop::new(&gpu);
-    let bar = progress::bar("figures", wanted.len());
-    let mut entries = Vec::new();
-    for plate in &wanted {
+    let bar = progress::bar("figures", list.owned());
+    let mut outcome = Ok(());
+    for (_, plate) in wanted.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
         bar.set_message(format!("figure {}", plate.number));
-        entries.push((plate.source, entry(plate, &mut workshop, options)?));
-        bar.inc(1);
+        let made = run.journal.get::<Entry>(&key(plate));
+        let is_there = |e: &Entry| e.file.as_ref().map_or(true, |file| options.output.join(file).is_file());
+        if !made.is_some_and(|e| is_there(&e)) {
+            outcome = make(plate, &mut workshop, options).and_then(|e| Ok(run.journal.put(key(plate), &e)?));
+        }
+        // What ended it does not end the page of what was made until then.
+        outcome = outcome.and_then(|()| Ok(progress::step(&bar)?));
+        if outcome.is_err() {
+            break;
+        }
     }
     bar.finish_and_clear();
+    let entries = wanted.iter().filter_map(|plate| run.journal.get::<Entry>(&key(plate))).collect::<Vec<_>>();
 
     let mut out = std::io::stdout().lock();
-    for (_, e) in &entries {
+    for e in &entries {
         match &e.file {
             Ok(file) => writeln!(out, "{file}: {}", e.title)?,
             Err(why) => writeln!(out, "{} left out: {why}", e.stem)?,
         }
     }
-    let made = entries.iter().filter(|(_, e)| e.file.is_ok()).count();
-    let left_out = entries.len() - made;
-    let page = FiguresPage { device: gpu.info(), command: command(options), groups: groups(entries) };
-    let index = options.output.join("index.html");
-    files::write(&index, page.render(&options.output)?.as_bytes())?;
-    writeln!(out, "{}: {made} figures, {left_out} left out", index.display())?;
+    let wrote = write_page(&options.output, &entries, gpu.info(), &command(options));
+    let made = entries.iter().filter(|e| e.file.is_ok()).count();
+    run.ended(outcome)?;
+    wrote?;
+    let index = options.output.join(INDEX);
+    writeln!(out, "{}: {made} figures, {} left out", index.display(), entries.len() - made)?;
+    run.finish()?;
     drop(workshop);
     gpu.check_validation()?;
     Ok(())
+}
+
+/// The page's file.
+const INDEX: &str = "index.html";
+
+/// Writes the page of some figures of one device, whose files lie in the folder.
+pub fn write_page(folder: &Path, entries: &[Entry], device: &DeviceInfo, command: &str) -> Result<()> {
+    let page = FiguresPage { device, command: command.to_owned(), groups: groups(entries) };
+    files::write(&folder.join(INDEX), page.render(folder)?.as_bytes())
+}
+
+/// What a figure depends on, but for the device and the program, of which its scenes and arguments are.
+fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
+    json!([plate.stem(), plate.arguments(options.size)])
+}
+
+/// The cells: each figure with its key.
+fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
+    let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), 1.0, key);
+    let cells = plates.into_iter().map(planned).collect();
+    let head = CellListHead {
+        kind: "figures",
+        definitions: DEFINITIONS,
+        command: command(options),
+        shard: options.shard,
+        settings: Value::Null,
+        scenes: Vec::new(),
+    };
+    CellList::new(head, gpu.info(), cells)
 }
 
 /// The figures with the given numbers, with or without their document's name; all figures if none are given.
@@ -65,7 +112,7 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Plate>> {
 }
 
 /// Makes a figure, writes its file, and returns its entry on the page.
-fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
+fn make(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> anyhow::Result<Entry> {
     let arguments = plate.arguments(options.size);
     let file = match arguments.iter().find_map(|a| workshop::lack(a)) {
         Some(why) => Err(why),
@@ -89,7 +136,7 @@ fn entry(plate: &Plate, workshop: &mut Workshop, options: &FiguresOptions) -> an
         print: plate.print.to_owned(),
         differs: plate.differs.to_owned(),
         panels: panels.collect(),
-        command: format!("ssct figures --only {} -o {}", plate.number, options.output.display()),
+        command: format!("ssct figures --only {}", plate.number),
     })
 }
 
@@ -109,7 +156,7 @@ fn write(plate: &Plate, made: FinishedFigure, folder: &Path) -> Result<String> {
     }
 }
 
-fn groups(entries: Vec<(Document, Entry)>) -> Vec<Group> {
+fn groups(entries: &[Entry]) -> Vec<Group> {
     let documents = [
         (
             Document::Thesis,
@@ -131,23 +178,16 @@ fn groups(entries: Vec<(Document, Entry)>) -> Vec<Group> {
              frames per second on the way through a scene: ssct time --path views.",
         ),
     ];
-    let mut entries = entries;
-    let mut groups = Vec::new();
-    for (source, title, text) in documents {
-        let (own, others): (Vec<_>, Vec<_>) = entries.into_iter().partition(|(s, _)| *s == source);
-        entries = others;
-        if !own.is_empty() {
-            groups.push(Group {
-                id: source.stem().to_owned(),
-                title: title.to_owned(),
-                source: text.to_owned(),
-                entries: own.into_iter().map(|(_, e)| e).collect(),
-            });
-        }
-    }
-    groups
+    let group = |(source, title, text): (Document, &str, &str)| {
+        let is_own = |e: &&Entry| plates().any(|p| p.source == source && p.stem() == e.stem);
+        let entries: Vec<Entry> = entries.iter().filter(is_own).cloned().collect();
+        let (id, title, source) = (source.stem().to_owned(), title.to_owned(), text.to_owned());
+        (!entries.is_empty()).then_some(Group { id, title, source, entries })
+    };
+    documents.into_iter().filter_map(group).collect()
 }
 
+/// The command of all shards, as the page shows it.
 fn command(options: &FiguresOptions) -> String {
     let mut command = "ssct figures".to_owned();
     if !options.only.is_empty() {
@@ -156,5 +196,5 @@ fn command(options: &FiguresOptions) -> String {
     if let Some([width, height]) = options.size {
         command += &format!(" --size {width}x{height}");
     }
-    format!("{command} -o {}", options.output.display())
+    command
 }

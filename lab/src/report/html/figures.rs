@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 use crate::gpu::DeviceInfo;
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, html};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Pixels that an embedded picture is wide at most.
@@ -35,6 +36,7 @@ pub struct Group {
 }
 
 /// A figure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Entry {
     /// File stem, and its place on the page.
     pub stem: String,
@@ -53,6 +55,7 @@ pub struct Entry {
 }
 
 /// A part of a figure.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Panel {
     /// What it is.
     pub label: String,

@@ -3,15 +3,19 @@
 //! to them.
 
 mod embed;
+mod errors;
 mod figures;
 mod films;
 mod gallery;
+mod library;
 mod sections;
 
 pub use embed::data_uri;
+pub use errors::ErrorPage;
 pub use figures::{Entry, FiguresPage, Group, Panel};
 pub use films::{Clip, ClipsPage, clips_page};
 pub use gallery::{Gallery, Picture, Strip};
+pub use library::{LibraryPage, TITLE as LIBRARY_TITLE};
 
 use super::error_report::ErrorPlot;
 use crate::error::Result;
@@ -209,6 +213,58 @@ fn head(title: &str) -> Markup {
             style { (PreEscaped(include_str!("page.css"))) }
         }
     }
+}
+
+/// The cells of a study that a page lacks, if there are any.
+fn missing_cells(missing: &[String]) -> Markup {
+    html! {
+        @if !missing.is_empty() {
+            h2 id="missing" { "Missing cells" }
+            p { "This page is not of the whole study: " (missing.len()) " of its cells were not measured." }
+            ul { @for name in missing { li { (name) } } }
+        }
+    }
+}
+
+/// A page of a study with the cells that it lacks named after its header.
+pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
+    const END: &str = "</header>";
+    let at = page.find(END).map_or(0, |at| at + END.len());
+    format!("{}{}{}", &page[..at], missing_cells(missing).into_string(), &page[at..])
+}
+
+/// The tables of a device of a merged run.
+pub struct DeviceTables {
+    /// What it is called.
+    pub title: String,
+    /// Its tables, as text.
+    pub text: String,
+    /// Its folder, relative to the page, if it has one of its own.
+    pub folder: Option<String>,
+}
+
+/// A page with the tables of each device.
+pub fn merged_page(
+    title: &str,
+    definitions: u32,
+    command: &str,
+    devices: &[DeviceTables],
+    missing: &[String],
+) -> String {
+    let ids: Vec<_> =
+        devices.iter().enumerate().map(|(n, d)| (format!("device-{}", n + 1), d.title.as_str())).collect();
+    let body = html! {
+        (missing_cells(missing))
+        p { "Times of different devices are not compared: each device has its own tables." }
+        @for ((id, title), device) in ids.iter().zip(devices) {
+            (heading((id, title)))
+            @if let Some(folder) = &device.folder {
+                p { "Its files: " a href=(folder) { (folder) } }
+            }
+            div.scroll { pre { (device.text) } }
+        }
+    };
+    frame(title, &page_header(title, None, definitions, command, &ids), &body)
 }
 
 fn heading((id, title): (&str, &str)) -> Markup {

@@ -1,7 +1,8 @@
 //! The page's tables and plots.
 
 use super::{Errors, Times};
-use crate::report::{error_report, tables};
+use crate::report::error_report::{self, ErrorPlot};
+use crate::report::tables;
 use crate::study::TimeRecord;
 use maud::{Markup, PreEscaped, html};
 
@@ -34,12 +35,26 @@ fn sum_over_frame(records: &[TimeRecord]) -> Option<(f64, f64)> {
 pub fn errors(errors: &Errors) -> Markup {
     html! {
         p { (errors.settings) }
-        @for plot in &errors.plots {
+        (error_plots(&errors.plots))
+        h3 { "Where the error comes from" }
+        (error_sources(&error_report::source_cells(errors.records)))
+    }
+}
+
+/// Run time against error on one device.
+pub fn error_plots(plots: &[ErrorPlot]) -> Markup {
+    html! {
+        @for plot in plots {
             h3 { "Against the " (plot.name) }
             (inline_svg(&plot.svg, &format!("Run time against {}; the table below has the same points", plot.axis)))
             (grid(&plot.cells))
         }
-        h3 { "Where the error comes from" }
+    }
+}
+
+/// What the error consists of, with the words that explain it.
+pub fn error_sources(cells: &[Vec<String>]) -> Markup {
+    html! {
         p {
             "RMSE of the reflection colour, median over the views. Against the screen reference, the row "
             code { (crate::study::error::EXACT_HITS) }
@@ -51,7 +66,7 @@ pub fn errors(errors: &Errors) -> Markup {
             "A ray ends in the right place if it ends within 2 % of its length and 2 cm of where it ends among the "
             "triangles."
         }
-        (grid(&error_report::source_cells(errors.records)))
+        (grid(cells))
     }
 }
 

@@ -12,6 +12,7 @@ use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
 use crate::reference::world_hits::{WorldHit, world_hits};
 use crate::scene::{GBufferData, Material};
+use crate::study::cost::Laps;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -35,6 +36,8 @@ pub(super) struct Truth {
     pub(super) world_and_environment: Option<Reference>,
     /// By version 2, the RMSE of the screen's floor.
     pub(super) floor: Option<f64>,
+    /// How long the references of the screen took, and those of the world.
+    pub(super) seconds: (f64, f64),
 }
 
 /// The references in screen space, by a version of the oracle.
@@ -91,7 +94,9 @@ pub(super) fn truth(
     let mut versions: Vec<_> = spec.variants.iter().map(|v| v.setup.effect().oracle).collect();
     versions.sort_by_key(|v| u32::from(*v));
     versions.dedup();
+    let mut laps = Laps::begin();
     let screens = versions.into_iter().map(screen).collect();
+    let screens_s = laps.lap();
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
@@ -117,6 +122,7 @@ pub(super) fn truth(
     let with_environment = definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment);
     let world_and_environment = with_environment.then(|| world(Escape::Environment)).transpose()?;
     Ok(Truth {
+        seconds: (screens_s, laps.lap()),
         mirrors,
         screens,
         world_hits: if mirrors { world_hits(&triangles, &data) } else { Vec::new() },

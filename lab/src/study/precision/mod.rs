@@ -26,7 +26,7 @@ use crate::scene::{Camera, GBufferData, Scene, Surface, View};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Name in records of the oracle itself on the stored G-buffer: what storage alone costs, whatever the
 /// arithmetic behind it.
@@ -188,11 +188,16 @@ fn oracle_hits(data: &GBufferData, mask: &[bool]) -> Hits {
 }
 
 impl PrecisionSpec<'_> {
-    /// Everything that the records depend on.
-    pub fn digest(&self) -> String {
+    /// Everything that the records depend on, but for the device and the program.
+    pub fn settings(&self) -> Value {
         let methods: Vec<_> = self.methods.iter().map(|m| (m.name, self.setup.recorded(Some(m)))).collect();
         let (scene, view) = (scene_digest(self.scene), format!("{:?}", self.view));
-        digest(self.gpu, &json!([scene, view, self.globals, methods, self.rays]))
+        json!([scene, view, self.globals, methods, self.rays])
+    }
+
+    /// Everything that the records depend on.
+    pub fn digest(&self) -> String {
+        digest(self.gpu, &self.settings())
     }
 }
 

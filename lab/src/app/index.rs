@@ -1,0 +1,102 @@
+//! `ssct index`: one page over many runs.
+
+use crate::error::{Error, Result};
+use crate::methods;
+use crate::report::html::{LIBRARY_TITLE, LibraryPage};
+use crate::report::{files, library};
+use crate::study::library::changes::changes;
+use crate::study::library::trends::trends;
+use clap::Args;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// The page's file.
+const PAGE: &str = "index.html";
+
+/// Options of `ssct index`.
+#[derive(Debug, Args)]
+pub struct IndexOptions {
+    /// The folder below which the runs lie, each in a folder of its own. A folder whose name begins with a date
+    /// (YYYY-MM-DD) dates the runs in it.
+    folder: PathBuf,
+    /// The folder into which index.html is written; without it, the library's own.
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+    /// The method over whose times others are given.
+    #[arg(long, value_name = "METHOD", default_value = "ssct")]
+    base: String,
+    /// Change of a time that counts, as a share.
+    #[arg(long, value_name = "T", default_value_t = 0.05)]
+    threshold: f64,
+}
+
+/// Reads, writes and says what there is.
+pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
+    if !(0.0..1.0).contains(&options.threshold) {
+        return Err(Error::Usage(format!("--threshold {}: must be at least 0 and below 1", options.threshold)).into());
+    }
+    methods::find(&options.base)?;
+    let output = options.output.as_deref().unwrap_or(&options.folder);
+    let page = output.join(PAGE);
+    may_be_written(&page)?;
+    let library = library::scan(&options.folder)?;
+    if library.runs.is_empty() {
+        let why: String =
+            library.unreadable.iter().map(|(folder, why)| format!("; {folder} cannot be read: {why}")).collect();
+        anyhow::bail!("{}: no folder in it holds records of the studies{why}", options.folder.display());
+    }
+    let (trends, changes) = (trends(&library.runs, &options.base), changes(&library.runs, options.threshold));
+    let way = way(output, &options.folder)?;
+    let html = LibraryPage {
+        command: &command(options),
+        library: &library,
+        trends: &trends,
+        changes: &changes,
+        base: &options.base,
+        threshold: options.threshold,
+        way: way.as_deref(),
+    };
+    let html = html.render().map_err(|e| anyhow::anyhow!("cannot draw the plots of {}: {e}", page.display()))?;
+    files::write(&page, html.as_bytes())?;
+    let mut out = std::io::stdout().lock();
+    for (folder, why) in &library.unreadable {
+        writeln!(out, "left out: {folder}: {why}")?;
+    }
+    writeln!(
+        out,
+        "{}: {} runs, {} figures over runs, {} folders left out ({:.1} MB)",
+        page.display(),
+        library.runs.len(),
+        trends.iter().map(|t| t.lines.len()).sum::<usize>(),
+        library.unreadable.len(),
+        html.len() as f64 / 1e6
+    )?;
+    Ok(())
+}
+
+/// Whether a page may be written: a study's own page, or any other, is not written over.
+fn may_be_written(page: &Path) -> Result<()> {
+    match std::fs::read(page) {
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
+        Err(e) => Err(Error::io("read", page, e)),
+        Ok(there) if String::from_utf8_lossy(&there).contains(&format!("<title>ssct {LIBRARY_TITLE}</title>")) => {
+            Ok(())
+        }
+        Ok(_) => Err(Error::Usage(format!("{} is no page of a library: name another folder with -o", page.display()))),
+    }
+}
+
+/// From the page's folder to the library's, with a slash at its end where it is not empty; `None` if the library is not
+/// below it.
+fn way(output: &Path, library: &Path) -> Result<Option<String>> {
+    std::fs::create_dir_all(output).map_err(|e| Error::io("create the folder", output, e))?;
+    let whole = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));
+    let (output, library) = (whole(output)?, whole(library)?);
+    let parts = |way: &Path| way.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect();
+    Ok(library.strip_prefix(&output).ok().map(parts))
+}
+
+fn command(options: &IndexOptions) -> String {
+    let output = options.output.as_ref().map(|o| format!(" -o {}", o.display())).unwrap_or_default();
+    format!("ssct index {}{output} --base {} --threshold {}", options.folder.display(), options.base, options.threshold)
+}

@@ -1,0 +1,246 @@
+//! `ssct error --plan`: how long a study takes on some machines, and what bounds it; nothing is measured.
+
+use super::cli::ErrorOptions;
+use super::error_cells::Plan;
+use crate::error::{Error, Result};
+use crate::report::tables::aligned;
+use crate::study::cost::CellCost;
+use crate::study::cost_model::{CostModel, CostParts, kept_cells};
+use crate::study::schedule::{Schedule, Simulated, Trouble, enough, total_s};
+use crate::study::shard::Share;
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
+
+/// Runs of a simulation.
+const RUNS: usize = 500;
+/// Its seed.
+const SEED: u64 = 24;
+
+/// The cells of a study as a plan sees them.
+struct Planned {
+    name: String,
+    share: Share,
+    parts: CostParts,
+    memory_bytes: Option<f64>,
+}
+
+/// The plan for a number of machines.
+#[derive(Debug, Serialize)]
+struct MachinePlan {
+    kind: &'static str,
+    /// How many machines.
+    machines: u32,
+    /// How many cells.
+    cells: usize,
+    /// Seconds of all cells, one after the other.
+    total_s: f64,
+    /// Seconds until the last machine is done, as `--shard` divides the cells.
+    makespan_s: f64,
+    /// The same if digests alone divided them.
+    makespan_by_digest_s: f64,
+    /// No division is faster than this: all cells over the machines, or the dearest cell.
+    bound_s: f64,
+    /// The dearest cell.
+    dearest: DearestCell,
+    /// More machines than these do not help.
+    enough: u32,
+    /// Bytes that the process holds at most, where measured cells say it.
+    memory_bytes: Option<u64>,
+    /// Machines of which one of a hundred is slow, and attempts of which one of a hundred fails.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    simulated: Option<SimulatedPlan>,
+    /// What the costs are of.
+    costs: CostsOf,
+}
+
+#[derive(Debug, Serialize)]
+struct SimulatedPlan {
+    #[serde(flatten)]
+    trouble: Trouble,
+    #[serde(flatten)]
+    simulated: Simulated,
+}
+
+#[derive(Debug, Clone, Serialize)]
+struct DearestCell {
+    cell: String,
+    total_s: f64,
+    #[serde(flatten)]
+    parts: CostParts,
+}
+
+/// Where costs come from.
+#[derive(Debug, Clone, Serialize)]
+struct CostsOf {
+    /// How many cells were measured.
+    cells: usize,
+    /// On which devices.
+    devices: Vec<String>,
+    /// With how many threads of the host.
+    threads: Vec<usize>,
+}
+
+/// Prints the plan for each number of machines.
+pub fn run(options: &ErrorOptions, plan: &Plan) -> anyhow::Result<()> {
+    let measured = match &options.costs {
+        Some(folder) => read_costs(folder)?,
+        None => kept_cells(),
+    };
+    let model = CostModel::fit(&measured);
+    // Who runs which cell is by the kept costs, whatever the costs of the machines are.
+    let kept: Vec<Planned> = planned(plan, CostModel::kept());
+    let cells: Vec<Planned> = planned(plan, &model);
+    let costs = costs_of(&measured);
+    let plans: Vec<MachinePlan> =
+        options.plan.iter().map(|machines| machine_plan(*machines, &cells, &kept, &costs, options.simulate)).collect();
+    let mut out = std::io::stdout().lock();
+    if options.json {
+        let lines: Vec<String> = plans.iter().map(serde_json::to_string).collect::<std::result::Result<_, _>>()?;
+        writeln!(out, "[{}]", lines.join(",\n "))?;
+    } else {
+        out.write_all(text(&plans).as_bytes())?;
+    }
+    Ok(())
+}
+
+fn planned(plan: &Plan, model: &CostModel) -> Vec<Planned> {
+    plan.priced(model)
+        .into_iter()
+        .map(|(cell, parts, memory_bytes)| Planned {
+            share: Share { cost: parts.total_s(), ..cell.share() },
+            name: cell.name,
+            parts,
+            memory_bytes,
+        })
+        .collect()
+}
+
+fn machine_plan(machines: u32, cells: &[Planned], kept: &[Planned], costs: &CostsOf, simulate: bool) -> MachinePlan {
+    let shares: Vec<Share> = cells.iter().map(|c| c.share.clone()).collect();
+    let divided_by: Vec<Share> = kept.iter().map(|c| c.share.clone()).collect();
+    let schedule = Schedule::divided_by(&shares, &divided_by, machines);
+    let dearest = cells.iter().max_by(|a, b| a.share.cost.total_cmp(&b.share.cost));
+    let dearest = dearest.map_or_else(
+        || DearestCell { cell: String::new(), total_s: 0.0, parts: CostParts::default() },
+        |c| DearestCell { cell: c.name.clone(), total_s: c.share.cost, parts: c.parts },
+    );
+    let total_s = total_s(&shares);
+    let memory = cells
+        .iter()
+        .filter_map(|c| c.memory_bytes)
+        .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))));
+    MachinePlan {
+        kind: "plan",
+        machines,
+        cells: cells.len(),
+        total_s,
+        makespan_s: schedule.makespan(),
+        makespan_by_digest_s: Schedule::by_digest(&shares, machines).makespan(),
+        bound_s: (total_s / f64::from(machines)).max(dearest.total_s),
+        dearest,
+        enough: enough(&shares),
+        memory_bytes: memory.map(|bytes| bytes.ceil() as u64),
+        simulated: simulate.then(|| {
+            let trouble = Trouble::default();
+            SimulatedPlan { trouble, simulated: schedule.simulate(&trouble, RUNS, SEED) }
+        }),
+        costs: costs.clone(),
+    }
+}
+
+/// The measured cells of a run.
+fn read_costs(folder: &Path) -> Result<Vec<CellCost>> {
+    let path = folder.join(crate::report::error_report::COSTS);
+    let text = std::fs::read(&path).map_err(|e| Error::io("read", &path, e))?;
+    let cells: Vec<CellCost> = serde_json::from_slice(&text)
+        .map_err(|e| Error::malformed(&path, Some(e.line()), format!("holds no costs of cells: {e}")))?;
+    if cells.iter().all(|c| c.partial) {
+        return Err(Error::malformed(&path, None, "holds no cost of a cell that one run measured from its beginning"));
+    }
+    Ok(cells)
+}
+
+fn costs_of(measured: &[CellCost]) -> CostsOf {
+    let mut devices: Vec<String> = measured.iter().map(|c| c.device.name.clone()).collect();
+    let mut threads: Vec<usize> = measured.iter().map(|c| c.threads).collect();
+    devices.sort();
+    devices.dedup();
+    threads.sort_unstable();
+    threads.dedup();
+    CostsOf { cells: measured.len(), devices, threads }
+}
+
+/// The plans as text.
+fn text(plans: &[MachinePlan]) -> String {
+    let Some(first) = plans.first() else { return String::new() };
+    let mut header = vec!["machines", "done after", "by digests alone", "bound"];
+    let is_simulated = plans.iter().any(|p| p.simulated.is_some());
+    if is_simulated {
+        header.extend(["with trouble, median", "95 % of runs"]);
+    }
+    let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    for plan in plans {
+        let mut row = vec![plan.machines.to_string()];
+        row.extend([plan.makespan_s, plan.makespan_by_digest_s, plan.bound_s].map(duration));
+        if let Some(SimulatedPlan { simulated, .. }) = &plan.simulated {
+            row.extend([simulated.median_s, simulated.p95_s].map(duration));
+        }
+        rows.push(row);
+    }
+    let DearestCell { cell, total_s, parts } = &first.dearest;
+    let mut text = format!(
+        "{} cells, {} on one machine like the one whose costs are known ({}; {} measured cells)\n\n",
+        first.cells,
+        duration(first.total_s),
+        first.costs.devices.join(", "),
+        first.costs.cells
+    );
+    text += &aligned(&rows);
+    text += &format!(
+        "\ndearest cell: {cell}, {}: frames {}, set-up {}, references of the screen {}, of the world {}, judging {}\n",
+        duration(*total_s),
+        duration(parts.frames_s),
+        duration(parts.setup_s),
+        duration(parts.screen_s),
+        duration(parts.world_s),
+        duration(parts.judged_s)
+    );
+    text += &format!("more than {} machines do not help: the dearest cell is the last\n", first.enough);
+    if let Some(bytes) = first.memory_bytes {
+        text += &format!("memory of a process: {:.1} GiB\n", bytes as f64 / f64::from(1_u32 << 30));
+    }
+    if let Some(SimulatedPlan { trouble, simulated }) = &first.simulated {
+        text += &format!(
+            "with trouble: of {} simulated runs; {} % of the machines take {} times as long, {} % of the attempts fail and \
+             begin again after {} s\n",
+            simulated.runs,
+            100.0 * trouble.stragglers,
+            trouble.slowdown,
+            100.0 * trouble.failures,
+            trouble.restart_s
+        );
+    }
+    text
+}
+
+/// Seconds as people say them.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 1.0 => format!("{s:.2} s"),
+        s if s < 100.0 => format!("{s:.1} s"),
+        s if s < 5400.0 => format!("{:.1} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seconds_are_said_in_the_unit_that_fits() {
+        let said = [0.5, 99.0, 120.0, 7200.0].map(duration);
+        assert_eq!(said, ["0.50 s", "99.0 s", "2.0 min", "2.0 h"]);
+    }
+}

@@ -1,0 +1,215 @@
+//! Sums over the samples of pixels whose value does not depend on where the samples were divided: one run, an interrupted
+//! run and several runs that each took some of the samples give the same sums, to the bit.
+//!
+//! Floating-point sums depend on their grouping, so the grouping is fixed: [`LEAF`] samples are added up one after the
+//! other, and these sums in pairs, as the leaves of a binary tree over all samples (pairwise summation: Higham 1993). Of
+//! some samples there is a sum for each greatest part of the tree that they fill: at most two for each level of it.
+
+use std::ops::AddAssign;
+
+/// Samples that are added up one after the other. Where samples are divided, it is at a multiple of these.
+pub const LEAF: u32 = 64;
+
+/// Sums of each pixel over the samples from `first` to before `end`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PartialSums<S> {
+    first: u32,
+    end: u32,
+    pixels: usize,
+    parts: Vec<Part<S>>,
+}
+
+/// The sums over a part of the tree: a power of two of leaves, or the beginning of one.
+#[derive(Debug, Clone, PartialEq)]
+struct Part<S> {
+    first: u32,
+    samples: u32,
+    sums: Vec<S>,
+}
+
+impl<S: Copy + Default + AddAssign> PartialSums<S> {
+    /// No samples of some pixels; the first to come is `first`, a multiple of [`LEAF`].
+    pub fn new(first: u32, pixels: usize) -> Self {
+        Self { first, end: first, pixels, parts: Vec::new() }
+    }
+
+    /// The number of the first sample.
+    pub fn first(&self) -> u32 {
+        self.first
+    }
+
+    /// The number after that of the last sample.
+    pub fn end(&self) -> u32 {
+        self.end
+    }
+
+    /// The number of pixels.
+    pub fn pixels(&self) -> usize {
+        self.pixels
+    }
+
+    /// Up to which sample the sums can be added to at once, on the way to some last one; `None` at the end of the way.
+    pub fn next_stop(&self, last: u32) -> Option<u32> {
+        (self.end < last).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(last))
+    }
+
+    /// The sums that samples up to a [`Self::next_stop`] are added to; [`Self::close`] ends it.
+    pub fn open(&mut self) -> &mut [S] {
+        if self.end.is_multiple_of(LEAF) || self.parts.is_empty() {
+            self.parts.push(Part { first: self.end, samples: 0, sums: vec![S::default(); self.pixels] });
+        }
+        let last = self.parts.len() - 1;
+        &mut self.parts[last].sums
+    }
+
+    /// Samples up to a stop were added to the open sums.
+    pub fn close(&mut self, stop: u32) {
+        if let Some(last) = self.parts.last_mut() {
+            last.samples += stop - self.end;
+        }
+        self.end = stop;
+        self.join();
+    }
+
+    /// Joins the last parts as long as they are the two halves of one.
+    fn join(&mut self) {
+        while let [.., left, right] = &mut self.parts[..] {
+            let halves = left.samples == right.samples && left.samples.is_multiple_of(LEAF);
+            let begins = u64::from(left.first).is_multiple_of(2 * u64::from(left.samples.max(1)));
+            if !(halves && begins) {
+                return;
+            }
+            left.sums.iter_mut().zip(&right.sums).for_each(|(left, right)| *left += *right);
+            left.samples *= 2;
+            self.parts.pop();
+        }
+    }
+
+    /// Adds the samples that follow, which begin with a leaf; false, and nothing added, if others were given.
+    #[must_use]
+    pub fn append(&mut self, next: Self) -> bool {
+        if next.first != self.end || !next.first.is_multiple_of(LEAF) || next.pixels != self.pixels {
+            return false;
+        }
+        for part in next.parts {
+            self.parts.push(part);
+            self.join();
+        }
+        self.end = next.end;
+        true
+    }
+
+    /// The sum of a pixel over all samples, the greatest parts first.
+    pub fn total(&self, pixel: usize) -> S {
+        let mut parts = self.parts.iter().map(|part| part.sums[pixel]);
+        let first = parts.next().unwrap_or_default();
+        parts.fold(first, |mut sum, part| {
+            sum += part;
+            sum
+        })
+    }
+
+    /// The sums as they are kept: those of each part in turn.
+    pub fn kept(&self) -> impl Iterator<Item = &S> {
+        self.parts.iter().flat_map(|part| &part.sums)
+    }
+
+    /// The sums from `first` to before `end` as they were kept; `None` if there are too few or too many.
+    pub fn from_kept(first: u32, end: u32, pixels: usize, mut kept: impl Iterator<Item = S>) -> Option<Self> {
+        let mut sums = Self::new(first, pixels);
+        for (first, samples) in parts(first, end) {
+            let part = Part { first, samples, sums: kept.by_ref().take(pixels).collect() };
+            if part.sums.len() != pixels {
+                return None;
+            }
+            sums.parts.push(part);
+        }
+        sums.end = end;
+        kept.next().is_none().then_some(sums)
+    }
+}
+
+/// The parts of the samples from `first`, a multiple of [`LEAF`], to before `end`: where each begins, and its samples.
+pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
+    let (mut at, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
+    let mut parts = Vec::new();
+    while at < end {
+        let mut samples = leaf;
+        while at.is_multiple_of(2 * samples) && at + 2 * samples <= end {
+            samples *= 2;
+        }
+        let samples = samples.min(end - at);
+        parts.push((at as u32, samples as u32));
+        at += samples;
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::random::Stream;
+    use proptest::prelude::*;
+
+    /// Adds numbers of very different sizes, whose sum depends on its grouping; some at a time.
+    fn summed(first: u32, end: u32, at_once: u32) -> PartialSums<f64> {
+        let mut sums = PartialSums::new(first, 3);
+        while sums.end() < end {
+            let last = (sums.end() + at_once).min(end);
+            while let Some(stop) = sums.next_stop(last) {
+                let from = sums.end();
+                for (pixel, sum) in sums.open().iter_mut().enumerate() {
+                    let stream = Stream::new(5, pixel as u64);
+                    for n in from..stop {
+                        *sum += (40.0 * stream.uniform(u64::from(n))).exp();
+                    }
+                }
+                sums.close(stop);
+            }
+        }
+        sums
+    }
+
+    #[test]
+    fn a_few_samples_are_added_one_after_the_other() {
+        let stream = Stream::new(5, 1);
+        let plain = (0..LEAF).fold(0.0, |sum, n| sum + (40.0 * stream.uniform(u64::from(n))).exp());
+        assert_eq!(summed(0, LEAF, 7).total(1), plain);
+        assert_eq!(PartialSums::<f64>::new(0, 2).total(1), 0.0);
+    }
+
+    #[test]
+    fn parts_are_the_greatest_that_are_filled() {
+        assert_eq!(parts(0, 64 * 7 + 5), [(0, 256), (256, 128), (384, 64), (448, 5)]);
+        assert_eq!(parts(192, 512), [(192, 64), (256, 256)]);
+        assert_eq!(parts(64, 64), []);
+        let all = summed(0, 64 * 7 + 5, 1000);
+        let of: Vec<_> = all.parts.iter().map(|p| (p.first, p.samples)).collect();
+        assert_eq!(of, parts(0, 64 * 7 + 5));
+    }
+
+    proptest! {
+        /// However the samples are divided, interrupted and kept, the sums are the same bits.
+        #[test]
+        fn divided_sums_are_the_undivided_ones(
+            leaves in proptest::collection::vec(0_u32..9, 1..6),
+            rest in 0_u32..LEAF,
+            at_once in 1_u32..200,
+        ) {
+            let end = LEAF * leaves.iter().sum::<u32>() + rest;
+            let whole = summed(0, end, u32::MAX / 2);
+            prop_assert_eq!(&summed(0, end, at_once), &whole);
+            let (mut merged, mut at) = (PartialSums::new(0, 3), 0);
+            for (n, count) in leaves.iter().enumerate() {
+                let stop = if n + 1 == leaves.len() { end } else { at + LEAF * count };
+                let part = summed(at, stop, at_once);
+                let kept = PartialSums::from_kept(at, stop, 3, part.kept().copied());
+                prop_assert!(merged.append(kept.expect("as many as there are")));
+                at = stop;
+            }
+            prop_assert_eq!(&merged, &whole);
+            prop_assert!(!merged.clone().append(summed(end / LEAF * LEAF + LEAF, end + 4 * LEAF, 64)), "a gap");
+            prop_assert!(PartialSums::from_kept(0, end + LEAF, 3, whole.kept().copied()).is_none());
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Parts of a world reference's samples, each taken by another machine, become the reference that one machine would have
+//! sampled, to the bit. Neither the scene nor the camera is needed for it.
+
+use super::partial_sums::LEAF;
+use super::world_state::{Fingerprint, KeptState, read_state, write_state};
+use crate::error::{Error, Result};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Some samples of a reference, as a file has them.
+#[derive(Debug, Clone)]
+pub struct WorldPart {
+    /// The file.
+    pub path: PathBuf,
+    kept: KeptState,
+}
+
+/// The samples of the shard with an index from 1, of so many, of so many samples in all: whole leaves of
+/// [`super::partial_sums`], as even as these allow. Empty where there are more shards than leaves.
+pub fn samples_of(index: u32, of: u32, samples: u32) -> Range<u32> {
+    let leaves = u64::from(samples.div_ceil(LEAF));
+    let begin = |shard: u32| {
+        let leaf = leaves * u64::from(shard) / u64::from(of.max(1));
+        (leaf * u64::from(LEAF)).min(u64::from(samples)) as u32
+    };
+    begin(index.saturating_sub(1))..begin(index)
+}
+
+impl WorldPart {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be read, [`Error::Malformed`] if it is no state of a reference, or damaged.
+    pub fn read(path: &Path) -> Result<Self> {
+        Ok(Self { path: path.to_owned(), kept: read_state(path)? })
+    }
+
+    /// The samples that it has.
+    pub fn samples(&self) -> Range<u32> {
+        self.kept.sums.first()..self.kept.sums.end()
+    }
+
+    /// What the reference is of.
+    pub fn fingerprint(&self) -> Fingerprint {
+        self.kept.fingerprint
+    }
+}
+
+/// The samples that follow each other from the first on, and what of some number of samples is missing.
+#[derive(Debug)]
+pub struct MergedParts {
+    /// The samples, as one part.
+    pub merged: Option<WorldPart>,
+    /// What is missing.
+    pub missing: Vec<Range<u32>>,
+}
+
+/// Merges parts of one reference, of `samples` in all.
+///
+/// # Errors
+/// [`Error::Malformed`] for parts of different references, for parts that have some samples in common, but not all, and
+/// for two parts with other sums of the same samples.
+pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
+    parts.retain(|part| !part.samples().is_empty());
+    // Of two that begin together, the one that has more comes first.
+    parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
+    let mut merged: Option<WorldPart> = None;
+    let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
+    let mut before: Option<WorldPart> = None;
+    for part in parts {
+        let of = part.samples();
+        if let Some(before) = &before {
+            let wrong = |message: String| Err(Error::malformed(&part.path, None, message));
+            if before.fingerprint() != part.fingerprint() || before.kept.extent != part.kept.extent {
+                return wrong(format!("is of another reference than {}", before.path.display()));
+            }
+            if before.samples() == of {
+                if before.kept.sums == part.kept.sums {
+                    continue;
+                }
+                return wrong(format!("has other sums of the same samples than {}", before.path.display()));
+            }
+            if of.start < end {
+                let [a, b] = [of, before.samples()].map(|r| named(&r));
+                return wrong(format!("has {a}, and {} has {b}: they are of two divisions", before.path.display()));
+            }
+        }
+        if of.start > end {
+            missing.push(end..of.start);
+        }
+        end = of.end;
+        before = Some(part.clone());
+        match &mut merged {
+            None if of.start == 0 => merged = Some(part),
+            // What follows a gap has no place.
+            Some(whole) if missing.is_empty() => {
+                if !whole.kept.sums.append(part.kept.sums) {
+                    let message = "does not begin with a whole group of samples".to_owned();
+                    return Err(Error::malformed(&part.path, None, message));
+                }
+            }
+            _ => {}
+        }
+    }
+    if end < samples {
+        missing.push(end..samples);
+    }
+    Ok(MergedParts { merged, missing })
+}
+
+impl WorldPart {
+    /// Writes it as a state that sampling goes on from.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        write_state(path, &self.kept.fingerprint, self.kept.extent, &self.kept.sums)
+    }
+}
+
+/// Samples in words.
+pub fn named(samples: &Range<u32>) -> String {
+    format!("samples {} to {}", samples.start, samples.end.saturating_sub(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::first_hits::{FirstHits, PrimaryRays};
+    use crate::reference::surface::World;
+    use crate::reference::world::{Escape, WorldReference};
+    use crate::scene::library;
+
+    #[test]
+    fn every_sample_is_in_one_shard() {
+        for (of, samples) in [(1, 1024), (3, 1024), (8, 1000), (5, 130), (7, 64), (4, 1), (1000, 1_048_576)] {
+            let all: Vec<_> = (1..=of).map(|index| samples_of(index, of, samples)).collect();
+            assert!(all.windows(2).all(|w| w[0].end == w[1].start && w[0].start.is_multiple_of(LEAF)));
+            assert_eq!((all[0].start, all[all.len() - 1].end), (0, samples));
+            let most = all.iter().map(|r| r.len()).max().unwrap_or(0);
+            assert!(most <= (samples.div_ceil(LEAF).div_ceil(of) * LEAF) as usize, "{of} of {samples}: {most}");
+        }
+    }
+
+    /// Two seeds' references of a few pixels, and what takes their samples in parts.
+    fn with_references(check: impl Fn(&WorldReference, &WorldReference, &Path)) {
+        let scene = library::scene("corridor").expect("built in");
+        let view = &scene.views[0];
+        let (materials, camera) = (scene.materials_in(view), view.camera(&scene, [12, 8]));
+        let world = World::new(&scene, &materials);
+        let first_hits = FirstHits::trace(&world, &camera, [12, 8]);
+        let (footprint, escape) = (Some(PrimaryRays::new(&camera, [12, 8])), Escape::Environment);
+        let of = |seed| WorldReference { world: &world, first_hits: &first_hits, escape, footprint, seed, bounces: 1 };
+        let folder = tempfile::tempdir().expect("a folder");
+        check(&of(1), &WorldReference { seed: 2, ..of(1) }, folder.path());
+    }
+
+    fn part(reference: &WorldReference, folder: &Path, samples: Range<u32>) -> WorldPart {
+        let path = folder.join(format!("{}-{}-{}", reference.seed, samples.start, samples.end));
+        let mut state = reference.start_at(samples.start);
+        // In steps that fit nothing.
+        while state.samples < samples.end {
+            let more = 37.min(samples.end - state.samples);
+            reference.add(&mut state, more);
+        }
+        state.save(&path).expect("a file");
+        WorldPart::read(&path).expect("a part")
+    }
+
+    #[test]
+    fn merged_parts_are_the_reference_to_the_bit() {
+        with_references(|reference, _, folder| {
+            let mut whole = reference.start();
+            reference.add(&mut whole, 300);
+            for of in [1, 2, 3, 7] {
+                let parts = (1..=of).rev().map(|index| part(reference, folder, samples_of(index, of, 300))).collect();
+                let MergedParts { merged, missing } = merge(parts, 300).expect("one reference");
+                assert_eq!(missing, []);
+                let path = folder.join("merged");
+                merged.expect("all of it").save(&path).expect("a file");
+                let merged = reference.load(&path).expect("a state");
+                assert_eq!(merged, whole, "{of} parts");
+                let (a, b) = (reference.image(&merged), reference.image(&whole));
+                assert_eq!(a, b);
+            }
+            assert!(whole.overall_standard_error() > 0.0);
+            // A part alone is an estimate of its own.
+            let (last, why) = reference.resume_at(&folder.join("1-128-300"), 128);
+            assert!(why.is_none() && last.sample_counts().max() == Some(172) && last.samples == 300);
+            assert!(last.overall_standard_error() > whole.overall_standard_error());
+            assert!(reference.resume(&folder.join("1-128-300")).1.is_some(), "a part is not taken for all of it");
+        });
+    }
+
+    #[test]
+    fn what_is_missing_is_named_and_what_does_not_fit_is_refused() {
+        with_references(|reference, other, folder| {
+            let of = |range| part(reference, folder, range);
+            let found = merge(vec![of(0..64), of(128..200)], 300).expect("with gaps");
+            assert_eq!(found.missing, [64..128, 200..300]);
+            assert_eq!(found.merged.expect("the first").samples(), 0..64);
+            let found = merge(vec![of(64..128)], 128).expect("with gaps");
+            assert!(found.merged.is_none() && found.missing == [0..64]);
+            let refused = |parts| merge(parts, 300).expect_err("refused").to_string();
+            assert!(refused(vec![of(0..128), of(64..128)]).contains("of two divisions"));
+            assert!(refused(vec![of(0..64), part(other, folder, 64..128)]).contains("another reference"));
+            let mut changed = of(0..64);
+            changed.kept = KeptState { sums: of(0..64).kept.sums, ..changed.kept };
+            assert!(merge(vec![of(0..64), changed.clone()], 64).expect("the same twice").missing.is_empty());
+            let mut sums = crate::reference::partial_sums::PartialSums::new(0, 12 * 8);
+            sums.open();
+            sums.close(64);
+            changed.kept.sums = sums;
+            assert!(refused(vec![of(0..64), changed]).contains("other sums"));
+        });
+    }
+}

@@ -1,0 +1,61 @@
+//! The page of the error study: for each device run time against error, and over all of them what the error consists of.
+
+use super::sections::{error_plots, error_sources};
+use super::{frame, heading, missing_cells, page_header};
+use crate::report::devices::device_name;
+use crate::report::error_report::{COSTS, DevicePart, IMAGES};
+use maud::html;
+
+/// Everything that the page shows.
+pub struct ErrorPage<'a> {
+    /// The version of the definitions.
+    pub definitions: u32,
+    /// The command that made it.
+    pub command: &'a str,
+    /// What was measured, device by device.
+    pub devices: &'a [DevicePart],
+    /// What the error consists of, as rows.
+    pub sources: &'a [Vec<String>],
+    /// The cells that the study has and the page lacks.
+    pub missing: &'a [String],
+}
+
+impl ErrorPage<'_> {
+    /// The whole page.
+    pub fn render(&self) -> String {
+        let alone = (self.devices.len() == 1).then(|| &self.devices[0].device);
+        let title = |part: &DevicePart| match alone {
+            Some(_) => "Run time against error".to_owned(),
+            None => format!("Run time against error on {}", device_name(&part.device)),
+        };
+        let titles: Vec<String> = self.devices.iter().map(title).collect();
+        let mut parts: Vec<_> =
+            titles.iter().enumerate().map(|(n, t)| (format!("device-{}", n + 1), t.as_str())).collect();
+        parts.push(("sources".to_owned(), "Where the error comes from"));
+        parts.push(("records".to_owned(), "Raw records"));
+        let body = html! {
+            (missing_cells(self.missing))
+            @if alone.is_none() {
+                p { "Times of different devices are not compared: each device has its own plots and tables, over the cells \
+                     that it measured." }
+            }
+            @for ((id, title), part) in parts.iter().zip(self.devices) {
+                (heading((id, title)))
+                p { (part.cells) " cells. The error is the mean over them, the time the median; what is on the front (*, and
+                     the line in the plots) is beaten by none in both." }
+                (error_plots(&part.plots))
+            }
+            (heading(("sources", "Where the error comes from")))
+            (error_sources(self.sources))
+            (heading(("records", "Raw records")))
+            ul {
+                li { a href="error.json" { "error.json" } ": every error, one record a method, cell and reference" }
+                li { a href="error.txt" { "error.txt" } ": the tables of this page" }
+                li { a href=(COSTS) { (COSTS) } ": how long each part of each cell took" }
+                li { a href=(IMAGES) { (IMAGES) } ": reflections and FLIP maps as PNG, error maps as EXR" }
+            }
+        };
+        let title = "Run time against error";
+        frame(title, &page_header(title, alone, self.definitions, self.command, &parts), &body)
+    }
+}

@@ -1,0 +1,106 @@
+//! What the page's script compares two runs from: for each run its figures, and the raw totals of its frames. Names
+//! stand once, in lists, and are numbers elsewhere.
+
+use super::LibraryPage;
+use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES};
+use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
+use crate::study::compare::{Run, SEED, Subject, TimeSample};
+use crate::study::library::trends::devices;
+use crate::study::library::{LibraryRun, Measurement};
+use serde_json::{Value as Json, json};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// The data as JSON that can stand in a script element.
+pub fn embedded(page: &LibraryPage) -> String {
+    let mut names = Names::default();
+    let devices = devices(&page.library.runs);
+    let device = |run: &LibraryRun, at: usize| devices.iter().position(|d| **d == run.devices[at]);
+    let runs: Vec<Json> = page
+        .library
+        .runs
+        .iter()
+        .map(|run| {
+            let figures = run.measurements.iter().filter(|m| !m.quantity.is_time());
+            json!({
+                "name": run.name,
+                "date": run.date,
+                "devices": (0..run.devices.len()).map(|at| device(run, at)).collect::<Vec<_>>(),
+                "figures": figures.map(|m| names.figure(m)).collect::<Vec<_>>(),
+                "samples": run.samples.as_ref().map(|samples| names.samples(samples)),
+                "samplesDevice": run.samples.as_ref().and_then(|samples| {
+                    devices.iter().position(|d| Some(*d) == samples.device.as_ref())
+                }),
+            })
+        })
+        .collect();
+    // What a reader sees first: the latest change, else the last two runs of a trend.
+    let changed = page.changes.last().map(|c| [c.before, c.after]);
+    let followed = || page.trends.last().and_then(|t| t.runs.last_chunk::<2>().copied());
+    let data = json!({
+        "first": changed.or_else(followed),
+        "seed": SEED,
+        "resamples": RESAMPLES,
+        "confidence": CONFIDENCE,
+        "minSamples": MIN_SAMPLES,
+        "threshold": page.threshold,
+        "columns": SUBJECT_COLUMNS,
+        "devices": devices.iter().map(|d| format!("{} ({})", d.name, d.driver)).collect::<Vec<_>>(),
+        "runs": runs,
+        "names": names.list,
+    });
+    // A name may hold what would end the element or begin a comment.
+    data.to_string().replace('<', "\\u003c")
+}
+
+/// A list of different texts.
+#[derive(Default)]
+struct Names {
+    list: Vec<String>,
+    known: HashMap<String, usize>,
+}
+
+impl Names {
+    fn number(&mut self, name: &str) -> usize {
+        if let Some(known) = self.known.get(name) {
+            return *known;
+        }
+        self.list.push(name.to_owned());
+        self.known.insert(name.to_owned(), self.list.len() - 1);
+        self.list.len() - 1
+    }
+
+    /// A figure: place, method, what it is, and its value.
+    fn figure(&mut self, m: &Measurement) -> Json {
+        let [width, height] = m.setting.size;
+        let place = format!("{} {}, {width}x{height}, roughness {}", m.setting.scene, m.view, m.setting.roughness);
+        let rest = m.setting.rest.join(", ");
+        json!([
+            self.number(&place),
+            self.number(&rest),
+            self.number(&m.method),
+            self.number(m.quantity.title()),
+            m.value
+        ])
+    }
+
+    /// The totals of a run's frames by subject, in order of appearance: all that is said of a subject, its labels, its
+    /// noise floor, and milliseconds.
+    fn samples(&mut self, run: &Run) -> Json {
+        let mut groups: Vec<(&Arc<Subject>, Vec<&TimeSample>)> = Vec::new();
+        for sample in &run.samples {
+            match groups.iter_mut().rev().find(|(subject, _)| **subject == sample.subject) {
+                Some((_, samples)) => samples.push(sample),
+                None => groups.push((&sample.subject, vec![sample])),
+            }
+        }
+        let group = |(subject, samples): &(&Arc<Subject>, Vec<&TimeSample>)| {
+            let said: Vec<[usize; 2]> =
+                subject.0.iter().map(|(name, value)| [self.number(name), self.number(value)]).collect();
+            let labels = subject_labels(subject).map(|label| self.number(&label));
+            let floor = samples.first().and_then(|s| s.floors[0]);
+            json!([said, labels, floor, samples.iter().map(|s| s.ms).collect::<Vec<_>>()])
+        };
+        groups.iter().map(group).collect()
+    }
+}

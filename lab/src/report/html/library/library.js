@@ -1,0 +1,165 @@
+// Two runs of the library beside each other, from the data that the page holds. Times are judged as `ssct compare`
+// judges them, number for number: the same samples of the totals, the same seeded resamples, the same verdicts.
+"use strict";
+const library = JSON.parse(document.getElementById("library-data").textContent);
+const name = (n) => library.names[n];
+
+// SplitMix64's finaliser and the streams of src/math/random.rs.
+const MASK = (1n << 64n) - 1n, GOLDEN_GAMMA = 0x9e3779b97f4a7c15n;
+const mix = (z) => {
+  z = ((z ^ (z >> 30n)) * 0xbf58476d1ce4e5b9n) & MASK;
+  z = ((z ^ (z >> 27n)) * 0x94d049bb133111ebn) & MASK;
+  return z ^ (z >> 31n);
+};
+const streamOf = (seed, index) => mix((mix((seed + GOLDEN_GAMMA) & MASK) + index * GOLDEN_GAMMA) & MASK);
+const uniform = (stream, position) =>
+  Number(mix((stream + (position + 1n) * GOLDEN_GAMMA) & MASK) >> 11n) / 2 ** 53;
+
+// The numbers of each resample, which are the same for all subjects.
+const streams = [], numbers = [];
+const drawn = (resample, position) => {
+  if (!(resample in streams)) {
+    streams[resample] = streamOf(BigInt(library.seed), BigInt(resample));
+    numbers[resample] = [];
+  }
+  while (numbers[resample].length <= position) {
+    numbers[resample].push(uniform(streams[resample], BigInt(numbers[resample].length)));
+  }
+  return numbers[resample][position];
+};
+
+const median = (samples) => {
+  samples.sort((a, b) => a - b);
+  return (samples[(samples.length - 1) >> 1] + samples[samples.length >> 1]) / 2;
+};
+const quotient = (a, b) => (a === b ? 1 : b / a);
+const percentile = (sorted, share) => sorted[Math.max(Math.ceil(share * sorted.length), 1) - 1];
+
+// lab/src/metrics/bootstrap.rs: B's median over A's, and the interval of the resamples.
+function ratioOfMedians(a, b) {
+  const ratios = [];
+  for (let resample = 0; resample < library.resamples; resample++) {
+    let position = 0;
+    const again = (samples) =>
+      samples.map(() => samples[Math.min(Math.floor(drawn(resample, position++) * samples.length), samples.length - 1)]);
+    const ofA = median(again(a));
+    ratios.push(quotient(ofA, median(again(b))));
+  }
+  ratios.sort((x, y) => x - y);
+  const tail = (1 - library.confidence) / 2;
+  const ratio = quotient(median([...a]), median([...b]));
+  return { ratio, low: percentile(ratios, tail), high: percentile(ratios, 1 - tail) };
+}
+
+function verdict({ low, high }, threshold) {
+  if (high < 1 - threshold) return "FASTER";
+  if (low > 1 + threshold) return "SLOWER";
+  return low >= 1 - threshold && high <= 1 + threshold ? "SAME" : "UNDECIDED";
+}
+
+// A run's subjects with what both files say of their method; of frames that this makes the same, one group.
+function groups(samples, other) {
+  const method = (said) => name((said.find(([n]) => name(n) === "method") ?? [])[1]);
+  const told = new Map();
+  for (const [said] of other) {
+    const names = told.get(method(said)) ?? new Set();
+    said.forEach(([n]) => names.add(n));
+    told.set(method(said), names);
+  }
+  const found = new Map();
+  for (const [said, labels, floor, ms] of samples) {
+    const names = told.get(method(said));
+    const key = said.filter(([n]) => !names || names.has(n)).map((pair) => pair.join("=")).sort().join(" ");
+    const group = found.get(key);
+    if (group) group.ms.push(...ms);
+    else found.set(key, { labels, floor, ms: [...ms] });
+  }
+  return found;
+}
+
+function times(a, b) {
+  const [ofA, ofB] = [groups(a.samples, b.samples), groups(b.samples, a.samples)];
+  const rows = [];
+  for (const [key, one] of ofA) {
+    const two = ofB.get(key);
+    if (!two) continue;
+    const found = ratioOfMedians(one.ms, two.ms);
+    const threshold = Math.max(library.threshold, one.floor ?? 0, two.floor ?? 0);
+    const enough = Math.min(one.ms.length, two.ms.length) >= library.minSamples;
+    const figures = [median([...one.ms]), median([...two.ms]), found.ratio, found.low, found.high];
+    rows.push([...one.labels.map(name), ...figures.map((v) => v.toFixed(3)),
+      `${one.ms.length}/${two.ms.length}`, enough ? verdict(found, threshold) : "UNDECIDED"]);
+  }
+  return rows;
+}
+
+function errors(a, b) {
+  const key = (figure) => figure.slice(0, 4).join(" ");
+  const ofA = new Map(a.figures.map((figure) => [key(figure), figure[4]]));
+  const both = b.figures.filter((figure) => ofA.has(key(figure)));
+  const changed = both.map((figure) => ({ figure, from: ofA.get(key(figure)), to: figure[4] }))
+    .filter(({ from, to }) => from !== to);
+  const change = ({ from, to }) => Math.abs(Math.log(Math.max(to, 1e-12) / Math.max(from, 1e-12)));
+  changed.sort((x, y) => change(y) - change(x));
+  const shown = (v) => (v === 0 || v >= 1e-3 ? v.toFixed(6) : v.toExponential(3));
+  const row = ({ figure: [place, , method, what], from, to }) =>
+    [name(place), name(method), name(what), shown(from), shown(to), from > 0 ? (to / from).toFixed(4) : "-"];
+  return { both: both.length, changed: changed.length, rows: changed.slice(0, 200).map(row) };
+}
+
+const element = (tag, text) => Object.assign(document.createElement(tag), { textContent: text });
+
+function table(header, rows) {
+  const made = document.createElement("table"), scroll = document.createElement("div");
+  const line = (cells, first) => {
+    const tr = document.createElement("tr");
+    cells.forEach((cell, n) => tr.append(element(first || n === 0 ? "th" : "td", cell)));
+    return tr;
+  };
+  const head = made.createTHead(), body = made.createTBody();
+  head.append(line(header, true));
+  rows.forEach((row) => body.append(line(row, false)));
+  scroll.className = "scroll";
+  scroll.append(made);
+  return scroll;
+}
+
+const [selectA, selectB] = [document.getElementById("run-a"), document.getElementById("run-b")];
+
+function say(id, ...parts) {
+  document.getElementById(id).replaceChildren(...parts);
+}
+
+function show() {
+  const [a, b] = [selectA, selectB].map((select) => library.runs[select.value]);
+  const on = (run) => run.devices.map((d) => `D${d + 1}, ${library.devices[d]}`).join("; ");
+  const command = [element("code", `ssct compare ${a.name} ${b.name}`), " says the same of every pass."];
+  say("about-runs", `A ran on ${on(a)}. B ran on ${on(b)}. `, ...(a.samples && b.samples ? command : []));
+  const lacks = [["A", a], ["B", b]].filter(([, run]) => !run.samples).map(([side]) => side).join(" and ");
+  if (lacks) {
+    say("compared-times", element("p", `Not compared: no raw samples of times lie beside the records of ${lacks}.`));
+  } else if (a.samplesDevice === null || a.samplesDevice !== b.samplesDevice) {
+    say("compared-times", element("p", "Not compared: times compare only on one device."));
+  } else {
+    const rows = times(a, b);
+    const header = [...library.columns, "A ms", "B ms", "B/A", "low", "high", "n", "verdict"];
+    say("compared-times", rows.length ? table(header, rows) : element("p", "The two runs timed nothing in common."));
+  }
+  const found = errors(a, b);
+  const more = found.changed > found.rows.length ? `; the ${found.rows.length} that changed most` : "";
+  const text = `${found.both} figures are of the same place, setting and method in both runs; ` +
+    `${found.changed} of them differ${more}. An error does not depend on the speed of a device.`;
+  const header = ["place", "method", "figure", "A", "B", "B/A"];
+  say("compared-errors", ...(found.both ? [element("p", text)] : [element("p", "The two runs have no error in common.")]),
+    ...(found.rows.length ? [table(header, found.rows)] : []));
+}
+
+if (library.runs.length > 1) {
+  for (const select of [selectA, selectB]) {
+    library.runs.forEach((run, n) => select.add(new Option(`${n + 1}. ${run.date} ${run.name}`, n)));
+    select.addEventListener("change", show);
+  }
+  [selectA.value, selectB.value] = library.first ?? [library.runs.length - 2, library.runs.length - 1];
+  document.getElementById("choose-runs").hidden = false;
+  show();
+}

@@ -1,0 +1,331 @@
+//! The page of a library: its runs, what each changed, figures over runs, and two runs of the reader's choice beside each
+//! other, without a server.
+
+mod data;
+
+use super::sections::{grid, inline_svg};
+use super::{frame, heading, page_header};
+use crate::gpu::DeviceInfo;
+use crate::metrics::bootstrap::{CONFIDENCE, Verdict};
+use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
+use crate::report::library::Library;
+use crate::report::plot::{self, TrendPlotLine};
+use crate::study::compare::TimeComparison;
+use crate::study::library::changes::Change;
+use crate::study::library::trends::{Trend, devices};
+use crate::study::library::{DatedBy, LibraryRun, Quantity, Setting};
+use crate::study::record::DEFINITIONS;
+use maud::{Markup, PreEscaped, html};
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
+
+/// The page's title, by which a page of a library is known from others.
+pub const TITLE: &str = "Library of results";
+
+/// Everything that the page shows.
+pub struct LibraryPage<'a> {
+    /// The command that made it.
+    pub command: &'a str,
+    /// The runs, and what is none.
+    pub library: &'a Library,
+    /// Figures over runs.
+    pub trends: &'a [Trend],
+    /// Each run beside one before it.
+    pub changes: &'a [Change],
+    /// The method over whose times others are given.
+    pub base: &'a str,
+    /// Change of a time that counts, as a share.
+    pub threshold: f64,
+    /// From the page's folder to the library's, "" where they are one; `None` where the runs lie elsewhere, and nothing
+    /// links to them.
+    pub way: Option<&'a str>,
+}
+
+/// Parts of the page: id and title.
+const PARTS: [(&str, &str); 5] = [
+    ("runs", "Runs"),
+    ("changes", "What each run changed"),
+    ("trends", "Figures over runs"),
+    ("compare", "Two runs beside each other"),
+    ("left-out", "What is left out"),
+];
+
+/// What stays as it is in a link to a file.
+const OF_A_PATH: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
+
+/// Trends of one place are shown at once if there are few places; of many, the reader opens those that matter.
+const FEW_PLACES: usize = 6;
+
+impl LibraryPage<'_> {
+    /// The whole page.
+    ///
+    /// # Errors
+    /// What the plots' library says.
+    pub fn render(&self) -> Result<String, String> {
+        let [runs, changes, trends, compare, left_out] = PARTS.map(heading);
+        let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
+        let body = html! {
+            (runs) (self.runs())
+            (changes) (self.changes())
+            (trends) (self.trends()?)
+            (compare) (self.compare())
+            (left_out) (self.left_out())
+            script type="application/json" id="library-data" { (PreEscaped(data::embedded(self))) }
+            script { (PreEscaped(include_str!("library.js"))) }
+        };
+        Ok(frame(TITLE, &page_header(TITLE, None, DEFINITIONS, self.command, &parts), &body))
+    }
+
+    fn runs(&self) -> Markup {
+        let devices = devices(&self.library.runs);
+        html! {
+            p { (counted(self.library.runs.len(), "run")) " on " (counted(devices.len(), "device")) ", by date, and on one day by name." }
+            dl {
+                @for (n, d) in devices.iter().enumerate() {
+                    dt { "D" (n + 1) } dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
+                }
+            }
+            div.scroll {
+                table {
+                    thead {
+                        tr {
+                            @for name in ["run", "date", "program", "definitions", "device", "records"] {
+                                th scope="col" { (name) }
+                            }
+                        }
+                    }
+                    tbody {
+                        @for (n, run) in self.library.runs.iter().enumerate() { (self.run(n, run, &devices)) }
+                    }
+                }
+            }
+            @if self.library.runs.iter().any(|run| run.dated_by == DatedBy::Files) {
+                p { "A date in brackets is that of the files: no folder on their path is named by a date." }
+            }
+        }
+    }
+
+    fn run(&self, n: usize, run: &LibraryRun, devices: &[&DeviceInfo]) -> Markup {
+        let device = |d: &DeviceInfo| devices.iter().position(|known| *known == d).map_or(0, |at| at + 1);
+        let numbers: Vec<_> = run.devices.iter().map(|d| format!("D{}", device(d))).collect();
+        let definitions: Vec<_> = run.definitions.iter().map(u32::to_string).collect();
+        html! {
+            tr id={ "run-" (n + 1) } {
+                th scope="row" { (n + 1) ". " (run.name) }
+                td.whole { @if run.dated_by == DatedBy::Files { "(" (run.date) ")" } @else { (run.date) } }
+                td { @for program in &run.programs { span.whole { (program) } " " } }
+                td { (definitions.join(", ")) }
+                td { (numbers.join(", ")) }
+                td {
+                    @for (n, file) in run.files.iter().enumerate() {
+                        @if n > 0 { ", " }
+                        (self.link(run, &file.file)) ": " (file.records)
+                    }
+                    @if run.has_page { ", " (self.link(run, "index.html")) }
+                    @if let Some([failed, all]) = run.stress { "; " (failed) " of " (all) " cases failed" }
+                    @for note in &run.notes { br; em { (note) } }
+                }
+            }
+        }
+    }
+
+    fn link(&self, run: &LibraryRun, file: &str) -> Markup {
+        let Some(way) = self.way else { return html! { (file) } };
+        let folder = if run.name == "." { String::new() } else { format!("{}/", run.name) };
+        let path = format!("{way}{folder}{file}");
+        html! { a href=(utf8_percent_encode(&path, OF_A_PATH)) { (file) } }
+    }
+
+    fn changes(&self) -> Markup {
+        html! {
+            p {
+                "Each run with raw samples of its times beside the latest one before it on the same device that timed "
+                "something in common: the effect's medians, later over earlier, judged as " code { "ssct compare" }
+                " does, with a " (format!("{:.0} %", CONFIDENCE * 100.0)) " interval and a threshold of "
+                (format!("{:.0} %", self.threshold * 100.0)) ". The interval knows the spread within each run, not what "
+                "changed on the machine between them."
+            }
+            @if self.changes.is_empty() { p { "No two runs of a device have samples of the same." } }
+            @for change in self.changes { (self.change(change)) }
+        }
+    }
+
+    fn change(&self, change: &Change) -> Markup {
+        let count = |verdict| change.totals.iter().filter(|t| t.verdict == Some(verdict)).count();
+        let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", count(*v), v.name())).collect();
+        let changed: Vec<_> = change.totals.iter().filter(|t| is_changed(t)).collect();
+        let warning = change.totals.iter().find_map(|t| t.warning.as_ref());
+        html! {
+            h3 { (self.name(change.after)) " after " (self.name(change.before)) }
+            p { (counts.join(", ")) "." }
+            @if let Some(warning) = warning { p { "Warning: " (warning) "." } }
+            @if !changed.is_empty() {
+                details { summary { "The " (changed.len()) " that are faster or slower" } (grid(&change_cells(&changed))) }
+            }
+        }
+    }
+
+    fn name(&self, run: usize) -> String {
+        format!("{}. {}", run + 1, self.library.runs[run].name)
+    }
+
+    fn trends(&self) -> Result<Markup, String> {
+        let mut places: Vec<(&Trend, Vec<&Trend>)> = Vec::new();
+        for trend in self.trends {
+            match places.last_mut() {
+                Some((first, trends)) if is_one_place(first, trend) => trends.push(trend),
+                _ => places.push((trend, vec![trend])),
+            }
+        }
+        let open = places.len() <= FEW_PLACES;
+        let all = devices(&self.library.runs);
+        let mut shown = Vec::new();
+        let mut last: Option<&DeviceInfo> = None;
+        for (first, trends) in &places {
+            if last.replace(&first.device) != Some(&first.device) {
+                let at = all.iter().position(|d| **d == first.device).map_or(0, |at| at + 1);
+                shown.push(html! { h3 { "D" (at) ": " (first.device.name) } });
+            }
+            shown.push(self.place(first, trends, open)?);
+        }
+        Ok(html! {
+            p {
+                "Each value is the median over the views that are named. A time is that of the method over that of "
+                code { (self.base) } " in the same run on the same device; milliseconds of different runs or devices are "
+                "not compared. A line joins only runs that measured the same views in the same setting; what one run "
+                "alone measured is in its own files. An error also depends on its reference, whose rays and bounces the "
+                "records do not say: a run with another reference strays from its line."
+            }
+            @if shown.is_empty() { p { "No two runs of a device measured the same." } }
+            @for part in shown { (part) }
+        })
+    }
+
+    fn place(&self, first: &Trend, trends: &[&Trend], open: bool) -> Result<Markup, String> {
+        let plots = trends.iter().map(|trend| self.trend(trend)).collect::<Result<Vec<_>, _>>()?;
+        let runs = trends.iter().map(|t| t.runs.len()).max().unwrap_or(0);
+        Ok(html! {
+            details open[open] {
+                summary { (place_title(&first.setting, &first.views)) ", up to " (counted(runs, "run")) }
+                p { "Views: " (first.views.join(", ")) ". Setting: " (first.setting.rest.join(", ")) "." }
+                @for plot in plots { (plot) }
+            }
+        })
+    }
+
+    fn trend(&self, trend: &Trend) -> Result<Markup, String> {
+        let title = self.title(trend.quantity);
+        let numbers: Vec<usize> = trend.runs.iter().map(|run| run + 1).collect();
+        let line = |l: &crate::study::library::trends::TrendLine| TrendPlotLine {
+            name: l.method.clone(),
+            values: l.values.clone(),
+        };
+        let svg = plot::trend(&numbers, &trend.lines.iter().map(line).collect::<Vec<_>>(), &title)?;
+        let label = format!("{title} over runs; the table below has the same values");
+        Ok(html! {
+            h4 { (title) }
+            (inline_svg(&svg, &label))
+            details { summary { "As a table" } (grid(&self.trend_cells(trend))) }
+        })
+    }
+
+    fn title(&self, quantity: Quantity) -> String {
+        if quantity.is_time() {
+            format!("{} over {}", quantity.title(), self.base)
+        } else {
+            quantity.title().to_owned()
+        }
+    }
+
+    fn trend_cells(&self, trend: &Trend) -> Vec<Vec<String>> {
+        let run = |at: &usize| format!("{}. {}", at + 1, self.library.runs[*at].date);
+        let mut cells =
+            vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
+        let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure);
+        let row = |line: &crate::study::library::trends::TrendLine| {
+            std::iter::once(line.method.clone()).chain(line.values.iter().map(value)).collect()
+        };
+        cells.extend(trend.lines.iter().map(row));
+        cells
+    }
+
+    fn compare(&self) -> Markup {
+        html! {
+            noscript {
+                p { "Choosing two runs takes a script. " code { "ssct compare A B" } " says the same of two folders." }
+            }
+            div #choose-runs hidden {
+                p {
+                    label { "A, what is compared with " select #run-a {} } " "
+                    label { "B " select #run-b {} }
+                }
+                p #about-runs role="status" {}
+                h3 { "Times" }
+                div #compared-times {}
+                h3 { "Errors" }
+                div #compared-errors {}
+            }
+        }
+    }
+
+    fn left_out(&self) -> Markup {
+        let library = self.library;
+        html! {
+            @if library.unreadable.is_empty() { p { "Every folder with records was read." } }
+            @else {
+                p { "These folders should hold a run and cannot be read:" }
+                ul { @for (folder, why) in &library.unreadable { li { (folder) ": " (why) } } }
+            }
+            @if !library.without_records.is_empty() {
+                details {
+                    summary { "Folders with files, but no records of the studies: " (library.without_records.len()) }
+                    ul { @for folder in &library.without_records { li { (folder) } } }
+                }
+            }
+        }
+    }
+}
+
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
+}
+
+/// Whether two trends are of the same place, and stand under one heading.
+fn is_one_place(a: &Trend, b: &Trend) -> bool {
+    a.device == b.device && a.setting == b.setting && a.views == b.views
+}
+
+fn place_title(setting: &Setting, views: &[String]) -> String {
+    let [width, height] = setting.size;
+    let views = match views {
+        [one] => one.clone(),
+        several => format!("{} views", several.len()),
+    };
+    format!("{}, {views}, {width} × {height}, roughness {}", setting.scene, setting.roughness)
+}
+
+fn is_changed(total: &TimeComparison) -> bool {
+    matches!(total.verdict, Some(Verdict::Faster | Verdict::Slower))
+}
+
+fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
+    let figures = ["later over earlier", "low", "high", "verdict"];
+    let mut cells = vec![[&SUBJECT_COLUMNS[..], &figures].concat().into_iter().map(str::to_owned).collect::<Vec<_>>()];
+    for t in totals {
+        let number = |v: Option<f64>| v.map_or_else(|| "-".to_owned(), |v| format!("{v:.3}"));
+        let mut row = subject_labels(&t.subject).to_vec();
+        row.extend([t.ratio, t.low, t.high].map(number));
+        row.push(t.verdict.map_or("-", Verdict::name).to_owned());
+        cells.push(row);
+    }
+    cells
+}
+
+/// A figure with four significant digits, or as a power of ten where it is small.
+fn figure(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e4).contains(&value) {
+        let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.3e}")
+    }
+}

@@ -1,0 +1,308 @@
+//! Finds the runs below a folder: every folder with records of the studies, whatever version wrote them. What cannot be
+//! read is not passed over: it is returned with its folder and the reason.
+
+use super::files;
+use super::run_folder::{JOURNAL, is_finished};
+use crate::error::{Error, Result};
+use crate::study::compare;
+use crate::study::library::changes::totals_only;
+use crate::study::library::read::{self, ReadRecord};
+use crate::study::library::{DatedBy, LibraryRun, Measurement, RecordFile};
+use serde_json::Value as Json;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fs::DirEntry;
+use std::path::{Component, Path, PathBuf};
+use std::time::SystemTime;
+use time::{Date, OffsetDateTime};
+
+/// Files that hold records, whatever else a folder has.
+const RECORD_FILES: [&str; 8] =
+    ["time.json", "error.json", "stress.json", "motion.json", "precision.json", "video.json", "path.json", "age.json"];
+
+/// The folder in which `ssct study` puts its records of errors, beside those of times.
+const ERROR_FOLDER: &str = "error";
+
+/// A run's own page.
+const PAGE: &str = "index.html";
+
+/// Raw samples of times.
+const SAMPLES: &str = "time-samples.csv";
+
+/// What is below a folder.
+#[derive(Debug, Default)]
+pub struct Library {
+    /// Runs by date, and on one day by name.
+    pub runs: Vec<LibraryRun>,
+    /// Folders that should hold a run and cannot be read, and why.
+    pub unreadable: Vec<(String, String)>,
+    /// Folders with files, none of which holds records.
+    pub without_records: Vec<String>,
+}
+
+/// Reads all that is below a folder. Hidden folders and links to folders are not followed.
+///
+/// # Errors
+/// [`Error::Io`] if the folder itself cannot be read.
+pub fn scan(root: &Path) -> Result<Library> {
+    // A folder inside that cannot be read is a part of the answer, but without this one there is none.
+    std::fs::read_dir(root).map_err(|e| Error::io("read", root, e))?;
+    let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
+    let mut library = Library::default();
+    let mut folders = folders(root, &mut library.unreadable);
+    join_error_folders(&mut folders);
+    for (folder, files) in folders {
+        let name = relative(root, &folder);
+        let whole = whole.join(folder.strip_prefix(root).unwrap_or(&folder));
+        match run(&folder, &whole, &name, &files) {
+            Found::Run(run) => library.runs.push(*run),
+            Found::Unreadable(why) => library.unreadable.push((name, why)),
+            Found::Nothing if files.is_empty() => {}
+            Found::Nothing => library.without_records.push(name),
+        }
+    }
+    library.runs.sort_by(|a, b| a.order().cmp(&b.order()));
+    Ok(library)
+}
+
+/// Every folder from a root down, with its files.
+fn folders(root: &Path, unreadable: &mut Vec<(String, String)>) -> BTreeMap<PathBuf, Vec<PathBuf>> {
+    let mut found = BTreeMap::new();
+    let mut left = vec![root.to_owned()];
+    while let Some(folder) = left.pop() {
+        let entries: std::io::Result<Vec<DirEntry>> = std::fs::read_dir(&folder).and_then(Iterator::collect);
+        let entries = match entries {
+            Ok(entries) => entries,
+            Err(e) => {
+                unreadable.push((relative(root, &folder), e.to_string()));
+                continue;
+            }
+        };
+        let mut files = Vec::new();
+        for entry in entries.iter().filter(|entry| !entry.file_name().to_string_lossy().starts_with('.')) {
+            match entry.file_type() {
+                Ok(kind) if kind.is_dir() => left.push(entry.path()),
+                Ok(kind) if kind.is_symlink() && entry.path().is_dir() => {}
+                _ => files.push(entry.path()),
+            }
+        }
+        files.sort();
+        found.insert(folder, files);
+    }
+    found
+}
+
+/// `ssct study` keeps its errors in a folder of their own: they are of the same run as its times.
+fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
+    let has = |files: Option<&Vec<PathBuf>>, name: &str| {
+        files.is_some_and(|files| files.iter().any(|file| file.file_name().is_some_and(|n| n == name)))
+    };
+    let errors: Vec<PathBuf> =
+        folders.keys().filter(|f| f.file_name().is_some_and(|n| n == ERROR_FOLDER)).cloned().collect();
+    for folder in errors {
+        let Some(parent) = folder.parent().map(Path::to_owned) else { continue };
+        let one_run = has(folders.get(&parent), "time.json") && !has(folders.get(&parent), "error.json");
+        if one_run && let Some(files) = folders.remove(&folder) {
+            folders.entry(parent).or_default().extend(files);
+        }
+    }
+}
+
+fn relative(root: &Path, folder: &Path) -> String {
+    let parts = folder.strip_prefix(root).unwrap_or(folder).components();
+    let parts: Vec<_> = parts.map(|part| part.as_os_str().to_string_lossy()).collect();
+    if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
+}
+
+/// What a folder is.
+enum Found {
+    Run(Box<LibraryRun>),
+    Unreadable(String),
+    Nothing,
+}
+
+/// Reads a folder's files: every array of records among them, and the raw samples. `whole` is the folder's path from the
+/// root of the file system, whose names may say the date.
+fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
+    let mut all = Gathered::default();
+    let (mut wrong, mut notes) = (Vec::new(), Vec::new());
+    for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "json")) {
+        match records(path) {
+            Ok(Some(content)) => all.add(&relative(folder, path), &content, &mut notes),
+            Ok(None) => {}
+            Err(why) => wrong.push(why),
+        }
+    }
+    let journal = folder.join(JOURNAL);
+    let unfinished = journal.is_file() && !is_finished(&journal);
+    if all.files.is_empty() {
+        return match (wrong.is_empty(), unfinished) {
+            (false, _) => Found::Unreadable(wrong.join("; ")),
+            (true, true) => {
+                Found::Unreadable(format!("the run was not finished: there is a {JOURNAL}, and no records"))
+            }
+            (true, false) => Found::Nothing,
+        };
+    }
+    notes.extend(wrong);
+    if unfinished {
+        notes.push(format!("the run was not finished, by its {JOURNAL}"));
+    }
+    let samples = samples(folder, name, &all).unwrap_or_else(|e| {
+        notes.push(e.to_string());
+        None
+    });
+    let (date, dated_by) = date(whole, files);
+    Found::Run(Box::new(LibraryRun {
+        name: name.to_owned(),
+        date,
+        dated_by,
+        files: all.files,
+        // That of the library's own folder is the library's.
+        has_page: name != "." && files.iter().any(|file| file.file_name().is_some_and(|n| n == PAGE)),
+        programs: all.programs.into_iter().collect(),
+        definitions: all.definitions.into_iter().collect(),
+        devices: all.devices,
+        measurements: all.measurements,
+        stress: (all.stress[1] > 0).then_some(all.stress),
+        samples,
+        notes,
+    }))
+}
+
+/// A file's content if it is an array of records; `None` if it is something else, which only a file of a name that is
+/// not a record's may be.
+fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let must = RECORD_FILES.contains(&&*name);
+    let content = std::fs::read(path)
+        .map_err(|e| e.to_string())
+        .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
+    match content {
+        Ok(content) if read::is_records(&content) => match content {
+            Json::Array(records) => Ok(Some(records)),
+            _ => Ok(None),
+        },
+        Ok(_) if must => Err(format!("{name} holds no records of the studies")),
+        Err(why) if must => Err(format!("{name}: {why}")),
+        _ => Ok(None),
+    }
+}
+
+/// What the records of a folder say together.
+#[derive(Default)]
+struct Gathered {
+    files: Vec<RecordFile>,
+    programs: BTreeSet<String>,
+    definitions: BTreeSet<u32>,
+    devices: Vec<crate::gpu::DeviceInfo>,
+    measurements: Vec<Measurement>,
+    /// Where each is among them, to see those that come again.
+    known: HashMap<String, usize>,
+    stress: [usize; 2],
+}
+
+impl Gathered {
+    fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
+        let (mut bad, mut again) = (Vec::new(), 0);
+        let mut kinds = None;
+        for json in records {
+            match read::record(json) {
+                Ok(record) => {
+                    kinds.get_or_insert_with(|| record.kind.clone());
+                    again += self.take(record);
+                }
+                Err(why) => bad.push(why),
+            }
+        }
+        if let Some(first) = bad.first() {
+            notes.push(format!("{} of {} records of {file} are left out; the first {first}", bad.len(), records.len()));
+        }
+        if again > 0 {
+            notes.push(format!(
+                "{again} figures of {file} are left out: they differ from others that their records do not tell them from"
+            ));
+        }
+        if let Some(kind) = kinds {
+            self.files.push(RecordFile { file: file.to_owned(), kind, records: records.len() });
+        }
+    }
+
+    /// Takes a record in; how many of its figures are already there with another value.
+    fn take(&mut self, record: ReadRecord) -> usize {
+        let device = self.devices.iter().position(|d| *d == record.device).unwrap_or_else(|| {
+            self.devices.push(record.device.clone());
+            self.devices.len() - 1
+        });
+        self.programs.insert(record.program);
+        self.definitions.insert(record.definitions);
+        if let Some(passed) = record.passed {
+            self.stress[0] += usize::from(!passed);
+            self.stress[1] += 1;
+        }
+        let mut again = 0;
+        for m in record.measurements {
+            let m = Measurement { device, ..m };
+            let key = format!("{device} {:?} {} {} {:?}", m.setting, m.view, m.method, m.quantity);
+            match self.known.get(&key) {
+                Some(at) => again += usize::from(self.measurements[*at].value != m.value),
+                None => {
+                    self.known.insert(key, self.measurements.len());
+                    self.measurements.push(m);
+                }
+            }
+        }
+        again
+    }
+}
+
+/// The totals of a run's raw samples, if it has any.
+fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::Run>> {
+    let path = folder.join(SAMPLES);
+    if !path.is_file() {
+        return Ok(None);
+    }
+    // The samples do not say their device: of several, nobody knows whose they are.
+    let device = match &all.devices[..] {
+        [one] => Some(one.clone()),
+        _ => None,
+    };
+    let run = compare::Run { name: name.to_owned(), device, samples: files::read_samples(&path)? };
+    Ok(Some(totals_only(run)))
+}
+
+/// When a run was measured: the date that the nearest folder on its path begins with, else that of its newest file.
+fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
+    let names = folder.components().rev().filter_map(|part| match part {
+        Component::Normal(name) => name.to_str(),
+        _ => None,
+    });
+    if let Some(date) = names.filter_map(leading_date).next() {
+        return (date.to_string(), DatedBy::Folder);
+    }
+    let changed = files.iter().filter_map(|file| file.metadata().ok()?.modified().ok());
+    let newest = changed.max().unwrap_or(SystemTime::UNIX_EPOCH);
+    (OffsetDateTime::from(newest).date().to_string(), DatedBy::Files)
+}
+
+/// The date that a name begins with, as YYYY-MM-DD.
+fn leading_date(name: &str) -> Option<Date> {
+    let [year, month, day] = [(0, 4), (5, 7), (8, 10)].map(|(from, to)| name.get(from..to)?.parse::<u16>().ok());
+    let dashes = name.get(4..5)? == "-" && name.get(7..8)? == "-";
+    let month = time::Month::try_from(u8::try_from(month?).ok()?).ok()?;
+    Date::from_calendar_date(year?.into(), month, u8::try_from(day?).ok()?).ok().filter(|_| dashes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_begins_with_a_date_or_has_none() {
+        let date = |name: &str| leading_date(name).map(|d| d.to_string());
+        assert_eq!(date("2026-11-24-lavapipe").as_deref(), Some("2026-11-24"));
+        assert_eq!(date("2024-02-29").as_deref(), Some("2024-02-29"));
+        for name in ["2025-02-29", "2026-13-01", "2026/11/24", "run-2026-11-24", "2026-11", "", "２０２６-11-24"] {
+            assert_eq!(date(name), None, "{name}");
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! What each run changed: its totals beside those of the latest run before it on the same device that timed something
+//! in common, judged as `ssct compare` judges them.
+
+use super::LibraryRun;
+use crate::study::compare::{self, Run, TOTAL, TimeComparison, TimeSample};
+use std::sync::Arc;
+
+/// A run beside one before it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Index of the earlier run in the library.
+    pub before: usize,
+    /// Index of the later run.
+    pub after: usize,
+    /// A record for each total that both have.
+    pub totals: Vec<TimeComparison>,
+}
+
+/// The changes of a library in its order. Threshold: 0 ≤ t < 1.
+pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<Change> {
+    let mut found = Vec::new();
+    for (after, run) in library.iter().enumerate() {
+        let Some(b) = &run.samples else { continue };
+        let earlier = library[..after].iter().enumerate().rev();
+        let before = earlier.filter_map(|(before, run)| Some((before, run.samples.as_ref()?)));
+        let mut on_it = before.filter(|(_, a)| a.device.is_some() && a.device == b.device);
+        found.extend(on_it.find_map(|(before, a)| {
+            let mut totals = compare::times(a, b, threshold);
+            totals.retain(|record| record.only_in.is_none());
+            (!totals.is_empty()).then_some(Change { before, after, totals })
+        }));
+    }
+    found
+}
+
+/// A run's frames as one sample each: the sum of the counted passes, under the name of the total.
+pub fn totals_only(run: Run) -> Run {
+    let frame = |rows: &[TimeSample]| {
+        let first = rows.iter().find(|row| row.counted)?;
+        Some(TimeSample {
+            subject: Arc::clone(&first.subject),
+            sample: first.sample,
+            pass: TOTAL.to_owned(),
+            // What counts would be added up to a total once more.
+            counted: false,
+            ms: rows.iter().filter(|row| row.counted).map(|row| row.ms).sum(),
+            floors: [first.floors[1]; 2],
+        })
+    };
+    let frames = run.samples.chunk_by(|a, b| a.sample == b.sample && a.subject == b.subject);
+    Run { samples: frames.filter_map(frame).collect(), ..run }
+}

@@ -1,0 +1,164 @@
+//! Records as they were written at any commit since the first: what one says is taken, and what it lacks is left out of
+//! account.
+
+use super::{Measurement, Quantity, Setting};
+use crate::gpu::DeviceInfo;
+use crate::methods::{self, EffectParams};
+use crate::parameter::{Choices, Parameters, Preset};
+use crate::study::error::{EXACT_HITS, SCREEN_REFERENCE};
+use crate::study::record::{Head, Provenance, RecordedSetup, cell};
+use serde::Deserialize;
+use serde_json::Value as Json;
+
+/// The kinds of records that the studies write.
+pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
+
+/// Fields at the top of a record that a newer one has in its setup.
+const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
+
+/// What belongs to the place of a measurement, if a record says it.
+const OF_THE_PLACE: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity", "normal_deviation"];
+
+/// What a record says of the program and the device, and the figures that it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadRecord {
+    /// Its kind, one of [`KINDS`].
+    pub kind: String,
+    /// "VERSION, commit COMMIT".
+    pub program: String,
+    /// Version of the definitions.
+    pub definitions: u32,
+    /// Device.
+    pub device: DeviceInfo,
+    /// Where, how and what was measured; the device is the first.
+    pub measurements: Vec<Measurement>,
+    /// For a record of the stress study: whether the case passed.
+    pub passed: Option<bool>,
+}
+
+/// Whether a file's content is an array of records of the studies; of an empty one nobody knows.
+pub fn is_records(content: &Json) -> bool {
+    let kind = content.pointer("/0/kind").and_then(Json::as_str);
+    kind.is_some_and(|kind| KINDS.contains(&kind))
+}
+
+/// Reads a record.
+///
+/// # Errors
+/// What it lacks, as the end of a sentence.
+pub fn record(json: &Json) -> Result<ReadRecord, String> {
+    let kind = json["kind"].as_str().filter(|kind| KINDS.contains(kind)).ok_or("has no kind that is known")?;
+    let device = DeviceInfo::deserialize(&json["device"]).map_err(|_| "has no device")?;
+    let text = |name: &str| json[name].as_str().unwrap_or_default().to_owned();
+    let program = Provenance {
+        definitions: json["definitions"].as_u64().and_then(|d| d.try_into().ok()).unwrap_or(1),
+        version: text("version"),
+        commit: text("commit"),
+        device,
+    };
+    let mut read = ReadRecord {
+        kind: kind.to_owned(),
+        program: format!("{}, commit {}", program.version, program.commit),
+        definitions: program.definitions,
+        device: program.device.clone(),
+        measurements: Vec::new(),
+        passed: json["pass"].as_bool().filter(|_| kind == "stress"),
+    };
+    let figures = figures(kind, json);
+    if !figures.is_empty() {
+        let head = head(kind, program, json)?;
+        let (setting, method) = (setting(&head), method(&head));
+        let view = match json["motion"].as_str() {
+            Some(motion) => format!("{} ({motion})", head.view),
+            None => head.view,
+        };
+        read.measurements.extend(figures.into_iter().map(|(quantity, value)| Measurement {
+            device: 0,
+            setting: setting.clone(),
+            view: view.clone(),
+            method: method.clone(),
+            quantity,
+            value,
+        }));
+    }
+    Ok(read)
+}
+
+/// The figures of a record that can be followed over runs.
+fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
+    let at = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
+    let found = match (kind, json["against"].as_str()) {
+        ("time", _) => vec![(Quantity::Time, at("/total/median_ms"))],
+        // Each record of a cell has the cell's time.
+        ("error", Some("oracle")) => {
+            let wrong = at("/hit_agreement").map(|right| (1.0 - right).max(0.0));
+            vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, at("/time_ms"))]
+        }
+        ("error", Some("screen")) => {
+            vec![(Quantity::ScreenRmse, at("/rmse")), (Quantity::ErrorStudyTime, at("/time_ms"))]
+        }
+        ("error", Some("world")) => {
+            vec![(Quantity::WorldRmse, at("/rmse")), (Quantity::ErrorStudyTime, at("/time_ms"))]
+        }
+        ("motion", _) => vec![(Quantity::MotionDeviation, at("/deviation"))],
+        _ => Vec::new(),
+    };
+    let sound =
+        |(quantity, value): (Quantity, Option<f64>)| Some((quantity, value.filter(|v| v.is_finite() && *v >= 0.0)?));
+    found.into_iter().filter_map(sound).collect()
+}
+
+fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
+    let text = |name: &str| json[name].as_str().ok_or_else(|| format!("has no {name}"));
+    let pixels = |name: &str| {
+        let pixels = json[name].as_u64().and_then(|n| u32::try_from(n).ok());
+        pixels.ok_or_else(|| format!("has no {name}"))
+    };
+    Ok(Head {
+        kind: kind.to_owned(),
+        program,
+        scene: text("scene")?.to_owned(),
+        view: text("view")?.to_owned(),
+        method: text("method")?.to_owned(),
+        preset: json["preset"].as_str().and_then(Preset::of_name).unwrap_or_default(),
+        width: pixels("width")?,
+        height: pixels("height")?,
+        roughness: json["roughness"].as_f64().map(|r| r as f32),
+        setup: setup(json),
+    })
+}
+
+/// All that was set, wherever the record says it.
+fn setup(json: &Json) -> RecordedSetup {
+    let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
+    let mut all: RecordedSetup = top.collect();
+    for part in ["params", "setup"] {
+        let values = json[part].as_object().into_iter().flatten();
+        all.extend(values.map(|(name, value)| (name.clone(), value.clone())));
+    }
+    all
+}
+
+fn setting(head: &Head) -> Setting {
+    let known = OF_THE_PLACE.iter().filter_map(|name| Some((name, head.setup.get(*name)?)));
+    let said = known.filter(|(_, value)| !value.is_null()).map(|(name, value)| format!("{name} {}", cell(value)));
+    Setting {
+        scene: head.scene.clone(),
+        size: [head.width, head.height],
+        roughness: head.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string()),
+        rest: [format!("definitions {}", head.program.definitions)].into_iter().chain(said).collect(),
+    }
+}
+
+/// The method and what is not its preset's. Nobody here knows the presets of a method from a folder, so that all of its
+/// parameters are named.
+fn method(head: &Head) -> String {
+    if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
+        return head.variant();
+    }
+    let around: Vec<_> = EffectParams::table().iter().map(|p| p.name).collect();
+    let place = ["preset", "width", "height", "roughness"].iter().chain(&OF_THE_PLACE);
+    let known: Vec<&str> = place.copied().chain(around).collect();
+    let own = head.setup.iter().filter(|(name, value)| !known.contains(&name.as_str()) && !value.is_null());
+    own.fold(head.variant(), |name, (parameter, value)| format!("{name} {parameter} {}", cell(value)))
+}

@@ -1,0 +1,206 @@
+//! A library of runs whose figures are known.
+
+use super::changes::{changes, totals_only};
+use super::read::{is_records, record};
+use super::trends::trends;
+use super::*;
+use crate::metrics::bootstrap::Verdict;
+use crate::study::compare::{Run, Subject, TOTAL, TimeSample, times};
+use serde_json::{Value as Json, json};
+use std::sync::Arc;
+
+fn device(name: &str) -> Json {
+    json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
+}
+
+/// A record of a time as this version writes it.
+fn time_record(device_name: &str, view: &str, method: &str, ms: f64) -> Json {
+    json!({
+        "kind": "time", "definitions": 2, "version": "0.1.0", "commit": "c", "device": device(device_name),
+        "scene": "rooms", "view": view, "method": method, "preset": "published", "width": 64, "height": 36,
+        "roughness": 0.1, "setup": { "fov_degrees": 74.0, "roughness": 0.1 }, "total": { "median_ms": ms },
+    })
+}
+
+/// A run with some records.
+fn run(name: &str, records: &[Json]) -> LibraryRun {
+    let mut run = LibraryRun {
+        name: name.into(),
+        date: "2026-11-24".into(),
+        dated_by: DatedBy::Folder,
+        files: Vec::new(),
+        has_page: false,
+        programs: Vec::new(),
+        definitions: vec![2],
+        devices: Vec::new(),
+        measurements: Vec::new(),
+        stress: None,
+        samples: None,
+        notes: Vec::new(),
+    };
+    for json in records {
+        let read = record(json).expect("a whole record");
+        let at = run.devices.iter().position(|d| *d == read.device).unwrap_or_else(|| {
+            run.devices.push(read.device.clone());
+            run.devices.len() - 1
+        });
+        run.measurements.extend(read.measurements.into_iter().map(|m| Measurement { device: at, ..m }));
+    }
+    run
+}
+
+/// A trend's figure, runs and lines.
+type Shown = (Quantity, Vec<usize>, Vec<(String, Vec<Option<f64>>)>);
+
+fn shown(library: &[LibraryRun]) -> Vec<Shown> {
+    let lines = |t: &trends::Trend| t.lines.iter().map(|l| (l.method.clone(), l.values.clone())).collect();
+    trends(library, "ssct").iter().map(|t| (t.quantity, t.runs.clone(), lines(t))).collect()
+}
+
+#[test]
+fn a_time_is_over_the_base_of_its_own_run_and_the_median_over_the_views() {
+    let of = |factor: f64, unified: [f64; 3]| {
+        let views = ["a", "b", "c"].into_iter().zip(unified);
+        let records = views.flat_map(|(view, over)| {
+            [time_record("gpu", view, "ssct", 10.0 * factor), time_record("gpu", view, "unified", 10.0 * factor * over)]
+        });
+        run("r", &records.collect::<Vec<_>>())
+    };
+    // The second machine is ten times as slow, which no ratio shows.
+    let library = [of(1.0, [0.5, 0.75, 2.0]), of(10.0, [0.5, 0.25, 0.5])];
+    let expected = vec![("unified".to_owned(), vec![Some(0.75), Some(0.5)])];
+    assert_eq!(shown(&library), [(Quantity::Time, vec![0, 1], expected)]);
+}
+
+#[test]
+fn no_line_joins_devices_views_or_settings() {
+    let pair = |device: &str, view: &str| {
+        run("r", &[time_record(device, view, "ssct", 10.0), time_record(device, view, "unified", 5.0)])
+    };
+    assert_eq!(shown(&[pair("one", "a"), pair("two", "a")]), [], "devices");
+    assert_eq!(shown(&[pair("one", "a"), pair("one", "b")]), [], "views");
+    // In one run of two devices, the base is that of the method's own.
+    let merged = run("r", &[time_record("one", "a", "ssct", 10.0), time_record("two", "a", "unified", 5.0)]);
+    assert_eq!(shown(&[merged.clone(), merged]), [], "a ratio across devices");
+    let mut other = time_record("one", "a", "unified", 5.0);
+    other["roughness"] = 0.3.into();
+    let other = run("r", &[other, time_record("one", "a", "ssct", 10.0)]);
+    assert_eq!(shown(&[pair("one", "a"), other]), [], "roughness");
+    let mut older = time_record("one", "a", "unified", 5.0);
+    older["definitions"] = 1.into();
+    let older = run("r", &[older, time_record("one", "a", "ssct", 10.0)]);
+    assert_eq!(shown(&[pair("one", "a"), older]), [], "definitions");
+    // A parameter makes another method.
+    let mut varied = time_record("one", "a", "unified", 5.0);
+    varied["setup"]["resolution_scale"] = 0.5.into();
+    let varied = run("r", &[varied, time_record("one", "a", "ssct", 10.0)]);
+    assert_eq!(shown(&[pair("one", "a"), varied]), [], "parameters");
+    assert_eq!(shown(&[pair("one", "a"), pair("one", "a")]).len(), 1, "and the same is joined");
+}
+
+#[test]
+fn errors_are_followed_as_they_are_and_gaps_stay() {
+    let error = |method: &str, rmse: Option<f64>| {
+        let mut record = time_record("gpu", "a", method, 1.0);
+        let fields = [("kind", json!("error")), ("against", json!("world")), ("rmse", json!(rmse))];
+        fields.into_iter().for_each(|(name, value)| record[name] = value);
+        record
+    };
+    let library = [
+        run("1", &[error("ssct", Some(0.04)), error("unified", Some(0.02))]),
+        run("2", &[error("ssct", Some(0.05)), error("unified", None)]),
+        run("3", &[error("unified", Some(0.01))]),
+    ];
+    let lines = vec![
+        ("ssct".to_owned(), vec![Some(0.04), Some(0.05), None]),
+        ("unified".to_owned(), vec![Some(0.02), None, Some(0.01)]),
+    ];
+    assert_eq!(shown(&library), [(Quantity::WorldRmse, vec![0, 1, 2], lines)]);
+}
+
+#[test]
+fn an_older_record_is_read_as_far_as_it_goes() {
+    // Of the first version: parameters apart from the setup, some of them at the top.
+    let old = json!({
+        "kind": "error", "definitions": 1, "version": "0.1.0", "commit": "1a673ff7e6", "device": device("gpu"),
+        "scene": "rooms", "view": "a", "method": "ssct", "preset": "author", "width": 64, "height": 36,
+        "resolution_scale": 0.5, "roughness": 0.0, "normal_deviation": 0.25, "params": { "cone_samples": 3 },
+        "time_ms": 12.5, "against": "oracle", "hit_agreement": 0.75, "rmse": null,
+    });
+    let read = record(&old).expect("read");
+    assert_eq!((read.program.as_str(), read.definitions), ("0.1.0, commit 1a673ff7e6", 1));
+    let figures: Vec<_> = read.measurements.iter().map(|m| (m.quantity, m.value)).collect();
+    assert_eq!(figures, [(Quantity::WrongHits, 0.25), (Quantity::ErrorStudyTime, 12.5)]);
+    let first = &read.measurements[0];
+    assert_eq!(first.setting.rest, ["definitions 1", "normal_deviation 0.25"]);
+    for word in ["ssct", "author", "cone-samples 3", "resolution-scale 0.5"] {
+        assert!(first.method.contains(word), "{word}: {}", first.method);
+    }
+    // Of a method from a folder nobody knows the presets.
+    let mut folder = time_record("gpu", "a", "my/method", 1.0);
+    folder["setup"]["steps"] = 12.into();
+    let read = record(&folder).expect("read");
+    assert_eq!(read.measurements[0].method, "my/method steps 12");
+
+    assert!(is_records(&json!([old])) && !is_records(&json!([])) && !is_records(&json!([{ "kind": "compare" }])));
+    let lacks = |name: &str| {
+        let mut record = time_record("gpu", "a", "ssct", 1.0);
+        record.as_object_mut().expect("an object").remove(name);
+        super::read::record(&record).expect_err(name)
+    };
+    assert_eq!(
+        ["device", "view", "width", "kind"].map(lacks),
+        ["has no device", "has no view", "has no width", "has no kind that is known"]
+    );
+}
+
+/// Frames of two counted passes and one that does not count; `factor` is on the counted ones.
+fn frames(device: Option<DeviceInfo>, factor: f64) -> Run {
+    let said = [("scene", "rooms"), ("view", "a"), ("method", "ssct")].map(|(n, v)| (n.to_owned(), v.to_owned()));
+    let subject = Arc::new(Subject(said.into_iter().collect()));
+    let sample = |n: u64, pass: &str, counted, ms| TimeSample {
+        subject: Arc::clone(&subject),
+        sample: n,
+        pass: pass.to_owned(),
+        counted,
+        ms,
+        floors: [Some(0.5), Some(0.02)],
+    };
+    let jitter = |n: u64| 1.0 + 0.01 * (n % 3) as f64;
+    let frame = |n: u64| {
+        [
+            sample(n, "lighting", false, 50.0),
+            sample(n, "trace", true, 8.0 * factor * jitter(n)),
+            sample(n, "composite", true, 2.0 * factor),
+        ]
+    };
+    Run { name: "r".into(), device, samples: (0..9).flat_map(frame).collect() }
+}
+
+#[test]
+fn a_change_is_judged_as_compare_judges_the_total() {
+    let gpu = |name: &str| record(&time_record(name, "a", "ssct", 1.0)).expect("read").device;
+    let with = |device: Option<DeviceInfo>, factor: f64| LibraryRun {
+        samples: Some(totals_only(frames(device, factor))),
+        ..run("r", &[])
+    };
+    let [one, two] = ["one", "two"].map(gpu);
+    let library = [
+        with(Some(one.clone()), 1.0),
+        with(Some(two.clone()), 1.0),
+        run("no samples", &[]),
+        with(None, 1.0),
+        with(Some(one.clone()), 2.0),
+        with(Some(two), 1.001),
+    ];
+    let found = changes(&library, 0.05);
+    let verdicts: Vec<_> =
+        found.iter().map(|c| (c.before, c.after, c.totals.iter().map(|t| t.verdict).collect::<Vec<_>>())).collect();
+    assert_eq!(verdicts, [(0, 4, vec![Some(Verdict::Slower)]), (1, 5, vec![Some(Verdict::Same)])]);
+    // Number for number what comparing all passes says of the total.
+    let whole = times(&frames(Some(one.clone()), 1.0), &frames(Some(one), 2.0), 0.05);
+    let total = whole.iter().find(|r| r.pass == TOTAL).expect("a total");
+    let of =
+        |r: &crate::study::compare::TimeComparison| (r.median_a_ms, r.ratio, r.low, r.high, r.noise_floor, r.samples_b);
+    assert_eq!(of(&found[0].totals[0]), of(total));
+}

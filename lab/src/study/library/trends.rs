@@ -1,0 +1,110 @@
+//! Figures over runs. A time is given over that of a base method in the same run on the same device, never in
+//! milliseconds and never across devices. A line joins runs only where the same views were measured in the same setting.
+
+use super::{LibraryRun, Quantity, Setting};
+use crate::gpu::DeviceInfo;
+use crate::study::record::Stats;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Lines of one figure over the runs that measured it in the same places on one device.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trend {
+    /// Device.
+    pub device: DeviceInfo,
+    /// Where.
+    pub setting: Setting,
+    /// The views whose median each value is.
+    pub views: Vec<String>,
+    /// What.
+    pub quantity: Quantity,
+    /// The runs of the lines, by their index in the library, in its order; at least two.
+    pub runs: Vec<usize>,
+    /// A line a method, by name.
+    pub lines: Vec<TrendLine>,
+}
+
+/// A method over the runs of its trend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrendLine {
+    /// The method and its parameters.
+    pub method: String,
+    /// For each run the median over the views; nothing where the run has none of it. At least two are there.
+    pub values: Vec<Option<f64>>,
+}
+
+/// The values of one method in one run, by view.
+type Views = BTreeMap<String, f64>;
+
+/// All trends of a library in its order, with times over those of a base method.
+pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
+    let devices = devices(library);
+    // By device, setting, views and quantity: the methods, and of each the runs with their medians.
+    let mut groups: BTreeMap<(usize, Setting, Vec<String>, Quantity), BTreeMap<String, BTreeMap<usize, f64>>> =
+        BTreeMap::new();
+    for (at, run) in library.iter().enumerate() {
+        for ((device, setting, quantity), methods) in cells(run) {
+            let Some(device) = devices.iter().position(|d| **d == run.devices[device]) else { continue };
+            let base = methods.get(base).cloned();
+            for (method, views) in methods {
+                let Some(views) = relative(quantity, &views, base.as_ref()) else { continue };
+                let median = Stats::of(&views.values().copied().collect::<Vec<_>>()).median_ms;
+                let key = (device, setting.clone(), views.into_keys().collect(), quantity);
+                groups.entry(key).or_default().entry(method).or_default().insert(at, median);
+            }
+        }
+    }
+    let trend = |((device, setting, views, quantity), mut methods): (_, BTreeMap<String, BTreeMap<usize, f64>>)| {
+        // The base over itself says nothing.
+        methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
+        let runs: BTreeSet<usize> = methods.values().flat_map(|values| values.keys().copied()).collect();
+        let line = |(method, values): (String, BTreeMap<usize, f64>)| TrendLine {
+            method,
+            values: runs.iter().map(|run| values.get(run).copied()).collect(),
+        };
+        let lines: Vec<_> = methods.into_iter().map(line).collect();
+        let device: &DeviceInfo = devices[device];
+        (!lines.is_empty()).then(|| Trend {
+            device: device.clone(),
+            setting,
+            views,
+            quantity,
+            runs: runs.into_iter().collect(),
+            lines,
+        })
+    };
+    groups.into_iter().filter_map(trend).collect()
+}
+
+/// The devices of a library, in the order in which they appear.
+pub fn devices(library: &[LibraryRun]) -> Vec<&DeviceInfo> {
+    let mut devices: Vec<&DeviceInfo> = Vec::new();
+    for device in library.iter().flat_map(|run| &run.devices) {
+        if !devices.contains(&device) {
+            devices.push(device);
+        }
+    }
+    devices
+}
+
+/// The measurements of a run by device, setting and quantity, then by method, then by view.
+fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<String, Views>> {
+    let mut cells: BTreeMap<_, BTreeMap<String, Views>> = BTreeMap::new();
+    for m in &run.measurements {
+        let methods = cells.entry((m.device, m.setting.clone(), m.quantity)).or_default();
+        methods.entry(m.method.clone()).or_default().insert(m.view.clone(), m.value);
+    }
+    cells
+}
+
+/// The values as they are, or of a time those over the base's in the views that both have; `None` where there is nothing.
+fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
+    if !quantity.is_time() {
+        return Some(views.clone());
+    }
+    let over = |(view, value): (&String, &f64)| {
+        let base = base?.get(view).filter(|base| **base > 0.0)?;
+        Some((view.clone(), value / base))
+    };
+    let found: Views = views.iter().filter_map(over).collect();
+    (!found.is_empty()).then_some(found)
+}

@@ -1,0 +1,288 @@
+//! Puts the shards of a study together: what was measured, from all their journals (docs/many-machines.md, "Merging").
+//! Shards of different studies, and cells that two of them measured differently, are refused.
+
+use super::cell_list::{CellList, ListedCell, ListedResult};
+use super::journal::{Journal, key_of};
+use crate::error::{Error, Result};
+use serde_json::Value;
+use std::collections::HashSet;
+use std::path::PathBuf;
+
+/// A run that is merged.
+pub struct MergeInput {
+    /// Where it lies.
+    pub folder: PathBuf,
+    /// Its cells.
+    pub cells: CellList,
+    /// Its journal.
+    pub journal: Journal,
+    /// The lines of the journal, in order.
+    pub lines: Vec<String>,
+}
+
+/// Several runs as one.
+pub struct MergedRun {
+    /// The cells of the whole study; its own are those that were measured.
+    pub cells: CellList,
+    /// The lines of the journal.
+    pub lines: Vec<String>,
+    /// What was measured, cell by cell.
+    pub results: Vec<MergedResult>,
+    /// The cells that nobody measured.
+    pub missing: Vec<String>,
+}
+
+/// A result of a merged run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MergedResult {
+    /// Which of the devices measured it, counted from 0.
+    pub device: usize,
+    /// What the journal keeps.
+    pub value: Value,
+}
+
+/// Reads the result of a cell from a journal; `None` where it is not there, or not whole.
+pub type ReadResult<'a> = &'a dyn Fn(&CellList, &ListedResult, &Journal) -> Option<Value>;
+
+/// Puts runs together, the first of several measurements on one device counting.
+///
+/// # Errors
+/// [`Error::Malformed`] with the folder that does not fit the ones before it: of another study, or with other figures for
+/// a cell that they have, too.
+pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
+    let Some(first) = inputs.first() else {
+        return Err(Error::Usage("nothing to merge: name the folders of some shards".into()));
+    };
+    for input in &inputs[1..] {
+        if let Some(difference) = difference_of_studies(&first.cells, &input.cells) {
+            let message = format!("is not of the same study as {}: {difference}", first.folder.display());
+            return Err(Error::malformed(&input.folder, None, message));
+        }
+    }
+    check_overlaps(inputs, read)?;
+
+    let mut cells = CellList { shard: None, devices: Vec::new(), ..first.cells.clone() };
+    for (n, cell) in cells.cells.iter_mut().enumerate() {
+        cell.results = Vec::new();
+        for input in inputs {
+            for result in &input.cells.cells[n].results {
+                let Some(device) = input.cells.devices.get(result.device) else { continue };
+                let place = cells.devices.iter().position(|known| known == device).unwrap_or_else(|| {
+                    cells.devices.push(device.clone());
+                    cells.devices.len() - 1
+                });
+                if !cell.results.iter().any(|known| known.key == result.key) {
+                    cell.results.push(ListedResult { device: place, ..result.clone() });
+                }
+            }
+        }
+    }
+    let mut seen = HashSet::new();
+    let all = inputs.iter().flat_map(|input| &input.lines);
+    let lines: Vec<String> = all.filter(|line| key_of(line).is_some_and(|key| seen.insert(key))).cloned().collect();
+    let journal = Journal::resume(lines.iter().map(String::as_str), None);
+    let mut merged = MergedRun { cells, lines, results: Vec::new(), missing: Vec::new() };
+    let list = merged.cells.clone();
+    for cell in &mut merged.cells.cells {
+        let results: Vec<(ListedResult, Value)> =
+            cell.results.iter().filter_map(|of| Some((of.clone(), read(&list, of, &journal)?))).collect();
+        cell.own = !results.is_empty();
+        if results.is_empty() {
+            merged.missing.push(cell.name.clone());
+        }
+        let (listed, values): (Vec<_>, Vec<_>) = results.into_iter().unzip();
+        let devices = listed.iter().map(|of: &ListedResult| of.device);
+        merged.results.extend(devices.zip(values).map(|(device, value)| MergedResult { device, value }));
+        cell.results = listed;
+    }
+    Ok(merged)
+}
+
+/// Why two runs are not of one study.
+fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
+    let pairs = a.in_common().into_iter().zip(b.in_common());
+    if let Some(((what, a), (_, b))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
+        return Some(format!("its {what} is {b} and not {a}"));
+    }
+    if let Some((a, b)) = a.cells.iter().zip(&b.cells).find(|(a, b)| a.name == b.name && a.setup != b.setup) {
+        return Some(format!("the setup of its cell {} has the digest {} and not {}", a.name, b.setup, a.setup));
+    }
+    let lacks =
+        |of: &CellList, cell: &ListedCell| !of.cells.iter().any(|c| c.name == cell.name && c.setup == cell.setup);
+    if let Some(cell) = a.cells.iter().find(|cell| lacks(b, cell)) {
+        return Some(format!("it has no cell {}", cell.name));
+    }
+    if let Some(cell) = b.cells.iter().find(|cell| lacks(a, cell)) {
+        return Some(format!("it has a cell more, {}", cell.name));
+    }
+    let same_order = a.cells.len() == b.cells.len() && a.cells.iter().zip(&b.cells).all(|(a, b)| a.setup == b.setup);
+    (!same_order).then(|| "its cells are in another order".to_owned())
+}
+
+/// Refuses cells that two runs measured with different figures.
+fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
+    let values = |input: &MergeInput, n: usize| -> Vec<Value> {
+        let results = &input.cells.cells[n].results;
+        results.iter().filter_map(|of| read(&input.cells, of, &input.journal)).collect()
+    };
+    for n in 0..inputs[0].cells.cells.len() {
+        let mut known: Option<(&MergeInput, Value)> = None;
+        for input in inputs {
+            for value in values(input, n) {
+                let Some((of, before)) = &known else {
+                    known = Some((input, value));
+                    continue;
+                };
+                if let Some(difference) = difference_of_figures(before, &value) {
+                    let (name, other) = (&input.cells.cells[n].name, of.folder.display());
+                    let message = format!("its cell {name} is not as in {other}: {difference}");
+                    return Err(Error::malformed(&input.folder, None, message));
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What in records differs from machine to machine and from run to run.
+const NOT_FIGURES: [&str; 11] = [
+    "device",
+    "time_ms",
+    "prepared",
+    "effect_ms",
+    "capture_ms",
+    "passes",
+    "total",
+    "frame",
+    "noise_floor",
+    "samples",
+    "command",
+];
+
+/// Where two results first differ in what is no time and no device.
+fn difference_of_figures(a: &Value, b: &Value) -> Option<String> {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
+            let counts = names.filter(|name| !NOT_FIGURES.contains(&name.as_str()));
+            counts.into_iter().find_map(|name| {
+                let [a, b] = [a, b].map(|of| of.get(name).unwrap_or(&Value::Null));
+                let difference = difference_of_figures(a, b)?;
+                Some(format!("{name}{}{difference}", if difference.starts_with(" is ") { "" } else { "." }))
+            })
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            a.iter().zip(b).enumerate().find_map(|(n, (a, b))| {
+                let difference = difference_of_figures(a, b)?;
+                // A record says of which method it is.
+                let method =
+                    a.get("method").and_then(Value::as_str).map(|name| format!(" ({name})")).unwrap_or_default();
+                let dot = if difference.starts_with(" is ") { "" } else { "." };
+                Some(format!("{n}{method}{dot}{difference}"))
+            })
+        }
+        _ => (a != b).then(|| format!(" is {b} and not {a}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::DeviceInfo;
+    use serde_json::json;
+
+    fn list(own: &[&str], device: &str) -> CellList {
+        let device = DeviceInfo { name: device.into(), driver: "d".into(), api: "1.3".into(), kind: "CPU".into() };
+        let cell = |name: &&str| {
+            let result = ListedResult { device: 0, key: format!("{} {name}", device.name), of: Value::Null };
+            let is_own = own.contains(name);
+            let results = is_own.then_some(result).into_iter().collect();
+            ListedCell { name: (*name).into(), setup: format!("digest of {name}"), own: is_own, results }
+        };
+        CellList {
+            kind: "error".into(),
+            definitions: 2,
+            version: "1".into(),
+            commit: "c".into(),
+            command: String::new(),
+            shard: None,
+            settings: Value::Null,
+            scenes: vec![("rooms".into(), "digest".into())],
+            cells: ["a", "b", "c"].iter().map(cell).collect(),
+            devices: vec![device],
+        }
+    }
+
+    /// A run with some of the cells, and an error for each.
+    fn input(folder: &str, device: &str, errors: &[(&str, f64)]) -> MergeInput {
+        let names: Vec<&str> = errors.iter().map(|(name, _)| *name).collect();
+        let line = |(n, (name, rmse)): (usize, &(&str, f64))| {
+            let record = json!([{"method": "ssct", "rmse": rmse, "time_ms": n as f64, "device": device}]);
+            json!({"key": format!("{device} {name}"), "value": record}).to_string()
+        };
+        let lines: Vec<String> = errors.iter().enumerate().map(line).collect();
+        let journal = Journal::resume(lines.iter().map(String::as_str), None);
+        MergeInput { folder: folder.into(), cells: list(&names, device), journal, lines }
+    }
+
+    fn read(_: &CellList, of: &ListedResult, journal: &Journal) -> Option<Value> {
+        journal.value(&of.key).cloned()
+    }
+
+    fn refused(inputs: &[MergeInput]) -> String {
+        merge(inputs, &read).err().expect("refused").to_string()
+    }
+
+    #[test]
+    fn cells_come_in_the_order_of_the_study_and_missing_ones_are_named() {
+        let merged =
+            merge(&[input("B", "x", &[("c", 3.0)]), input("A", "x", &[("a", 1.0)])], &read).expect("one study");
+        let errors: Vec<_> = merged.results.iter().map(|r| r.value[0]["rmse"].as_f64()).collect();
+        assert_eq!((errors, merged.missing), (vec![Some(1.0), Some(3.0)], vec!["b".to_owned()]));
+        assert_eq!(merged.cells.cells.iter().map(|c| c.own).collect::<Vec<_>>(), [true, false, true]);
+        assert_eq!(merged.cells.devices.len(), 1);
+    }
+
+    #[test]
+    fn of_one_device_the_first_counts_and_of_two_devices_both() {
+        let all = [("a", 1.0), ("b", 2.0), ("c", 3.0)];
+        let same = merge(&[input("A", "x", &all), input("B", "x", &all[1..])], &read).expect("they agree");
+        assert_eq!((same.results.len(), same.lines.len()), (3, 3));
+        assert_eq!(same.results[1].value[0]["time_ms"], 1.0, "B measured it as its first");
+        let two = merge(&[input("A", "x", &all), input("B", "y", &all[1..])], &read).expect("they agree");
+        let devices: Vec<_> = two.results.iter().map(|r| r.value[0]["device"].as_str().map(str::to_owned)).collect();
+        assert_eq!(devices, ["x", "x", "y", "x", "y"].map(|d| Some(d.to_owned())));
+        // And what was merged is merged again.
+        let again = MergeInput {
+            folder: "AB".into(),
+            journal: Journal::resume(two.lines.iter().map(String::as_str), None),
+            cells: two.cells.clone(),
+            lines: two.lines.clone(),
+        };
+        let both = merge(&[again, input("B", "y", &all[1..])], &read).expect("they agree");
+        assert_eq!((both.results, both.cells), (two.results, two.cells));
+    }
+
+    #[test]
+    fn what_differs_is_refused_with_what_and_where() {
+        let said = refused(&[input("A", "x", &[("a", 1.0)]), input("B", "y", &[("a", 1.5)])]);
+        assert_eq!(said, "B: its cell a is not as in A: 0 (ssct).rmse is 1.5 and not 1.0");
+        let with = |change: fn(&mut CellList)| {
+            let mut other = input("B", "x", &[("b", 1.0)]);
+            change(&mut other.cells);
+            refused(&[input("A", "x", &[("a", 1.0)]), other])
+        };
+        assert_eq!(with(|c| c.commit = "e".into()), "B: is not of the same study as A: its commit is e and not c");
+        assert!(with(|c| c.version = "2".into()).ends_with("its version is 2 and not 1"));
+        assert!(with(|c| c.definitions = 1).ends_with("its version of the definitions is 1 and not 2"));
+        assert!(with(|c| c.kind = "time".into()).ends_with("its kind is time and not error"));
+        assert!(
+            with(|c| c.scenes[0].1 = "other".into())
+                .ends_with("its list of scenes is rooms other and not rooms digest")
+        );
+        assert!(with(|c| c.cells[2].setup = "x".into()).contains("the setup of its cell c has the digest x"));
+        assert!(with(|c| drop(c.cells.pop())).ends_with("it has no cell c"));
+        assert!(with(|c| c.cells.swap(0, 1)).ends_with("its cells are in another order"));
+        assert!(merge(&[], &read).is_err());
+    }
+}

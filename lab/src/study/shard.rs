@@ -1,0 +1,187 @@
+//! Shards: the cells of a study divided among machines that know nothing of each other (docs/many-machines.md,
+//! "Shards"). Who runs a cell follows from the setups of all cells and from what they are predicted to cost: not from
+//! their order, the device or the machine, so that every machine divides them in the same way.
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+/// One of several shards.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Shard {
+    /// Which, from 1 to `of`.
+    pub index: u32,
+    /// How many there are.
+    pub of: u32,
+}
+
+/// The most shards.
+const MOST: u32 = 1_000_000;
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// Reads `3/8`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("{text:?} is no shard; write it as 3/8, the third of eight");
+        let (index, of) = text.split_once('/').ok_or_else(wrong)?;
+        match (index.trim().parse(), of.trim().parse()) {
+            (Ok(index), Ok(of)) if (1..=of).contains(&index) && of <= MOST => Ok(Self { index, of }),
+            (Ok(index), Ok(of)) if of <= MOST => {
+                let index: u32 = index;
+                Err(format!("there is no shard {index} of {of}: shards are counted from 1 to their number"))
+            }
+            (Ok(_), Ok(_)) => Err(format!("{text:?} has more than {MOST} shards")),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+impl fmt::Display for Shard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.index, self.of)
+    }
+}
+
+/// A cell as far as dividing needs it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Share {
+    /// A digest of its setup, as [`super::journal::setup_digest`] makes it. Cells of one setup are one cell.
+    pub setup: String,
+    /// What it is predicted to take, in seconds or in any other unit.
+    pub cost: f64,
+}
+
+/// The shard that runs each cell, counted from 1, in the order of the cells.
+///
+/// The dearest cell goes first, and each to the shard that has least to do until then; cells of one cost are dealt in the
+/// order of their digests (the rule "longest processing time first": Graham 1969).
+pub fn owners(cells: &[Share], of: u32) -> Vec<u32> {
+    let unique: BTreeMap<&str, f64> = cells.iter().map(|c| (c.setup.as_str(), c.cost)).collect();
+    let mut order: Vec<(&str, f64)> = unique.into_iter().collect();
+    // Stable, so that what costs the same stays in the order of the digests.
+    order.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let mut loads = Loads::new(of);
+    let owner: BTreeMap<&str, u32> = order.into_iter().map(|(setup, cost)| (setup, loads.take(cost))).collect();
+    cells.iter().map(|c| owner[c.setup.as_str()]).collect()
+}
+
+/// The shard that a digest alone gives a cell: what [`owners`] is held against.
+pub fn owner_by_digest(setup: &str, of: u32) -> u32 {
+    let number = u64::from_str_radix(setup.get(..16).unwrap_or(setup), 16).unwrap_or(0);
+    (number % u64::from(of.max(1))) as u32 + 1
+}
+
+/// What some shards have to do: seconds, cells, and which shard.
+struct Loads(std::collections::BTreeSet<(Load, u32, u32)>);
+
+/// A sum of costs, ordered.
+#[derive(Clone, Copy, PartialEq)]
+struct Load(f64);
+
+impl Eq for Load {}
+
+impl Ord for Load {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.0.total_cmp(&other.0)
+    }
+}
+
+impl PartialOrd for Load {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Loads {
+    fn new(of: u32) -> Self {
+        Self((1..=of.max(1)).map(|shard| (Load(0.0), 0, shard)).collect())
+    }
+
+    /// Adds a cost to the shard that has least, of several the one with the fewest cells, of these the first; says which.
+    fn take(&mut self, cost: f64) -> u32 {
+        let Some((Load(load), cells, shard)) = self.0.pop_first() else { return 1 };
+        self.0.insert((Load(load + cost), cells + 1, shard));
+        shard
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::journal::setup_digest;
+    use proptest::prelude::*;
+    use serde_json::json;
+
+    fn shares(costs: &[u32]) -> Vec<Share> {
+        let share =
+            |(n, cost): (usize, &u32)| Share { setup: setup_digest(&json!(["cell", n])), cost: f64::from(*cost) };
+        costs.iter().enumerate().map(share).collect()
+    }
+
+    #[test]
+    fn a_shard_is_written_as_it_is_read() {
+        assert_eq!("3/8".parse(), Ok(Shard { index: 3, of: 8 }));
+        assert_eq!(Shard { index: 3, of: 8 }.to_string(), "3/8");
+        for wrong in ["0/8", "9/8", "1/0", "1", "a/b", "-1/2", "1/2/3", "1/1000001"] {
+            assert!(wrong.parse::<Shard>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn the_dearest_goes_first_and_to_whom_has_least() {
+        // By hand: 8 | 7; then 6 to the second, which has least but for nobody else: 8 | 13; 5: 13 | 13; 4: 17 | 13.
+        let owner = owners(&shares(&[4, 5, 6, 7, 8]), 2);
+        let load =
+            |shard| -> u32 { [4, 5, 6, 7, 8].iter().zip(&owner).filter(|(_, o)| **o == shard).map(|(c, _)| c).sum() };
+        assert_eq!((load(1), load(2)), (17, 13));
+        assert_eq!(owner[4], 1);
+        let digest = setup_digest(&json!("a"));
+        assert!((1..=7).contains(&owner_by_digest(&digest, 7)) && owner_by_digest(&digest, 1) == 1);
+    }
+
+    proptest! {
+        /// Every cell has one owner, for every number of shards, whatever the order; and what a shard has to do is bounded.
+        #[test]
+        fn every_cell_has_one_owner_whatever_their_order(
+            costs in proptest::collection::vec(1_u32..1000, 1..60),
+            of in 1_u32..80,
+            turn in 0_usize..60,
+        ) {
+            let cells = shares(&costs);
+            let owner = owners(&cells, of);
+            prop_assert!(owner.iter().all(|o| (1..=of).contains(o)));
+            let mut turned = cells.clone();
+            turned.rotate_left(turn % cells.len());
+            turned.reverse();
+            let owner_of_turned = owners(&turned, of);
+            for (cell, own) in cells.iter().zip(&owner) {
+                let at = turned.iter().position(|c| c == cell).unwrap();
+                prop_assert_eq!(*own, owner_of_turned[at]);
+            }
+            // Nobody has more than the mean and one cell on top of it.
+            let (total, greatest) = (costs.iter().sum::<u32>(), *costs.iter().max().unwrap());
+            for shard in 1..=of {
+                let load: u32 = costs.iter().zip(&owner).filter(|(_, o)| **o == shard).map(|(c, _)| *c).sum();
+                prop_assert!(f64::from(load) <= f64::from(total) / f64::from(of) + f64::from(greatest));
+            }
+        }
+    }
+
+    #[test]
+    fn cells_that_cost_nothing_are_dealt_in_turn() {
+        let owner = owners(&shares(&[0; 7]), 3);
+        let count = |shard| owner.iter().filter(|o| **o == shard).count();
+        assert_eq!([1, 2, 3].map(count), [3, 2, 2]);
+    }
+
+    #[test]
+    fn two_cells_of_one_setup_have_one_owner() {
+        let mut cells = shares(&[1, 1, 1]);
+        cells.push(cells[0].clone());
+        let owner = owners(&cells, 3);
+        assert_eq!(owner[0], owner[3]);
+        assert_eq!(owner[..3].iter().collect::<std::collections::BTreeSet<_>>().len(), 3);
+    }
+}

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# The job after the tasks of a study on Slurm: submits again what failed, as often as allowed, and then merges. It runs
+# however the tasks ended, so that a task that failed for good is named instead of leaving a job that waits forever.
+# submit.sh submits it; nobody else calls it.
+set -euo pipefail
+
+folder=$1 round=$2
+source "$folder/study"
+source "$folder/settings"
+source "$HERE/common.sh"
+
+missing=($(unfinished "$folder" "$TASKS"))
+if [ ${#missing[@]} -gt 0 ]; then
+    echo "not done: tasks ${missing[*]}"
+    if [ "$round" -lt "$RETRIES" ]; then
+        submit_round "$folder" $((round + 1)) "${missing[@]}"
+        exit 0
+    fi
+    [ -n "$PARTIAL" ] || fail "tasks ${missing[*]} failed for good: see logs/, and submit again to go on with them"
+fi
+shards=()
+for ((n = 1; n <= TASKS; n++)); do
+    [ ! -d "$folder/shards/$n" ] || shards+=("shards/$n")
+done
+# Beside an earlier result, which stays until this one is whole.
+cd "$folder"
+rm -rf all.part
+"$SSCT" merge "${shards[@]}" -o all.part ${PARTIAL:+--partial}
+rm -rf all
+mv all.part all
+echo "merged: $folder/all"

@@ -1,0 +1,38 @@
+#!/usr/bin/env python3
+"""Holds the records of two runs of the error study against each other: all must be the same but for times.
+
+    scripts/cluster/same.py A B     folders with an error.json each
+"""
+
+import json
+import sys
+from pathlib import Path
+
+# What a record says of the time that something took.
+TIMES = ("time_ms",)
+
+
+def without_times(value):
+    """A record without its times, however deep they stand."""
+    if isinstance(value, dict):
+        return {name: without_times(part) for name, part in value.items() if name not in TIMES}
+    if isinstance(value, list):
+        return [without_times(part) for part in value]
+    return value
+
+
+def main(folders):
+    a, b = ([without_times(r) for r in json.loads((Path(f) / "error.json").read_text())] for f in folders)
+    if not a:
+        sys.exit(f"same: {folders[0]} has no records")
+    if a != b:
+        differing = [n for n, (one, other) in enumerate(zip(a, b)) if one != other]
+        first = f"; the first that differs is record {differing[0]}:\n{a[differing[0]]}\n{b[differing[0]]}" if differing else ""
+        sys.exit(f"same: {folders[0]} has {len(a)} records, {folders[1]} {len(b)}; {len(differing)} differ{first}")
+    print(f"same: {len(a)} records, equal but for times")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    main(sys.argv[1:])

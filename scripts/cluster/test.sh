@@ -1,0 +1,232 @@
+#!/usr/bin/env bash
+# Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, and another with
+# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then another,
+# on folders that each node has for itself: one task is asked to stop, one is cancelled, what there is is merged, and the
+# rest is submitted again. Installs Debian's packages if they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen
+# on the loopback address alone, and none of them outlives the script.
+#
+#   scripts/cluster/test.sh SSCT     the command to test
+#
+# The environment may set KEEP=1, which keeps the folder, and TASKS (8).
+set -euo pipefail
+
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+ssct=$(realpath "${1:?usage: scripts/cluster/test.sh SSCT}")
+tasks=${TASKS:-8}
+nodes=4
+say() { printf '%s test-cluster: %s\n' "$(date +%T)" "$*" >&2; }
+fail() { say "FAILED: $*"; exit 1; }
+
+"$here/packages.sh"
+export PATH=$PATH:/usr/sbin:/sbin
+
+folder=$(mktemp -d "${TMPDIR:-/tmp}/ssct-cluster.XXXXXX")
+chmod 755 "$folder"
+# Whatever is started below has this in its environment, by which it is found again: daemons, steps and tasks alike.
+export SSCT_CLUSTER_TEST=$folder SLURM_CONF=$folder/slurm.conf
+mkdir "$folder"/{log,state}
+
+# The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
+ours() {
+    local process id
+    for process in /proc/[0-9]*; do
+        id=${process#/proc/}
+        if { tr '\0' '\n' <"$process/environ"; } 2>/dev/null | grep -qxF "SSCT_CLUSTER_TEST=$folder"; then
+            printf '%s\n' "$id"
+        elif [ "$(cat "$process/comm" 2>/dev/null)" = slurmstepd ] && [ -n "$(node_of_step "$id")" ]; then
+            printf '%s\n' "$id"
+        fi
+    done
+}
+node_of_step() { readlink "/proc/$1"/fd/* 2>/dev/null | sed -n "s|^$folder/log/slurmd\.\(.*\)\.log\$|\1|p" | head -n 1; }
+
+stop_all() {
+    local status=$? ids n
+    trap - EXIT INT TERM
+    [ "$status" -eq 0 ] || tail -n 20 "$folder"/log/slurmctld.log "$folder"/study/logs/*.log >&2 2>/dev/null || true
+    for n in TERM TERM KILL KILL KILL; do
+        ids=$(ours)
+        [ -n "$ids" ] || break
+        # shellcheck disable=SC2086
+        kill -s "$n" $ids 2>/dev/null || true
+        sleep 1
+    done
+    [ -z "$(ours)" ] || { say "these processes are left: $(ours | tr '\n' ' ')"; status=1; }
+    if [ -n "${KEEP:-}" ]; then say "kept: $folder"; else rm -rf "$folder"; fi
+    exit "$status"
+}
+trap stop_all EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# Repeats a command until it succeeds; after so many seconds the test has failed.
+within() { # seconds, what is waited for, command...
+    local end=$((SECONDS + $1)) what=$2
+    shift 2
+    until "$@"; do
+        [ "$SECONDS" -lt "$end" ] || fail "waited too long until $what"
+        sleep 0.5
+    done
+}
+
+is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+first=$((20000 + RANDOM % 20000))
+for ((n = 0; n <= nodes; n++)); do
+    is_free $((first + n)) || { first=$((first + n + 1)); n=-1; }
+done
+
+user=$(id -un)
+# Every node is this machine under another port. A node that does not answer for 5 seconds is lost, and so soon that a
+# test can wait for it. A job that is queued again waits until its credential expires, else for two minutes.
+cat >"$SLURM_CONF" <<EOF
+ClusterName=ssct-test
+SlurmctldHost=localhost(127.0.0.1)
+SlurmctldPort=$first
+CommunicationParameters=NoCtldInAddrAny,NoInAddrAny
+SlurmUser=$user
+SlurmdUser=$user
+AuthType=auth/munge
+AuthInfo=socket=$folder/munge.socket,cred_expire=5
+CredType=cred/munge
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU_Memory
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+MpiDefault=none
+ReturnToService=2
+SlurmdTimeout=5
+KillWait=5
+SlurmdParameters=config_overrides
+StateSaveLocation=$folder/state
+SlurmdSpoolDir=$folder/spool.%n
+SlurmdPidFile=$folder/slurmd.%n.pid
+SlurmctldPidFile=$folder/slurmctld.pid
+SlurmctldLogFile=$folder/log/slurmctld.log
+SlurmdLogFile=$folder/log/slurmd.%n.log
+NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=8000
+PartitionName=main Nodes=ALL Default=YES State=UP MaxTime=INFINITE
+EOF
+
+# A key of its own: who has it may submit, and nobody else has it.
+(umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
+munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
+    --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
+slurmctld -c
+start_node() { mkdir -p "$folder/spool.$1" && slurmd -N "$1"; }
+for ((n = 1; n <= nodes; n++)); do start_node "node$n"; done
+idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = "$nodes" ]; }
+within 30 "$nodes nodes are idle" idle
+say "Slurm $(sinfo --version | cut -d' ' -f2) has $nodes nodes on this machine"
+if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((first + nodes))))\$" | grep -v '^127\.0\.0\.1:'; then
+    fail 'a daemon listens on more than the loopback address'
+fi
+
+study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
+    --samples 1 --rays 64 --no-sweep)
+result=$folder/study
+submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 --memory 1500 --time 30 "$@" -- "${study[@]}"; }
+submit --tasks "$tasks"
+array=$(squeue -h -n ssct -o %F | head -n 1)
+raw() { squeue -h -r -j "$array" -o '%K %A' 2>/dev/null | awk -v n="$1" '$1 == n { print $2 }'; }
+restarts() { scontrol -o show job "$(raw "$1")" 2>/dev/null | grep -o 'Restarts=[0-9]*' | cut -d= -f2; }
+# Cells that are done, each with a line of its own among those of its samples.
+entries() { grep -c '^{"key":"error ' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }
+
+# A task in its middle: it runs, its journal has a cell, and it is none of those that were disturbed already.
+disturbed=' '
+find_running() {
+    local n node
+    while read -r n node; do
+        [[ $disturbed == *" $n "* ]] && continue
+        if [ "$(entries "$n")" -ge 1 ] 2>/dev/null && [ ! -e "$result/done/$n" ]; then
+            found=$n found_on=$node
+            return 0
+        fi
+    done < <(squeue -h -r -t R -n ssct -o '%K %N')
+    return 1
+}
+disturb() { # what is done
+    within 120 "a task is in its middle, to $1" find_running
+    disturbed+="$found "
+    cp "$result/shards/$found/journal.jsonl" "$folder/journal-of-$found"
+    say "task $found on $found_on, with $(entries "$found") cells done: $1"
+}
+was_queued_again() { [ "$(restarts "$1")" -ge 1 ] 2>/dev/null; }
+
+disturb 'kill ssct'
+killed=$found
+scancel --signal=KILL "${array}_$killed.0"
+within 30 "task $killed is queued again" was_queued_again "$killed"
+
+disturb 'lose its node'
+lost=$found lost_node=$found_on
+# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
+daemons='' commands=''
+for id in $(ours); do
+    if [ "$(node_of_step "$id")" = "$lost_node" ] || [ "$id" = "$(cat "$folder/slurmd.$lost_node.pid")" ]; then
+        daemons+=" $id"
+    elif { tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null | grep -qx "SLURMD_NODENAME=$lost_node"; then
+        commands+=" $id"
+    fi
+done
+# shellcheck disable=SC2086
+kill -KILL $daemons $commands 2>/dev/null || true
+is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
+within 60 "$lost_node is down" is_down
+within 30 "task $lost is queued again" was_queued_again "$lost"
+say "task $lost is queued again, without $lost_node"
+
+disturb 'kill it with its script'
+dead=$found
+scancel --signal=KILL --batch "${array}_$dead"
+
+start_node "$lost_node"
+is_back() { sinfo -h -n "$lost_node" -o %T | grep -qxE 'idle|allocated|mixed'; }
+within 30 "$lost_node is back" is_back
+say "$lost_node is back"
+
+merged() { [ -e "$result/all/error.json" ] && [ -z "$(squeue -h)" ]; }
+within 300 'the tasks are merged' merged
+grep -q "^not done: tasks .*\b$dead\b" "$result/logs/merge.log" || fail "task $dead was not submitted again after all others"
+say 'merged'
+
+# What a disturbed task had measured was not measured again: its journal goes on from the same lines.
+went_on() { # tasks
+    local n
+    for n in "$@"; do
+        head -n "$(grep -c '' "$folder/journal-of-$n")" "$result/shards/$n/journal.jsonl" |
+            cmp -s - "$folder/journal-of-$n" || fail "the journal of task $n does not go on where it was"
+    done
+}
+went_on "$killed" "$lost" "$dead"
+"$ssct" "${study[@]}" -o "$folder/alone" >"$folder/log/alone.log"
+python3 "$here/same.py" "$folder/alone" "$result/all"
+
+# Another study, whose shards are worked at in a folder of each node.
+study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 64 --no-sweep)
+result=$folder/scratched disturbed=' '
+# shellcheck disable=SC2016
+scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1)
+submit --tasks 2 "${scratch[@]}" --retries 0 --partial
+array=$(squeue -h -n ssct -o %F | head -n 1)
+scancel "${array}_2"
+disturb 'ask it to stop'
+[ "$found" = 1 ] || fail 'task 2 runs, though it was cancelled'
+scancel --signal=TERM "${array}_1.0"
+within 30 'task 1 is queued again' was_queued_again 1
+within 120 'what there is is merged' merged
+went_on 1
+[ -e "$result/done/1" ] && [ ! -e "$result/done/2" ] || fail 'not task 1 alone is done'
+grep -q '^not done: tasks 2$' "$result/logs/merge.log" || fail 'the merge does not name task 2'
+[ -z "$(find "$folder"/scratch-of-* -mindepth 1)" ] || fail 'the folders of the nodes are not empty'
+submit --tasks 2 "${scratch[@]}" | grep '^tasks 2: ' || fail 'not task 2 alone was submitted again'
+is_whole() { [ -e "$result/done/2" ] && merged; }
+within 120 'all is merged' is_whole
+submit --tasks 2 | grep '^all 2 tasks are done' || fail 'something is left to do'
+if submit --tasks 3 2>"$folder/log/refused"; then fail 'another number of shards was taken'; fi
+grep -q 'holds another study, or another number of shards' "$folder/log/refused" || fail 'no sentence says why'
+"$ssct" "${study[@]}" -o "$folder/alone-too" >"$folder/log/alone-too.log"
+python3 "$here/same.py" "$folder/alone-too" "$result/all"
+say "passed in $SECONDS s"

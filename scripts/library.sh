@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Measures a quick study, adds it to a library of results, and writes the page over all of them.
+#
+#   scripts/library.sh SSCT LIBRARY
+#
+# The run's folder is named by date, time and commit. Of older runs only the records stay, and of these the latest KEEP
+# (100) alone, so that the library remains small enough for a static site.
+set -euo pipefail
+
+ssct=$(realpath "${1:?usage: scripts/library.sh SSCT LIBRARY}")
+library=${2:?usage: scripts/library.sh SSCT LIBRARY}
+keep=${KEEP:-100}
+root=$(cd "$(dirname "$0")/.." && pwd)
+
+mkdir -p "$library"
+library=$(realpath "$library")
+commit=$(git -C "$root" rev-parse --short=10 HEAD 2>/dev/null || echo unknown)
+run=$(date -u +%Y-%m-%dT%H-%M-%S)-$commit
+
+# Where it is interrupted, the library stays as it was.
+study=$(mktemp -d "${TMPDIR:-/tmp}/ssct-library.XXXXXX")
+trap 'rm -rf "$study"' EXIT
+"$ssct" study --quick -o "$study"
+rm -rf "$study/truth" "$study/journal.jsonl"
+cp -r "$study" "$library/$run"
+chmod 755 "$library/$run"
+
+# The runs of this script, the latest first; names sort by time.
+mapfile -t runs < <(cd "$library" && ls -d 20??-??-??T??-??-??-*/ | sort -r)
+for n in "${!runs[@]}"; do
+    folder=$library/${runs[$n]%/}
+    if [ "$n" -ge "$keep" ]; then
+        rm -rf "$folder"
+    elif [ "$n" -gt 0 ]; then
+        find "$folder" -type f ! -name '*.json' ! -name time-samples.csv -delete
+        find "$folder" -type d -empty -delete
+    fi
+done
+"$ssct" index "$library"

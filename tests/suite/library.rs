@@ -1,0 +1,255 @@
+//! `ssct index`: the page of a library, made from runs whose figures are known, from the repository's own, and shown by a
+//! headless Chromium where there is one.
+
+use crate::common::folder::Folder;
+use crate::common::html::{attributes, chromium};
+use crate::common::repository;
+use serde_json::{Value, json};
+
+/// What a run of the library under test measured: the times of `ssct` and of `unified`, in frames that stray by a few
+/// hundredths, and the latter's error.
+struct Measured<'a> {
+    device: &'a str,
+    ssct_ms: f64,
+    unified_ms: f64,
+    rmse: f64,
+    noise: f64,
+}
+
+fn device(name: &str) -> Value {
+    json!({ "name": name, "driver": "1", "api": "1.3", "type": "other" })
+}
+
+/// Writes records and raw samples as the studies do.
+fn write(folder: &Folder, name: &str, m: &Measured) {
+    std::fs::create_dir_all(folder.path(&format!("{name}/error"))).unwrap();
+    let record = |kind: &str, method: &str, more: Value| {
+        let mut record = json!({
+            "kind": kind, "definitions": 2, "version": "0.1.0", "commit": format!("commit of {name}"),
+            "device": device(m.device), "scene": "rooms", "view": "hall", "method": method, "preset": "published",
+            "width": 64, "height": 36, "roughness": 0.1, "setup": { "roughness": 0.1 },
+        });
+        record.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        record
+    };
+    let methods = [("ssct", m.ssct_ms), ("unified", m.unified_ms)];
+    let times = methods.map(|(method, ms)| record("time", method, json!({ "total": { "median_ms": ms } })));
+    folder.write(&format!("{name}/time.json"), json!(times).to_string());
+    let error = record("error", "unified", json!({ "against": "world", "rmse": m.rmse, "time_ms": m.unified_ms }));
+    folder.write(&format!("{name}/error/error.json"), json!([error]).to_string());
+    let mut rows = "scene,view,method,preset,width,height,roughness,sample,pass,counted,ms\n".to_owned();
+    for (method, ms) in methods {
+        for n in 0..9 {
+            // Spread, but the median of the nine is the middle one.
+            let trace = ms * 0.8 * (1.0 + m.noise * f64::from((n * 5) % 9 - 4));
+            for (pass, counted, ms) in
+                [("lighting", false, 30.0), ("trace", true, trace), ("composite", true, ms * 0.2)]
+            {
+                rows += &format!("rooms,hall,{method},published,64,36,0.1,{n},{pass},{counted},{ms:.6}\n");
+            }
+        }
+    }
+    folder.write(&format!("{name}/time-samples.csv"), rows);
+}
+
+/// Two devices, the first of which has two dates, with a change that is sure and one that is not.
+fn library() -> Folder {
+    let folder = Folder::new();
+    let (ssct_ms, noise) = (10.0, 0.01);
+    let runs = [
+        ("all/2026-11-20-a", Measured { device: "One", ssct_ms, unified_ms: 5.0, rmse: 0.02, noise }),
+        ("all/2026-11-21-b", Measured { device: "Two </script>", ssct_ms: 1.0, unified_ms: 0.4, rmse: 0.02, noise }),
+        ("all/2026-11-22-c", Measured { device: "One", ssct_ms, unified_ms: 7.5, rmse: 0.03, noise: 0.02 }),
+    ];
+    for (name, measured) in &runs {
+        write(&folder, name, measured);
+    }
+    folder
+}
+
+#[test]
+fn the_page_has_runs_changes_and_trends_within_a_device() {
+    let folder = library();
+    let said = folder.succeed(&["index", "all"]);
+    assert!(said.contains("3 runs, 2 figures over runs, 0 folders left out"), "{said}");
+    let page = folder.text("all/index.html");
+    // The errors of a study's folder are of the same run as its times.
+    assert_eq!(page.matches("<tr id=\"run-").count(), 3);
+    for link in ["2026-11-20-a/time.json", "2026-11-20-a/error/error.json"] {
+        assert!(attributes(&page, "href").contains(&link) && folder.path("all").join(link).exists(), "{link}");
+    }
+    assert!(page.contains("0.1.0, commit commit of all/2026-11-20-a"));
+    // Times of the two runs of the first device: half of ssct's, then three quarters. The second device has one run.
+    for cells in [["unified", "0.5000", "0.7500"], ["unified", "0.02000", "0.03000"]] {
+        let row = format!("<th scope=\"row\">{}</th><td>{}</td><td>{}</td>", cells[0], cells[1], cells[2]);
+        assert!(page.contains(&row), "{row}");
+    }
+    assert!(page.contains("3. 2026-11-22-c after 1. 2026-11-20-a") && !page.contains("2. 2026-11-21-b after"));
+    assert!(page.contains("0 FASTER, 1 SLOWER, 1 SAME, 0 UNDECIDED."));
+    // A name cannot end the script that holds the data.
+    assert!(page.contains("Two &lt;/script&gt;") && page.matches("</script>").count() == 2);
+    for word in ["http:", "https:", "url(", "@import", "<iframe", "<object", " src="] {
+        assert!(!page.contains(word), "{word}");
+    }
+    // The same runs make the same page, over which the command may write, and no other page.
+    folder.succeed(&["index", "all"]);
+    assert_eq!(folder.text("all/index.html"), page);
+    // Elsewhere, nothing links to what is not beside the page.
+    folder.succeed(&["index", "all", "-o", "site"]);
+    assert!(!folder.text("site/index.html").contains("href=\"2026"));
+    folder.succeed(&["index", "all", "-o", "."]);
+    assert!(attributes(&folder.text("index.html"), "href").contains(&"all/2026-11-20-a/time.json"));
+    // Another base.
+    folder.succeed(&["index", "all", "--base", "unified"]);
+    assert!(folder.text("all/index.html").contains("<th scope=\"row\">ssct</th><td>2.000</td><td>1.333</td>"));
+}
+
+#[test]
+fn what_cannot_be_read_is_named_with_its_reason() {
+    let folder = library();
+    for name in ["torn", "foreign", "unfinished", "notes", "other"] {
+        std::fs::create_dir_all(folder.path(&format!("all/{name}"))).unwrap();
+    }
+    folder.write("all/torn/error.json", "[{\"kind\": \"err");
+    folder.write("all/foreign/time.json", "{\"times\": 3}");
+    folder.write("all/unfinished/journal.jsonl", "{\"key\":\"a\",\"value\":1}\n");
+    folder.write("all/notes/notes.txt", "nothing");
+    folder.write("all/other/package.json", "{}");
+    // A record without a view, among whole ones; and samples that are none.
+    let mut records: Vec<Value> = serde_json::from_str(&folder.text("all/2026-11-20-a/time.json")).unwrap();
+    records.push(json!({ "kind": "time", "device": device("One"), "total": { "median_ms": 1.0 }, "scene": "s" }));
+    folder.write("all/2026-11-20-a/time.json", json!(records).to_string());
+    folder.write("all/2026-11-20-a/time-samples.csv", "pass,ms\ntrace,fast\n");
+    let said = folder.succeed(&["index", "all"]);
+    let page = folder.text("all/index.html");
+    for (what, why) in [
+        ("torn", "error.json: EOF while parsing"),
+        ("foreign", "time.json holds no records of the studies"),
+        ("unfinished", "the run was not finished: there is a journal.jsonl, and no records"),
+    ] {
+        assert!(page.contains(&format!("<li>{what}: {why}")), "{what}");
+        assert!(said.contains(&format!("left out: {what}: {why}")), "{said}");
+    }
+    assert!(page.contains("<li>notes</li>") && page.contains("<li>other</li>"));
+    assert!(page.contains("1 of 3 records of time.json are left out; the first has no view"));
+    assert!(page.contains("time-samples.csv:2: no sample of a time"));
+    assert!(!page.contains("after 1. 2026-11-20-a"), "without samples nothing is judged");
+}
+
+#[test]
+fn wrong_folders_get_a_sentence_and_lose_nothing() {
+    let folder = library();
+    std::fs::create_dir(folder.path("empty")).unwrap();
+    folder.write("all/2026-11-20-a/index.html", "<title>ssct study</title>");
+    for (args, status, words) in [
+        (&["index", "nowhere"][..], 1, "cannot read nowhere"),
+        (&["index", "empty"], 1, "empty: no folder in it holds records of the studies"),
+        (&["index", "all/2026-11-20-a"], 2, "all/2026-11-20-a/index.html is no page of a library"),
+        (&["index", "all", "--threshold", "1"], 2, "--threshold 1: must be at least 0 and below 1"),
+        (&["index", "all", "--base", "best"], 2, "best"),
+    ] {
+        let output = folder.run(args);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(status), "{args:?}: {text}");
+        assert!(text.contains(words), "{args:?}: {text}");
+    }
+    assert_eq!(folder.text("all/2026-11-20-a/index.html"), "<title>ssct study</title>");
+    assert!(!folder.path("all/index.html").exists() && folder.list("empty").is_empty());
+}
+
+#[test]
+fn every_run_of_the_repository_is_read() {
+    let folder = Folder::new();
+    let runs = repository().join("benches/runs");
+    let said = folder.succeed(&["index", runs.to_str().unwrap(), "-o", "site"]);
+    assert!(said.contains(" 0 folders left out"), "{said}");
+    let page = folder.text("site/index.html");
+    // Each folder with records of whatever version has a row with its date.
+    let mut rows = page.split("<tr id=\"run-").skip(1).map(|row| row.split("</tr>").next().unwrap());
+    assert!(rows.clone().count() > 150);
+    assert!(rows.all(|row| row.contains("<td class=\"whole\">2026-11-2")));
+    assert!(!page.contains("are left out; the first"), "no record lacks what is needed");
+    assert!(page.contains("RMSE against the world reference") && page.contains("time in the error study over ssct"));
+}
+
+/// The rows of a table that the page's script made, cell by cell.
+fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
+    let part = dom.split(&format!("id=\"{id}\"")).nth(1).and_then(|s| s.split("</tbody>").next()).unwrap_or_default();
+    let body = part.split("<tbody>").nth(1).unwrap_or_default();
+    let cells = |row: &str| {
+        let ends = row.replace("</th>", "</td>").replace("<th>", "<td>");
+        ends.split("<td>").skip(1).map(|c| c.split("</td>").next().unwrap().to_owned()).collect()
+    };
+    body.split("<tr>").skip(1).map(cells).collect()
+}
+
+#[test]
+fn the_page_says_of_two_runs_what_compare_says() {
+    let folder = library();
+    folder.succeed(&["index", "all"]);
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
+    let url = format!("file://{}", folder.path("all/index.html").display());
+    let output = command.args(["--dump-dom", &url]).output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let rows = made_rows(&dom, "compared-times");
+    let records: Vec<Value> =
+        serde_json::from_str(&folder.succeed(&["compare", "all/2026-11-20-a", "all/2026-11-22-c", "--json"])).unwrap();
+    let total = |r: &&Value| r["pass"] == "total";
+    let expected: Vec<Vec<String>> = records
+        .iter()
+        .filter(total)
+        .map(|r| {
+            let figures = ["median_a_ms", "median_b_ms", "ratio", "low", "high"];
+            let mut row: Vec<String> = figures.map(|f| format!("{:.3}", r[f].as_f64().unwrap())).to_vec();
+            row.extend(["9/9".to_owned(), r["verdict"].as_str().unwrap().to_owned()]);
+            row
+        })
+        .collect();
+    assert_eq!(expected.len(), 2);
+    assert_eq!(rows.iter().map(|row| row[6..].to_vec()).collect::<Vec<_>>(), expected, "{dom}");
+    assert_eq!(rows[1][..5], ["rooms hall", "64x36", "0.1", "own", "unified"]);
+    let [error] = &made_rows(&dom, "compared-errors")[..] else { panic!("one error: {dom}") };
+    assert_eq!(error[1..], ["unified", "RMSE against the world reference", "0.020000", "0.030000", "1.5000"]);
+}
+
+/// Chooses two runs of different devices in frames of two widths, with and without a script.
+const PROBE: &str = r##"<!DOCTYPE html><body><pre id="found"></pre><script>
+const lines = [];
+function show(width, sandbox) {
+  const frame = document.createElement("iframe");
+  frame.style = `width: ${width}px; height: 900px; border: 0`;
+  if (sandbox) frame.sandbox = "allow-same-origin";
+  frame.src = "all/index.html";
+  return new Promise(done => { frame.onload = () => done(frame); document.body.append(frame); });
+}
+(async () => {
+  for (const width of [390, 1280]) {
+    const d = (await show(width, false)).contentDocument, root = d.documentElement;
+    const a = d.getElementById("run-a");
+    lines.push(`${width} overflow ${root.scrollWidth - root.clientWidth} first ${a.value} ${d.getElementById("run-b").value}`);
+    a.value = 1;
+    a.dispatchEvent(new Event("change"));
+    lines.push(d.getElementById("compared-times").textContent);
+    lines.push(d.querySelectorAll("#compared-errors tbody tr").length);
+  }
+  const d = (await show(390, true)).contentDocument;
+  lines.push(`no-script ${d.getElementById("choose-runs").getClientRects().length} ${d.querySelectorAll(".plot svg").length}`);
+  document.getElementById("found").textContent = lines.join("\n");
+})();
+</script>"##;
+
+#[test]
+fn times_of_two_devices_are_not_compared_and_the_page_fits_a_phone() {
+    let folder = library();
+    folder.succeed(&["index", "all"]);
+    folder.write("probe.html", PROBE);
+    let profile = tempfile::tempdir().unwrap();
+    let Some(mut command) = chromium(profile.path()) else { return };
+    let url = format!("file://{}", folder.path("probe.html").display());
+    let output = command.args(["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
+    let of = |width: u32| format!("{width} overflow 0 first 0 2\nNot compared: times compare only on one device.\n1\n");
+    assert_eq!(found, of(390) + &of(1280) + "no-script 0 2", "{}", String::from_utf8_lossy(&output.stderr));
+}

@@ -1,0 +1,374 @@
+//! Studies divided among machines: each shard is a run of its own, and merged they are what one machine would have
+//! measured.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
+const ERROR: [&str; 11] =
+    ["error", "--quick", "--method", "ssct,hzct", "--rays", "4", "--samples", "20", "--size", "96x54", "--scene=rooms"];
+
+/// Runs to the end: exit status, standard output and standard error, which holds no panic.
+fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
+    let output = Command::new(SSCT).args(arguments).output().unwrap();
+    let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
+    assert!(!said.contains("panicked"), "{said}");
+    (output.status.code(), out, said)
+}
+
+fn done(arguments: &[&str]) -> String {
+    let (status, out, said) = run(arguments);
+    assert_eq!((status, said.as_str()), (Some(0), ""), "{arguments:?}");
+    out
+}
+
+/// The sentence with which a run fails.
+fn refused(arguments: &[&str]) -> String {
+    let (status, _, said) = run(arguments);
+    assert_eq!((status, said.lines().count()), (Some(1), 1), "{arguments:?}: {said}");
+    said
+}
+
+/// Folders below a temporary one.
+struct Folders(tempfile::TempDir);
+
+impl Folders {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn name(&self, name: &str) -> String {
+        self.path(name).to_str().unwrap().to_owned()
+    }
+
+    /// Runs a shard in the folder of its number.
+    fn shard(&self, command: &[&str], index: u32, of: u32) {
+        let (shard, folder) = (format!("{index}/{of}"), self.name(&index.to_string()));
+        done(&[command, &["--shard", &shard, "-o", &folder]].concat());
+    }
+
+    fn json(&self, file: &str) -> Value {
+        serde_json::from_slice(&std::fs::read(self.path(file)).unwrap()).unwrap()
+    }
+
+    /// Paths of all files below a folder.
+    fn files(&self, folder: &str) -> BTreeSet<String> {
+        let (top, mut left, mut found) = (self.path(folder), vec![self.path(folder)], BTreeSet::new());
+        while let Some(path) = left.pop() {
+            if path.is_dir() {
+                left.extend(std::fs::read_dir(path).unwrap().map(|e| e.unwrap().path()));
+            } else {
+                found.insert(path.strip_prefix(&top).unwrap().to_string_lossy().into_owned());
+            }
+        }
+        found
+    }
+}
+
+/// Fields of records that are times.
+const TIMES: [&str; 8] = ["time_ms", "prepared", "effect_ms", "capture_ms", "passes", "total", "frame", "noise_floor"];
+
+/// A record without times.
+fn figures(mut value: Value) -> Value {
+    match &mut value {
+        Value::Object(fields) => {
+            fields.retain(|name, _| !TIMES.contains(&name.as_str()));
+            fields.values_mut().for_each(|v| *v = figures(v.take()));
+        }
+        Value::Array(all) => all.iter_mut().for_each(|v| *v = figures(v.take())),
+        _ => {}
+    }
+    value
+}
+
+/// Names of the cells that a shard owns, and of all.
+fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
+    let of = |is_own: &dyn Fn(&Value) -> bool| {
+        let cells = list["cells"].as_array().unwrap().iter().filter(|c| is_own(c));
+        cells.map(|c| c["name"].as_str().unwrap().to_owned()).collect()
+    };
+    (of(&|c| c["own"] == true), of(&|_| true))
+}
+
+/// Kills a run where its journal has so many lines.
+fn killed(arguments: &[&str], folder: &Path, lines: usize) {
+    let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
+    let begun = Instant::now();
+    let journal = || std::fs::read_to_string(folder.join("journal.jsonl")).unwrap_or_default();
+    while journal().lines().count() < lines {
+        assert!(begun.elapsed() < Duration::from_secs(120), "nothing is measured");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(!journal().contains("finished"), "it was killed before its end");
+}
+
+#[test]
+fn merged_shards_of_an_error_study_are_the_study() {
+    let folders = Folders::new();
+    let [whole, all, first] = ["whole", "all", "1"].map(|name| folders.name(name));
+    done(&[&ERROR[..], &["-o", &whole]].concat());
+    let third = [&ERROR[..], &["--shard", "1/3", "-o", &first]].concat();
+    killed(&third, &folders.path("1"), 3);
+    let (status, ..) = run(&third);
+    assert_eq!(status, Some(2), "a shard that was not finished is not begun anew");
+    for n in [2, 3] {
+        folders.shard(&ERROR, n, 3);
+    }
+    // What the killed shard has not measured is named.
+    let [second, third_folder] = ["2", "3"].map(|name| folders.name(name));
+    let merge = ["merge", &first, &second, &third_folder, "-o", &all];
+    let said = refused(&merge);
+    let lists = ["1", "2", "3"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))));
+    let everything = &lists[0].1;
+    assert!(everything.len() == 4 && lists.iter().all(|(_, all)| all == everything));
+    let owned: Vec<&String> = lists.iter().flat_map(|(own, _)| own).collect();
+    assert!(owned.len() == 4 && owned.iter().collect::<BTreeSet<_>>().len() == 4, "each cell is in one shard");
+    let named = said.split("are missing: ").nth(1).and_then(|rest| rest.split(';').next()).unwrap();
+    let missing: Vec<&str> = named.split(", ").collect();
+    assert!(missing.iter().all(|name| lists[0].0.contains(*name)), "{said}");
+    assert!(said.contains(&format!("{} of the 4 cells are missing", missing.len())), "{said}");
+
+    // They can be merged anyway, and the page says what they lack.
+    let partial = folders.name("partial");
+    let out = done(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
+    let page = std::fs::read_to_string(folders.path("partial/index.html")).unwrap();
+    for name in &missing {
+        assert!(out.contains(&format!("missing: {name}")) && page.contains(name), "{out}");
+    }
+    done(&[&third[..], &["--resume"]].concat());
+    let done_again = done(&[&merge[..], &["--json"]].concat());
+    let summary: Value = serde_json::from_str(&done_again).unwrap();
+    assert_eq!((&summary["cells"], &summary["missing"]), (&4.into(), &Value::Array(vec![])));
+
+    // What was merged is the study, to the bit.
+    let [whole_records, merged_records] = ["whole", "all"].map(|f| folders.json(&format!("{f}/error.json")));
+    assert_eq!(figures(whole_records), figures(merged_records));
+    assert_eq!(folders.files("whole"), folders.files("all"));
+    for file in folders.files("whole").iter().filter(|name| name.starts_with("images/")) {
+        let [a, b] = ["whole", "all"].map(|f| std::fs::read(folders.path(f).join(file)).unwrap());
+        assert!(a == b, "{file} differs");
+    }
+    // A merged run is a run: nothing is left to do, and it merges with itself and with what completes it.
+    let measured = || std::fs::read_to_string(folders.path("all/journal.jsonl")).unwrap().lines().count();
+    let before = (measured(), folders.json("all/error.json"));
+    done(&[&ERROR[..], &["--resume", "-o", &all]].concat());
+    assert_eq!((measured(), folders.json("all/error.json")), (before.0 + 1, before.1), "but for the note of its end");
+    let again = folders.name("again");
+    done(&["merge", &partial, &first, "-o", &again]);
+    assert_eq!(folders.json("again/error.json"), folders.json("all/error.json"));
+}
+
+#[test]
+fn what_does_not_belong_together_is_not_merged() {
+    let folders = Folders::new();
+    let study =
+        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
+    let of = |more: &[&'static str]| [&study[..], more].concat();
+    let base = of(&["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]);
+    folders.shard(&base, 1, 2);
+    folders.shard(&base, 2, 2);
+    let [a, b, other, to] = ["1", "2", "other", "to"].map(|name| folders.name(name));
+    let merge = |b: &str| refused(&["merge", &a, b, "-o", &to]);
+    for (more, part) in [
+        (["--method", "ssct", "--rays", "5", "--roughness", "0,0.1"], "the setup of its cell corridor"),
+        (["--method", "hzct", "--rays", "4", "--roughness", "0,0.1"], "the setup of its cell corridor"),
+        (["--method", "ssct", "--rays", "4", "--roughness", "0,0.2"], "it has no cell corridor"),
+    ] {
+        let _ = std::fs::remove_dir_all(&other);
+        done(&[&of(&more)[..], &["--shard", "2/2", "-o", &other]].concat());
+        let said = merge(&other);
+        assert!(said.contains("is not of the same study as") && said.contains(part), "{said}");
+    }
+    assert!(merge(&folders.name("nothing")).contains("cannot read"));
+    std::fs::create_dir(folders.path("empty")).unwrap();
+    assert!(merge(&folders.name("empty")).contains("does not say which cells it has"));
+    let (status, _, said) = run(&["merge", &a, &b, "-o", &a]);
+    assert!(status == Some(2) && said.contains("must lie beside"), "{said}");
+
+    // Another commit, and an error that is not the same.
+    let changed = |file: &str, from: &str, to: &str| {
+        let path = folders.path(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert!(text.contains(from), "{file} has no {from}");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        text
+    };
+    let kept = changed("2/cells.json", "\"commit\": \"", "\"commit\": \"other ");
+    assert!(merge(&b).contains("its commit is other "), "{}", merge(&b));
+    std::fs::write(folders.path("2/cells.json"), kept).unwrap();
+    let copy = folders.name("copy");
+    done(&["merge", &a, &b, "-o", &copy]);
+    let text = std::fs::read_to_string(folders.path("copy/journal.jsonl")).unwrap();
+    let changed: Vec<String> = text.lines().map(|l| l.replacen("\"flip\":0.", "\"flip\":1.", 1)).collect();
+    std::fs::write(folders.path("copy/journal.jsonl"), changed.join("\n") + "\n").unwrap();
+    let said = merge(&copy);
+    assert!(said.contains("is not as in") && said.contains("flip is 1."), "{said}");
+    for wrong in ["0/2", "3/2", "1", "x/y"] {
+        let (status, _, said) = run(&[&base[..], &["--shard", wrong, "-o", &other]].concat());
+        assert!(status == Some(2) && said.contains("shard"), "{said}");
+    }
+    let (status, _, said) = run(&[&base[..], &["--shard", "1/2"]].concat());
+    assert!(status == Some(2) && said.contains("--output"), "{said}");
+}
+
+/// Runs a study undivided and in two shards, merges these, and compares all but times.
+fn divided(command: &[&str], records: &str) -> Folders {
+    let folders = Folders::new();
+    let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
+    done(&[command, &["-o", &whole]].concat());
+    for n in [1, 2] {
+        folders.shard(command, n, 2);
+    }
+    let owned = ["1", "2"].map(|n| cells(&folders.json(&format!("{n}/cells.json"))).0.len());
+    assert!(owned.iter().all(|n| *n > 0), "{command:?}: {owned:?}");
+    done(&["merge", &first, &second, "-o", &all]);
+    let [a, b] = ["whole", "all"].map(|f| figures(folders.json(&format!("{f}/{records}"))));
+    assert!(a.as_array().is_some_and(|all| !all.is_empty()) && a == b, "{command:?}:\n{a}\n{b}");
+    assert_eq!(folders.files("whole"), folders.files("all"), "{command:?}");
+    folders
+}
+
+#[test]
+fn times_are_divided_by_size_and_roughness() {
+    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--roughness", "0,0.1", "--samples", "3"];
+    let folders = divided(&[&what[..], &["--method", "ssct,unified"]].concat(), "time.json");
+    let samples = std::fs::read_to_string(folders.path("all/time-samples.csv")).unwrap();
+    assert!(samples.lines().count() > 4 * 2 * 3 && folders.json("all/time.json").as_array().unwrap().len() == 8);
+    // Methods are compared with each other, so that each shard has both.
+    for n in ["1", "2"] {
+        let of = folders.json(&format!("{n}/time.json"));
+        let methods: BTreeSet<&str> = of.as_array().unwrap().iter().filter_map(|r| r["method"].as_str()).collect();
+        assert_eq!(methods.len(), 2);
+    }
+    let [a, b] = ["whole", "all"].map(|name| folders.name(name));
+    done(&["compare", &a, &b]);
+    for undivided in [&["--path", "views"][..], &["--table", "captions"]] {
+        let (status, _, said) = run(&[&["time"], undivided, &["--shard", "1/2", "-o", &a]].concat());
+        assert!(status == Some(2) && said.contains("--shard is not for"), "{said}");
+    }
+}
+
+/// As if another device had measured a shard.
+fn of_another_device(folder: &Path) {
+    for file in ["cells.json", "journal.jsonl"] {
+        let path = folder.join(file);
+        let text = std::fs::read_to_string(&path).unwrap();
+        std::fs::write(
+            &path,
+            text.replace("llvmpipe (", "another (").replace("\"name\":\"NVIDIA", "\"name\":\"another"),
+        )
+        .unwrap();
+    }
+}
+
+#[test]
+fn times_of_two_devices_stay_apart() {
+    let what = ["time", "--scene", "corridor", "--size", "32x18,48x27", "--samples", "3", "--method", "ssct,unified"];
+    let folders = Folders::new();
+    for n in [1, 2] {
+        folders.shard(&what, n, 2);
+    }
+    of_another_device(&folders.path("2"));
+    let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
+    let out = done(&["merge", &a, &b, "-o", &all]);
+    assert!(out.contains("2 devices, whose times stay apart"), "{out}");
+    assert_eq!(folders.json("all/time.json").as_array().unwrap().len(), 4);
+    let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
+    assert!(page.contains("another (") && page.matches("total ms").count() == 2, "a table for each device");
+    // The samples, which are compared, lie with their device.
+    assert!(!folders.path("all/time-samples.csv").exists());
+    let is_other = |folder: &str| {
+        folders.json(&format!("{folder}/time.json"))[0]["device"]["name"].to_string().contains("another")
+    };
+    let mut apart = ["all/devices/1", "all/devices/2"];
+    apart.sort_by_key(|folder| is_other(folder));
+    assert!(!is_other(apart[0]) && is_other(apart[1]));
+    done(&["compare", &folders.name(apart[0]), &a]);
+    let (status, ..) = run(&["compare", &folders.name(apart[1]), &a]);
+    assert_ne!(status, Some(0), "nothing is compared between devices");
+
+    let error =
+        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "48x27", "--samples", "1"];
+    let error = [&error[..], &["--method", "ssct", "--rays", "4", "--roughness", "0,0.1"]].concat();
+    let folders = Folders::new();
+    for n in [1, 2] {
+        folders.shard(&error, n, 2);
+    }
+    of_another_device(&folders.path("2"));
+    let [a, b, all] = ["1", "2", "all"].map(|name| folders.name(name));
+    done(&["merge", &a, &b, "-o", &all]);
+    let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
+    assert_eq!(page.matches("<h2 id=\"device-").count(), 2, "a part for each device");
+    assert_eq!(page.matches("<h2 id=\"sources\"").count(), 1, "and one for the errors");
+    assert!(folders.path("all/error-world-device-2.svg").exists());
+}
+
+#[test]
+fn other_studies_are_divided_too() {
+    divided(&["stress", "--quick", "--method", "ssct", "--case", "straight"], "stress.json");
+    let small = ["--scene", "corridor", "--view", "corridor", "--size", "48x27", "--rays", "2", "--method", "ssct"];
+    let error = |kind: &[&'static str]| [&["error"], kind, &small].concat();
+    divided(&error(&["--precision"]), "precision.json");
+    divided(&error(&["--video", "rest", "--frames", "2", "--roughness", "0,0.1"]), "video.json");
+
+    let folders = Folders::new();
+    let [whole, all, first, second] = ["whole", "all", "1", "2"].map(|name| folders.name(name));
+    let figures = ["figures", "--only", "4.1,4.6,schmidt-27", "--size", "48x27"];
+    done(&[&figures[..], &["-o", &whole]].concat());
+    for n in [1, 2] {
+        folders.shard(&figures, n, 2);
+    }
+    done(&["merge", &first, &second, "-o", &all]);
+    assert_eq!(folders.files("whole"), folders.files("all"));
+    let [a, b] = ["whole", "all"].map(|f| std::fs::read_to_string(folders.path(f).join("index.html")).unwrap());
+    assert_eq!(a, b, "one page");
+    let out = done(&[&figures[..], &["-o", &all, "--resume"]].concat());
+    assert!(out.contains("3 figures, 0 left out"), "{out}");
+}
+
+#[test]
+fn a_reference_is_divided_by_its_rays() {
+    let folders = Folders::new();
+    let [a, b, c, all, whole] = ["a", "b", "c", "all", "whole"].map(|name| folders.name(name));
+    let scene = ["render", "--method", "reference", "--scene", "corridor", "--size", "24x16", "--roughness", "0.3"];
+    let render = [&scene[..], &["--max-rays", "200"]].concat();
+    let image = |name: &str| folders.name(&format!("{name}.exr"));
+    let (status, _, said) = run(&[&render[..], &["--shard", "1/3", "-o", &image("none")]].concat());
+    assert!(status == Some(2) && said.contains("--cache"), "{said}");
+    for (n, folder) in [&a, &b, &c].into_iter().enumerate() {
+        let (shard, file) = (format!("{}/3", n + 1), image(&n.to_string()));
+        done(&[&render[..], &["--shard", &shard, "-o", &file, "--cache", folder]].concat());
+    }
+    let said = refused(&["merge", &a, &c, "-o", &all]);
+    assert!(said.contains("samples 64 to 127 of corridor") && said.contains("are missing"), "{said}");
+    let out = done(&["merge", &c, &a, &b, "-o", &all]);
+    assert!(out.contains("200 of 200 rays") && out.contains(&format!("--cache {all} -o FILE")), "{out}");
+
+    // The merged samples are those of one run, and the image is drawn without any more.
+    let most = ["--standard-error", "0.000001"];
+    done(&[&render[..], &most, &["-o", &image("whole"), "--cache", &whole]].concat());
+    let state = |folder: &str| {
+        let name = folders.files(folder).into_iter().find(|name| name.ends_with(".world")).unwrap();
+        (name.clone(), std::fs::read(folders.path(folder).join(name)).unwrap())
+    };
+    assert!(state("all") == state("whole"));
+    done(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
+    assert!(std::fs::read(image("merged")).unwrap() == std::fs::read(image("whole")).unwrap());
+    // Where there are more shards than groups of rays, some have none; other images are drawn at once.
+    let (status, _, said) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert_eq!((status, said.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
+    let (status, _, said) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
+    assert!(status == Some(0) && said.contains("shard 1/9 has no rays"), "{said}");
+    let ssct = ["render", "--scene", "corridor", "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
+    let (status, _, said) = run(&[&ssct[..], &[&image("x")]].concat());
+    assert!(status == Some(2) && said.contains("--method reference"), "{said}");
+}
