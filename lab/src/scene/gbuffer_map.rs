@@ -94,7 +94,13 @@ impl GBufferMap {
     /// is none of those that there are.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let text = SourceText { path, text };
-        let sections: Sections = toml::from_str(text.text).map_err(|e| text.syntax_error(&e))?;
+        let sections: Sections = toml::from_str(text.text).map_err(|e| match text.syntax_error(&e) {
+            // The only section that is a list.
+            Error::Malformed { path, line, message } if message.contains("expected a sequence") => {
+                Error::Malformed { path, line, message: format!("colours are listed as [[color]] ({message})") }
+            }
+            other => other,
+        })?;
         let needed = |name: &str, section: Option<MapSection>| {
             let missing = || Error::malformed(path, None, format!("there is no [{name}]"));
             section.map(|section| MapKeys::new(&text, &format!("[{name}]"), section)).ok_or_else(missing)

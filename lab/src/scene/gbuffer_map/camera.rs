@@ -119,7 +119,7 @@ impl MapCamera {
         let camera = Camera { world_to_view: self.world_to_view(conventions, files)?, ..camera };
         if !camera.is_sound() {
             let Lens { fov_y_radians: fov, near_m: near, far_m: far } = camera.lens;
-            let (degrees, aspect) = (fov.to_degrees(), camera.aspect);
+            let (degrees, aspect) = ((fov.to_degrees() * 100.0).round() / 100.0, camera.aspect);
             let message = format!(
                 "[camera]: a field of view of {degrees}° from top to bottom, planes at {near} m and {far} m and an aspect of \
                  {aspect} cannot be used"
@@ -280,19 +280,22 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     }
     let degrees = 1_f64.to_radians();
     let angles = [("fov-y-deg", 1, degrees), ("fov-x-deg", 0, degrees), ("fov-y-rad", 1, 1.0), ("fov-x-rad", 0, 1.0)];
+    let mut found = None;
+    // Every key is taken, so that all of them are known.
     for (key, axis, to_radians) in angles {
         if let Some(angle) = keys.numbers(key, 1)? {
-            return Ok(MapLens::Angle { axis, angle, to_radians });
+            found = Some(MapLens::Angle { axis, angle, to_radians });
         }
     }
     if let Some(matrix) = keys.numbers("projection", 16)? {
-        return Ok(MapLens::Matrix(matrix));
+        found = Some(MapLens::Matrix(matrix));
     }
     let length = keys.numbers("focal-length-mm", 1)?;
     let [width, height] = ["sensor-width-mm", "sensor-height-mm"].map(|key| keys.numbers(key, 1));
-    match (length, width?, height?) {
-        (Some(length), Some(sensor), None) => Ok(MapLens::Focal { axis: 0, length, sensor }),
-        (Some(length), None, Some(sensor)) => Ok(MapLens::Focal { axis: 1, length, sensor }),
+    match (found, length, width?, height?) {
+        (Some(found), None, None, None) => Ok(found),
+        (None, Some(length), Some(sensor), None) => Ok(MapLens::Focal { axis: 0, length, sensor }),
+        (None, Some(length), None, Some(sensor)) => Ok(MapLens::Focal { axis: 1, length, sensor }),
         _ => Err(keys.error(keys.line, "focal-length-mm goes with one of sensor-width-mm and sensor-height-mm")),
     }
 }

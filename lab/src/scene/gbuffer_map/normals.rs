@@ -59,7 +59,7 @@ impl MapNormals {
     /// View-space normals, zero where there is no surface, that is, no depth. What is `signed` keeps its length.
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a number that is not finite.
+    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not finite.
     pub fn read(
         &self,
         files: &mut MapFiles,
@@ -79,11 +79,13 @@ impl MapNormals {
             if *depth <= 0.0 {
                 return Ok(Vec3::ZERO);
             }
-            let bad = (0..self.source.count()).map(|k| planes.at(k, i)).find(|v| !v.is_finite());
-            if let Some(bad) = bad {
-                return Err(planes.error(map, width, i, bad, "be finite"));
+            let normal = (turn * self.decode(&planes, i)).as_vec3();
+            if normal.is_finite() {
+                return Ok(normal);
             }
-            Ok((turn * self.decode(&planes, i)).as_vec3())
+            let values = || (0..self.source.count()).map(|k| planes.at(k, i));
+            let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
+            Err(planes.error(map, width, i, bad, "be finite"))
         };
         depth.iter().enumerate().map(pixel).collect()
     }
