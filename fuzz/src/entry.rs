@@ -89,8 +89,8 @@ pub fn gbuffer(data: &[u8]) -> bool {
     judged(gbuffer_file::decode(data, Path::new("a.exr")), sound_gbuffer)
 }
 
-/// A map, and behind a byte 0 the image `a.exr` that it is read with; without one, that is [`frame`]. Beside it are `x.png`
-/// of the same size and `m.exr`, which is [`frame`].
+/// A map, and behind a byte 0 the image `a.exr` that it is read with; without one, that is [`frame`]. Beside it are
+/// `x.png` of the same size and `m.exr`, which is [`frame`].
 pub fn gbuffer_map(data: &[u8]) -> bool {
     /// Greater images take more memory than one input may.
     const SIDE: usize = 256;

@@ -127,23 +127,25 @@ fn textures() -> Vec<Vec<u8>> {
 }
 
 /// A map of the program's own G-buffers, with most of what is plain.
-const MAP: &str = "origin = \"bottom-left\"\n[camera]\nfov-y-rad = { attribute = \"fovYRadians\" }\nnear = 0.25\nfar = 50.0\n\
+const MAP: &str = "origin = \"bottom-left\"\n[camera]\nfov-y-rad = { attribute = \"fovYRadians\" }\nnear = 0.25\n\
+    far = 50.0\n\
     world-to-view = { attribute = \"worldToCamera\" }\n[depth]\nchannel = \"depth\"\nkind = \"reversed\"\n[normal]\n\
     channels = [\"N.X\", \"N.Y\", \"N.Z\"]\nspace = \"view\"\n[roughness]\nchannel = \"roughness\"\nkind = \"lobe\"\n\
     [reflectivity]\nchannel = \"reflectivity\"\n[[color]]\nchannels = [\"R\", \"G\", \"B\"]\nscale = 0.5\n";
 
 /// A map with most of the rest, which takes something of every file.
 const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nmatrices = \"rows\"\nclip-y = \"down\"\n\
-    metres-per-unit = 0.5\n[camera]\nfocal-length-mm = 50\nsensor-width-mm = 36.0\naspect = 1.5\nshift-px = [0.5, -0.25]\n\
-    near = 0.1\nfar = 1000\neye = [0, 1, 2]\nforward = [1, 0, 0]\nup = [0, 0, 1]\n[depth]\nchannel = \"Z\"\n\
+    metres-per-unit = 0.5\n[camera]\nfocal-length-mm = 50\nsensor-width-mm = 36.0\naspect = 1.5\n\
+    shift-px = [0.5, -0.25]\nnear = 0.1\nfar = 1000\neye = [0, 1, 2]\nforward = [1, 0, 0]\nup = [0, 0, 1]\n[depth]\nchannel = \"Z\"\n\
     kind = \"distance\"\nscale = 2.0\noffset = 1.0\nsky-beyond = 1e9\nsky-value = 0\n[normal]\nfile = \"x.png\"\n\
     channels = [\"R\", \"G\"]\nspace = \"world\"\nencoding = \"octahedral-unorm\"\n[roughness]\nvalue = 0.5\n\
-    kind = \"smoothness\"\n[metallic]\nfile = \"m.exr\"\nchannel = \"reflectivity\"\n[base-color]\nvalue = [1, 0.5, 0]\n\
-    encoding = \"srgb\"\n[f0]\nvalue = 0.04\n[[color]]\nvalue = 1.0\n[[color]]\nfile = \"x.png\"\nchannel = \"B\"\n\
+    kind = \"smoothness\"\n[metallic]\nfile = \"m.exr\"\nchannel = \"reflectivity\"\n[base-color]\n\
+    value = [1, 0.5, 0]\nencoding = \"srgb\"\n[f0]\nvalue = 0.04\n[[color]]\nvalue = 1.0\n[[color]]\nfile = \"x.png\"\nchannel = \"B\"\n\
     times = { file = \"m.exr\", channels = [\"R\", \"G\", \"B\"] }\n[sky]\nchannel = \"N.X\"\n";
 
 /// A matrix of OpenGL, and a buffer with planes of its own.
-const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\nprojection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002, -1, 0, 0, -0.2, 0]\n\
+const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
+    projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002, -1, 0, 0, -0.2, 0]\n\
     view-to-world = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]\n[depth]\nfile = \"x.png\"\nchannel = \"R\"\n\
     kind = \"minus-one-to-one\"\nnear = 0.2\nfar = inf\n[normal]\nfile = \"x.png\"\nchannels = [\"R\", \"G\", \"B\"]\n\
     space = \"view\"\nencoding = \"octahedral-888\"\n[roughness]\nchannel = \"roughness\"\nkind = \"phong-exponent\"\n\

@@ -89,8 +89,8 @@ pub struct ReadProjection {
 }
 
 impl ReadProjection {
-    /// Reads a matrix that is multiplied by column vectors, with depth from 0 to 1; `y_is_up` says whether the top of the
-    /// image is at y = w.
+    /// Reads a matrix that is multiplied by column vectors, with depth from 0 to 1; `y_is_up` says whether the top of
+    /// the image is at y = w.
     ///
     /// # Errors
     /// Why it is no perspective, as the rest of a sentence.

@@ -57,7 +57,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
 fn check_part(header: &Header) -> std::result::Result<(), String> {
     if [Compression::B44, Compression::B44A].contains(&header.compression) {
         return Err(format!(
-            "the compression {} is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, DWAA, DWAB or none",
+            "its {} is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, DWAA, DWAB or none",
             header.compression
         ));
     }
@@ -92,8 +92,8 @@ fn part(layer: Layer<exr::image::AnyChannels<FlatSamples>>, image: &ImageAttribu
     }
 }
 
-/// The attributes by their names. Those that the file format knows are fields of the crate's types; of these, the ones that
-/// speak of a camera or are a number.
+/// The attributes by their names. Those that the file format knows are fields of the crate's types; of these, the ones
+/// that speak of a camera or are a number.
 fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
     use AttributeValue::{F32, Matrix4x4};
     let known = [
@@ -112,8 +112,8 @@ fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<Strin
     known.chain(others.map(|(name, value)| (name.to_string(), value))).collect()
 }
 
-/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB transform the channels of
-/// colours, which they know by the last part of the name, and keep all others; integers they always keep.
+/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB transform the channels
+/// of colours, which they know by the last part of the name, and keep all others; integers they always keep.
 fn rounds(compression: Compression, channel: &str, samples: &FlatSamples) -> bool {
     const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
     match compression {

@@ -1,9 +1,9 @@
-//! Maps of G-buffers: a TOML file says which channel of which file is what, and in which conventions, so that the G-buffer of
-//! any renderer can be read as it is. docs/gbuffer-maps.md has the format, with all keys.
+//! Maps of G-buffers: a TOML file says which channel of which file is what, and in which conventions, so that the
+//! G-buffer of any renderer can be read as it is. docs/gbuffer-maps.md has the format, with all keys.
 //!
-//! A map is checked when it is read ([`GBufferMap::parse`]), without any file of a frame; every mistake has its line. Then it
-//! reads frames ([`GBufferMap::read`]): files and channels (`files`, `source`), the camera (`camera`, `axes`, `numbers`),
-//! and what the channels mean (`depth`, `normals`, `surface`).
+//! A map is checked when it is read ([`GBufferMap::parse`]), without any file of a frame; every mistake has its line.
+//! Then it reads frames ([`GBufferMap::read`]): files and channels (`files`, `source`), the camera (`camera`, `axes`,
+//! `numbers`), and what the channels mean (`depth`, `normals`, `surface`).
 
 mod axes;
 mod camera;
@@ -90,8 +90,8 @@ impl GBufferMap {
     /// Checks the text of a map. Errors call the file `path`.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of what is wrong: syntax, a section or key that is unknown or missing, a value that
-    /// is none of those that there are.
+    /// [`Error::Malformed`] with the line of what is wrong: syntax, a section or key that is unknown or missing, a
+    /// value that is none of those that there are.
     pub fn parse(text: &str, path: &Path) -> Result<Self> {
         let text = SourceText { path, text };
         let sections: Sections = toml::from_str(text.text).map_err(|e| match text.syntax_error(&e) {
@@ -146,7 +146,8 @@ impl GBufferMap {
             sky: optional("sky", sections.sky).map(MapSky::take).transpose()?,
         };
         if map.normals.need_world() && !map.camera.has_place() {
-            let message = "[camera]: normals in world space need the camera's place: world-to-view, view-to-world, or eye with \
+            let message = "[camera]: normals in world space need the camera's place: world-to-view, view-to-world, or \
+             eye with \
                            look-at or forward";
             return Err(Error::malformed(path, Some(map.camera.line()), message));
         }
@@ -156,9 +157,9 @@ impl GBufferMap {
     /// Reads a frame: `main` is the file that the command names, and files that the map names lie beside it.
     ///
     /// # Errors
-    /// [`Error::Io`] if a file cannot be read; [`Error::Malformed`] with the line of the map for a file, part, channel or
-    /// attribute that is not there, for files of several sizes, for a camera that cannot be, and for the first pixel whose
-    /// value cannot be; [`Error::Malformed`] for a file that is no image that can be read.
+    /// [`Error::Io`] if a file cannot be read; [`Error::Malformed`] with the line of the map for a file, part, channel
+    /// or attribute that is not there, for files of several sizes, for a camera that cannot be, and for the first pixel
+    /// whose value cannot be; [`Error::Malformed`] for a file that is no image that can be read.
     pub fn read(&self, main: &Path) -> Result<GBufferData> {
         let mut files = MapFiles::new(&self.path, main, self.bottom_up);
         let planes = self.depth.read(&mut files)?;

@@ -1,10 +1,11 @@
-//! From the terms of other renderers' materials to ours: roughness by the width of the lobe, reflectivity from metallic and
-//! base colour.
+//! From the terms of other renderers' materials to ours: roughness by the width of the lobe, reflectivity from metallic
+//! and base colour.
 //!
-//! The lobe of most renderers is that of GGX with α = r², as glTF has it. Seen along the normal, the half vectors within an angle h of it reflect the
-//! share tan²h / (α² + tan²h) of the light (Walter et al. 2007), so that half of it leaves within h = atan α of the
-//! normal, which is 2 atan α around the mirror direction. The lobe of ϱ is cosⁿ around that direction
-//! (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both halve at the same angle if
+//! The lobe of most renderers is that of GGX with α = r², as glTF has it. Seen along the normal, the half vectors
+//! within an angle h of it reflect the share tan²h / (α² + tan²h) of the light (Walter et al. 2007), so that half of it
+//! leaves within h = atan α of the normal, which is 2 atan α around the mirror direction. The lobe of ϱ is cosⁿ around
+//! that direction (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both halve at the same angle
+//! if
 //!
 //! ```text
 //! n + 1 = ln ½ / ln cos(2 atan r²)
@@ -30,8 +31,8 @@ pub fn roughness_of_exponent(exponent: f32) -> f32 {
     if exponent > 0.0 { (2.0 * XI.powf(1.0 / (f64::from(exponent) + 1.0)).acos()).clamp(0.0, 1.0) as f32 } else { 0.0 }
 }
 
-/// The roughness ϱ, 0…1, whose lobe has half of its light within the same angle as the GGX lobe of the perceptual roughness
-/// `r`, 0…1, with α = r², seen along the normal.
+/// The roughness ϱ, 0…1, whose lobe has half of its light within the same angle as the GGX lobe of the perceptual
+/// roughness `r`, 0…1, with α = r², seen along the normal.
 pub fn roughness_of_perceptual(r: f32) -> f32 {
     let r = f64::from(r).clamp(0.0, 1.0);
     roughness_of_alpha(r * r)

@@ -96,17 +96,20 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "kind = \"lobe\"",
             "kind = \"lobe\"\nflip = true",
-            "map.toml:20: [roughness]: there is no key \"flip\" here; there are kind, file, part, channel, value, scale, offset",
+            "map.toml:20: [roughness]: there is no key \"flip\" here; there are kind, file, part, channel, value, \
+             scale, offset",
         ),
         (
             "kind = \"view-z\"\n",
             "",
-            "map.toml:11: [depth]: kind is missing: one of \"reversed\", \"standard\", \"minus-one-to-one\", \"view-z\", \"distance\"",
+            "map.toml:11: [depth]: kind is missing: one of \"reversed\", \"standard\", \"minus-one-to-one\", \
+             \"view-z\", \"distance\"",
         ),
         (
             "kind = \"view-z\"",
             "kind = \"z\"",
-            "map.toml:13: [depth]: kind must be one of \"reversed\", \"standard\", \"minus-one-to-one\", \"view-z\", \"distance\", not \"z\"",
+            "map.toml:13: [depth]: kind must be one of \"reversed\", \"standard\", \"minus-one-to-one\", \"view-z\", \
+             \"distance\", not \"z\"",
         ),
         (
             "world = \"left\"",
@@ -159,7 +162,8 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "fov-y-deg = 60.0\n",
             "",
-            "map.toml:5: [camera]: no lens is given: say one of fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, projection, or focal-length-mm with sensor-width-mm or sensor-height-mm",
+            "map.toml:5: [camera]: no lens is given: say one of fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, \
+             projection, or focal-length-mm with sensor-width-mm or sensor-height-mm",
         ),
         ("fov-y-deg = 60.0", "fov-y-deg = 60.0\nfov-x-deg = 90.0", "map.toml:5: [camera]: more than one lens is given"),
         (
@@ -176,12 +180,14 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "far = 10.0\n",
             "far = 0.5\n",
-            "map.toml:5: [camera]: a field of view of 60° from top to bottom, planes at 1 m and 0.5 m and an aspect of 1.3333334 cannot be used",
+            "map.toml:5: [camera]: a field of view of 60° from top to bottom, planes at 1 m and 0.5 m and an aspect \
+             of 1.3333334 cannot be used",
         ),
         (
             "look-at = [0, 0, 1]\n",
             "",
-            "map.toml:5: [camera]: the camera's place is world-to-view, or view-to-world, or eye with look-at or forward (and up)",
+            "map.toml:5: [camera]: the camera's place is world-to-view, or view-to-world, or eye with look-at or \
+             forward (and up)",
         ),
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]\n",
@@ -201,7 +207,8 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]",
             "world-to-view = [1, 0, 0, 5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]",
-            "map.toml:9: [camera]: world-to-view is no rotation and translation: is it in the other order (matrices of [conventions])?",
+            "map.toml:9: [camera]: world-to-view is no rotation and translation: is it in the other order (matrices \
+             of [conventions])?",
         ),
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]",
@@ -283,7 +290,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
         (
             depth.0,
             depth.1,
-            "map.toml:12: there is no channel Depth.Z in f.exr, which has B, G, N.X, N.Y, N.Z, R, Z, behind, far, nan, rough, two",
+            "map.toml:12: there is no channel Depth.Z in f.exr, which has B, G, N.X, N.Y, N.Z, R, Z, behind, far, \
+             nan, rough, two",
         ),
         (
             color,
@@ -295,7 +303,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
         (
             color,
             "file = \"b44.exr\"\nchannels = \"R\"",
-            "b44.exr: the compression b44 compression is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, DWAA, DWAB or none",
+            "b44.exr: its b44 compression is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, \
+             DWAA, DWAB or none",
         ),
         (color, "file = \"small.exr\"\nchannels = \"R\"", "map.toml:24: small.exr has 2x2 pixels, and f.exr has 4x3"),
         (
@@ -326,7 +335,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
         (
             "fov-y-deg = 60.0",
             "fov-y-deg = { attribute = \"fov\" }",
-            "map.toml:6: [camera]: fov-y-deg: there is no attribute \"fov\" in f.exr, which has lens, pixelAspectRatio, scene, screenWindowWidth",
+            "map.toml:6: [camera]: fov-y-deg: there is no attribute \"fov\" in f.exr, which has lens, \
+             pixelAspectRatio, scene, screenWindowWidth",
         ),
         (
             "fov-y-deg = 60.0",
@@ -358,12 +368,14 @@ fn values_that_cannot_be_are_named_with_their_pixel() {
         (
             "channel = \"Z\"",
             "channel = \"behind\"",
-            "map.toml:11: [depth]: it is -2 at pixel 0, 0 (behind of f.exr); it must not be nearer than the near plane, unless sky-value says that it is sky",
+            "map.toml:11: [depth]: it is -2 at pixel 0, 0 (behind of f.exr); it must not be nearer than the near \
+             plane, unless sky-value says that it is sky",
         ),
         (
             "channel = \"Z\"",
             "channel = \"nan\"",
-            "map.toml:11: [depth]: it is NaN at pixel 0, 0 (nan of f.exr); it must not be nearer than the near plane, unless sky-value says that it is sky",
+            "map.toml:11: [depth]: it is NaN at pixel 0, 0 (nan of f.exr); it must not be nearer than the near plane, \
+             unless sky-value says that it is sky",
         ),
         (
             "kind = \"view-z\"",
@@ -378,7 +390,8 @@ fn values_that_cannot_be_are_named_with_their_pixel() {
         (
             "channel = \"rough\"",
             "channel = \"two\"",
-            "map.toml:17: [roughness]: it is 2 at pixel 0, 0 (two of f.exr); it must lie in 0 to 1 (scale and offset can take it there)",
+            "map.toml:17: [roughness]: it is 2 at pixel 0, 0 (two of f.exr); it must lie in 0 to 1 (scale and offset \
+             can take it there)",
         ),
         (
             "channel = \"rough\"\nkind = \"lobe\"",

@@ -1,5 +1,5 @@
-//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. These show a floor and a ball, which
-//! are traced here in the renderer's own world; what is read must lie on them.
+//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. These show a floor and a ball,
+//! which are traced here in the renderer's own world; what is read must lie on them.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -46,8 +46,8 @@ fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, midd
     (0..SIZE[0] as usize * SIZE[1] as usize).map(pixel).collect()
 }
 
-/// Holds what was read against the floor and the ball; `of_world` takes a place of the renderer to ours, in metres, `near`
-/// is how near it must lie, as a share of its distance, and `turn` how near its normal.
+/// Holds what was read against the floor and the ball; `of_world` takes a place of the renderer to ours, in metres,
+/// `near` is how near it must lie, as a share of its distance, and `turn` how near its normal.
 fn lies_on(
     data: &GBufferData,
     seen: &[Seen],
@@ -173,7 +173,8 @@ fn the_map_of_an_unreal_capture_reads_its_textures() {
         SIZE,
         vec![rgba([each(&|s| f64::from(u8::from(s.is_ball))), one(), one(), one()])],
     );
-    // Infinite far plane: the near plane's distance over z. RenderDoc writes the one component of a depth buffer into R.
+    // Infinite far plane: the near plane's distance over z. RenderDoc writes the one component of a depth buffer into
+    // R.
     let near = to_clip.w_axis.z;
     let depth = floats(seen.iter().map(|s| s.z.map_or(0.0, |z| near / z)));
     let zero = || floats(seen.iter().map(|_| 0.0));

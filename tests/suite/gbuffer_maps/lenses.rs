@@ -28,7 +28,8 @@ fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item
     let channels = named(&["d", "zero", "one"], [floats(values), flat(0.0), flat(1.0)]);
     write_exr(&folder.path("f.exr"), SIZE, vec![Part::new(channels)]);
     let map = format!(
-        "[conventions]\n{conventions}\n[camera]\n{camera}\n[depth]\nchannel = \"d\"\n{depth}\n[normal]\nspace = \"view\"\n\
+        "[conventions]\n{conventions}\n[camera]\n{camera}\n[depth]\nchannel = \"d\"\n{depth}\n[normal]\nspace = \
+         \"view\"\n\
          channels = [\"zero\", \"zero\", \"one\"]\n[roughness]\nvalue = 0\nkind = \"lobe\"\n[reflectivity]\nvalue = 1\n\
          [[color]]\nvalue = 1\n"
     );

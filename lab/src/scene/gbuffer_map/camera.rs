@@ -1,4 +1,5 @@
-//! The camera of a map: its lens from an angle, from a focal length or from a matrix, its place from points or from a matrix.
+//! The camera of a map: its lens from an angle, from a focal length or from a matrix, its place from points or from a
+//! matrix.
 
 use super::axes::MapConventions;
 use super::depth::{DepthCoding, MapDepth};
@@ -55,7 +56,8 @@ enum MapPlace {
 }
 
 /// The ways to give a lens.
-const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, projection, or focal-length-mm with sensor-width-mm or \
+const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, projection, or focal-length-mm with sensor-width-mm \
+ or \
                       sensor-height-mm";
 
 /// How far the numbers of a rotation may be from those of an exact one.
@@ -121,7 +123,8 @@ impl MapCamera {
             let Lens { fov_y_radians: fov, near_m: near, far_m: far } = camera.lens;
             let (degrees, aspect) = ((fov.to_degrees() * 100.0).round() / 100.0, camera.aspect);
             let message = format!(
-                "[camera]: a field of view of {degrees}° from top to bottom, planes at {near} m and {far} m and an aspect of \
+                "[camera]: a field of view of {degrees}° from top to bottom, planes at {near} m and {far} m and an \
+                 aspect of \
                  {aspect} cannot be used"
             );
             return Err(files.error(self.line, message));

@@ -1,4 +1,5 @@
-//! The depth of a map: from the buffers of engines and from distances in metres to reversed depth between the camera's planes.
+//! The depth of a map: from the buffers of engines and from distances in metres to reversed depth between the camera's
+//! planes.
 
 use super::camera_ray;
 use super::files::MapFiles;
@@ -51,8 +52,8 @@ pub(super) struct MapDepth {
     sky_value: Option<f64>,
 }
 
-/// How much nearer than the near plane a distance may be, as a share of it, and count as on it: twice what a 16-bit float may
-/// round by.
+/// How much nearer than the near plane a distance may be, as a share of it, and count as on it: twice what a 16-bit
+/// float may round by.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {

@@ -1,5 +1,5 @@
-//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. Their names are those beside the main
-//! file, the one that the command names.
+//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. Their names are those beside the
+//! main file, the one that the command names.
 
 use super::numbers::AttributeName;
 use super::source::ChannelSource;
@@ -55,9 +55,9 @@ impl<'a> MapFiles<'a> {
     /// The values of a channel, rows from the top. `exact` refuses values that a compression rounded.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a file, part or channel that is not there, with the names of those
-    /// that are; for a channel that several parts have; for one that was rounded but must not be; for an image of another
-    /// size than those before; those of the file itself.
+    /// [`Error::Malformed`] with the line of the map for a file, part or channel that is not there, with the names of
+    /// those that are; for a channel that several parts have; for one that was rounded but must not be; for an image of
+    /// another size than those before; those of the file itself.
     pub fn channel(&mut self, source: &ChannelSource, name: &str, exact: bool) -> Result<Vec<f32>> {
         self.open(source.file.as_deref(), source.line)?;
         let path = self.path(source.file.as_deref());
@@ -67,7 +67,8 @@ impl<'a> MapFiles<'a> {
         let (part, channel) = find(parts, source.part.as_deref(), name, &shown).map_err(wrong)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
-                "channel {name} of {shown} was rounded by the compression {compression}; depth, normals and sky must be \
+                "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must \
+                 be \
                  compressed without loss"
             )));
         }
@@ -93,8 +94,8 @@ impl<'a> MapFiles<'a> {
     /// An attribute. Without a part it is that of any part, in their order in the file.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for an attribute that is not there, with the names of those that are;
-    /// those of the file itself.
+    /// [`Error::Malformed`] with the line of the map for an attribute that is not there, with the names of those that
+    /// are; those of the file itself.
     pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
         self.open(wanted.file.as_deref(), line)?;
         let path = self.path(wanted.file.as_deref());

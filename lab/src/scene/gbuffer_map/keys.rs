@@ -1,5 +1,5 @@
-//! The keys of a map's sections, taken one by one. Whatever is wrong with one is a sentence with the line; keys that nobody
-//! took are unknown.
+//! The keys of a map's sections, taken one by one. Whatever is wrong with one is a sentence with the line; keys that
+//! nobody took are unknown.
 
 use super::numbers::{AttributeName, MapNumbers, NumbersFrom};
 use crate::error::{Error, Result};

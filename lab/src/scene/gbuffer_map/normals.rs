@@ -59,7 +59,8 @@ impl MapNormals {
     /// View-space normals, zero where there is no surface, that is, no depth. What is `signed` keeps its length.
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not finite.
+    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
+    /// finite.
     pub fn read(
         &self,
         files: &mut MapFiles,
@@ -118,8 +119,8 @@ fn unit(v: DVec3) -> DVec3 {
     if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
 }
 
-/// The direction of octahedral coordinates from −1 to 1: the unit sphere's projection onto an octahedron, whose half with
-/// z below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
+/// The direction of octahedral coordinates from −1 to 1: the unit sphere's projection onto an octahedron, whose half
+/// with z below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
 fn octahedral(at: DVec2) -> DVec3 {
     let z = 1.0 - at.x.abs() - at.y.abs();
     let fold = (-z).max(0.0);

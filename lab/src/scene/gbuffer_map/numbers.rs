@@ -32,8 +32,8 @@ impl MapNumbers {
     /// The numbers, as many as there must be.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) for an attribute that the file lacks or that is none of so many
-    /// finite numbers; those of the file.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for an attribute that the file lacks or that is none of so
+    /// many finite numbers; those of the file.
     pub fn get(&self, files: &mut MapFiles) -> Result<Vec<f64>> {
         let name = match &self.from {
             NumbersFrom::Here(numbers) => return Ok(numbers.clone()),
