@@ -1,9 +1,11 @@
 //! The loaders as functions of bytes. Each returns whether the bytes were loaded. An error must be a proper
 //! message, and loaded data must be valid; anything else panics.
 
+use exr::meta::MetaData;
 use glam::Vec3;
 use ssct::error::{Error, Result};
-use ssct_lab::scene::{Camera, CameraPath, Encoding, Lens, LoadOptions, Scene};
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+use ssct_lab::scene::{Camera, CameraPath, Encoding, GBufferData, Lens, LoadOptions, Scene, Surface};
 use ssct_lab::scene::{gbuffer_file, gltf, obj, path, pattern, scene_file, texture};
 use std::cell::OnceCell;
 use std::path::Path;
@@ -13,11 +15,12 @@ use tempfile::TempDir;
 pub type Entry = fn(&[u8]) -> bool;
 
 /// Every entry with its name, which is also the name of its fuzz target and of its folder of inputs.
-pub const ENTRIES: [(&str, Entry); 6] = [
+pub const ENTRIES: [(&str, Entry); 7] = [
     ("obj", obj),
     ("gltf", gltf),
     ("texture", texture),
     ("gbuffer", gbuffer),
+    ("gbuffer_map", gbuffer_map),
     ("scene", scene),
     ("camera_path", camera_path),
 ];
@@ -83,15 +86,61 @@ pub fn texture(data: &[u8]) -> bool {
 
 /// A G-buffer as OpenEXR.
 pub fn gbuffer(data: &[u8]) -> bool {
-    judged(gbuffer_file::decode(data, Path::new("a.exr")), |g| {
-        let pixels = g.width as usize * g.height as usize;
-        assert!(pixels > 0);
-        assert_eq!(
-            [g.depth.len(), g.normal.len(), g.color.len(), g.roughness.len(), g.reflectivity.len()],
-            [pixels; 5]
-        );
-        sound_camera(&g.camera);
+    judged(gbuffer_file::decode(data, Path::new("a.exr")), sound_gbuffer)
+}
+
+/// A map, and behind a byte 0 the image `a.exr` that it is read with; without one, that is [`frame`]. Beside it are
+/// `x.png` of the same size and `m.exr`, which is [`frame`].
+pub fn gbuffer_map(data: &[u8]) -> bool {
+    /// Greater images take more memory than one input may.
+    const SIDE: usize = 256;
+    let mut parts = data.splitn(2, |b| *b == 0);
+    let (text, image) = (parts.next().unwrap_or_default(), parts.next());
+    let Ok(text) = std::str::from_utf8(text) else { return false };
+    let headers = image.and_then(|image| MetaData::read_from_buffered(image, false).ok());
+    let is_large = |meta: MetaData| meta.headers.iter().any(|h| h.layer_size.0 > SIDE || h.layer_size.1 > SIDE);
+    if headers.is_some_and(is_large) {
+        return false;
+    }
+    in_folder(|folder| {
+        match image {
+            Some(image) => write(folder, "a.exr", image),
+            None => write(folder, "a.exr", &frame()),
+        }
+        let read = GBufferMap::parse(text, Path::new("a.toml")).and_then(|map| map.read(&folder.join("a.exr")));
+        judged(read, |g| {
+            sound_gbuffer(g);
+            let in_unit = |values: &[f32]| values.iter().all(|v| (0.0..=1.0).contains(v));
+            assert!(in_unit(&g.depth) && in_unit(&g.roughness) && in_unit(&g.reflectivity));
+            assert!(g.color.iter().all(|c| c.is_finite() && c.min_element() >= 0.0));
+            assert!(g.normal.iter().all(|n| n.is_finite()));
+        })
     })
+}
+
+fn sound_gbuffer(g: &GBufferData) {
+    let pixels = g.width as usize * g.height as usize;
+    assert!(pixels > 0);
+    assert_eq!([g.depth.len(), g.normal.len(), g.color.len(), g.roughness.len(), g.reflectivity.len()], [pixels; 5]);
+    assert_eq!(g.surface.len(), pixels);
+    sound_camera(&g.camera);
+}
+
+/// A G-buffer of 4×4 pixels in the program's own conventions.
+pub fn frame() -> Vec<u8> {
+    let n = 16;
+    let gbuffer = GBufferData {
+        width: 4,
+        height: 4,
+        camera: Camera::new(Vec3::ONE, Vec3::ZERO, Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 }, 1.0),
+        depth: (0..n).map(|i| i as f32 / 16.0).collect(),
+        normal: vec![Vec3::new(0.0, 0.6, -0.8); n],
+        reflectivity: vec![0.25; n],
+        roughness: vec![0.1; n],
+        color: (0..n).map(|i| Vec3::splat(i as f32 / 7.0)).collect(),
+        surface: vec![Surface::Lit; n],
+    };
+    gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes")
 }
 
 /// Whether there is a value, which must be valid. An error must name its file.
@@ -193,6 +242,7 @@ fn in_folder(run: impl FnOnce(&Path) -> bool) -> bool {
             write(folder.path(), "m.obj", object.as_bytes());
             write(folder.path(), "m.mtl", MTL);
             write(folder.path(), "b.bin", &square());
+            write(folder.path(), "m.exr", &frame());
             folder
         });
         run(folder.path())

@@ -1,6 +1,7 @@
 //! The inputs from which fuzzing starts: small files of every kind that the loaders read.
 
 use crate::entry;
+use exr::meta::header::{ImageAttributes, LayerAttributes};
 use exr::prelude::*;
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use ssct_lab::scene::{Camera, GBufferData, Lens, Surface, gbuffer_file};
@@ -54,7 +55,9 @@ pub fn write_all(root: &Path) {
     write(root, "gltf", &[GLTF.as_bytes().to_vec(), glb()]);
     write(root, "camera_path", &[PATH.as_bytes().to_vec(), untimed.into_bytes()]);
     write(root, "texture", &textures());
-    write(root, "gbuffer", &gbuffers());
+    let gbuffers = gbuffers();
+    write(root, "gbuffer_map", &maps(&gbuffers));
+    write(root, "gbuffer", &gbuffers);
 }
 
 /// The glTF file as binary, with its buffer inside.
@@ -121,6 +124,67 @@ fn textures() -> Vec<Vec<u8>> {
         seeds.push(bytes);
     }
     seeds
+}
+
+/// A map of the program's own G-buffers, with most of what is plain.
+const MAP: &str = "origin = \"bottom-left\"\n[camera]\nfov-y-rad = { attribute = \"fovYRadians\" }\nnear = 0.25\n\
+    far = 50.0\n\
+    world-to-view = { attribute = \"worldToCamera\" }\n[depth]\nchannel = \"depth\"\nkind = \"reversed\"\n[normal]\n\
+    channels = [\"N.X\", \"N.Y\", \"N.Z\"]\nspace = \"view\"\n[roughness]\nchannel = \"roughness\"\nkind = \"lobe\"\n\
+    [reflectivity]\nchannel = \"reflectivity\"\n[[color]]\nchannels = [\"R\", \"G\", \"B\"]\nscale = 0.5\n";
+
+/// A map with most of the rest, which takes something of every file.
+const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nmatrices = \"rows\"\nclip-y = \"down\"\n\
+    metres-per-unit = 0.5\n[camera]\nfocal-length-mm = 50\nsensor-width-mm = 36.0\naspect = 1.5\n\
+    shift-px = [0.5, -0.25]\nnear = 0.1\nfar = 1000\neye = [0, 1, 2]\nforward = [1, 0, 0]\nup = [0, 0, 1]\n[depth]\nchannel = \"Z\"\n\
+    kind = \"distance\"\nscale = 2.0\noffset = 1.0\nsky-beyond = 1e9\nsky-value = 0\n[normal]\nfile = \"x.png\"\n\
+    channels = [\"R\", \"G\"]\nspace = \"world\"\nencoding = \"octahedral-unorm\"\n[roughness]\nvalue = 0.5\n\
+    kind = \"smoothness\"\n[metallic]\nfile = \"m.exr\"\nchannel = \"reflectivity\"\n[base-color]\n\
+    value = [1, 0.5, 0]\nencoding = \"srgb\"\n[f0]\nvalue = 0.04\n[[color]]\nvalue = 1.0\n[[color]]\nfile = \"x.png\"\nchannel = \"B\"\n\
+    times = { file = \"m.exr\", channels = [\"R\", \"G\", \"B\"] }\n[sky]\nchannel = \"N.X\"\n";
+
+/// A matrix of OpenGL, and a buffer with planes of its own.
+const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
+    projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002, -1, 0, 0, -0.2, 0]\n\
+    view-to-world = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]\n[depth]\nfile = \"x.png\"\nchannel = \"R\"\n\
+    kind = \"minus-one-to-one\"\nnear = 0.2\nfar = inf\n[normal]\nfile = \"x.png\"\nchannels = [\"R\", \"G\", \"B\"]\n\
+    space = \"view\"\nencoding = \"octahedral-888\"\n[roughness]\nchannel = \"roughness\"\nkind = \"phong-exponent\"\n\
+    [reflectivity]\nvalue = [1, 0.5, 0]\n[[color]]\nfile = \"m.exr\"\nchannel = \"R\"\n";
+
+/// Maps alone, and with an image of each kind, of one part and of two.
+fn maps(gbuffers: &[Vec<u8>]) -> Vec<Vec<u8>> {
+    let with = |map: &str, image: &[u8]| [map.as_bytes(), b"\0", image].concat();
+    let alone = [MAP, OTHER, MATRIX].map(|map| map.as_bytes().to_vec());
+    alone.into_iter().chain(gbuffers.iter().chain(&parts()).map(|image| with(MAP, image))).collect()
+}
+
+/// The channels of [`MAP`] in two parts, in the compressions that round.
+fn parts() -> Vec<Vec<u8>> {
+    let flat = |name: &str| AnyChannel::new(name, FlatSamples::F32((0..6).map(|i| i as f32 / 8.0).collect()));
+    let layer = |part: &str, names: &[&str], compression, blocks| {
+        let channels = AnyChannels::sort(names.iter().map(|name| flat(name)).collect());
+        let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+        let mut attributes = LayerAttributes::named(part);
+        attributes.other.insert("fovYRadians".into(), AttributeValue::F32(1.2));
+        attributes.world_to_camera = Some(glam::Mat4::IDENTITY.to_cols_array());
+        Layer::new((3, 2), attributes, encoding, channels)
+    };
+    let exact = ["depth", "N.X", "N.Y", "N.Z", "roughness", "reflectivity"];
+    let image = |compression, blocks| {
+        let layers = vec![
+            layer("data", &exact, Compression::ZIP1, Blocks::ScanLines),
+            layer("light", &["R", "G", "B"], compression, blocks),
+        ];
+        let attributes = ImageAttributes::new(IntegerBounds::from_dimensions((3, 2)));
+        let mut bytes = Cursor::new(Vec::new());
+        Image::from_layers(attributes, layers).write().non_parallel().to_buffered(&mut bytes).expect("encodes");
+        bytes.into_inner()
+    };
+    vec![
+        image(Compression::DWAA(None), Blocks::ScanLines),
+        image(Compression::DWAB(Some(10.0)), Blocks::Tiles(Vec2(2, 2))),
+        image(Compression::PXR24, Blocks::ScanLines),
+    ]
 }
 
 /// G-buffers in each compression, as scan lines and tiles, in 32 and 16 bits, and with `Z` instead of `depth`.

@@ -1,8 +1,9 @@
 //! A camera from the matrices of another renderer.
 
 use crate::error::{Error, Result};
-use crate::scene::{Camera, Lens, Projection};
-use glam::{Mat3, Mat4, Vec3, Vec4};
+use crate::scene::camera::ReadProjection;
+use crate::scene::{Camera, Lens};
+use glam::{Mat3, Mat4, Vec4};
 
 /// Where the top of the image is in the caller's clip space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -51,37 +52,14 @@ impl CameraInput {
     /// [`Error::Usage`] with the matrix that is none of a camera, and why.
     pub(super) fn take(&self) -> Result<Taken> {
         let wrong = |which: &str, why: &str| Error::Usage(format!("the camera's {which} {why}"));
-        let project = |why: &str| wrong("view_to_clip", why);
-        let finite = |m: &[f32; 16]| m.iter().all(|v| v.is_finite());
-        if !finite(&self.view_to_clip) || !finite(&self.world_to_view) {
-            return Err(wrong("matrices", "have numbers that are not finite"));
+        if !self.world_to_view.iter().all(|v| v.is_finite()) {
+            return Err(wrong("world_to_view", "has numbers that are not finite"));
         }
         let clip = Mat4::from_cols_array(&self.view_to_clip);
-        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
-        if x.w != 0.0 || y.w != 0.0 || w.w != 0.0 || z.w.abs() != 1.0 {
-            return Err(project("is no perspective projection: its last row must be 0, 0, ±1, 0"));
-        }
-        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && w.x == 0.0 && w.y == 0.0;
-        if !is_plain || x.x == 0.0 || y.y == 0.0 {
-            return Err(project("has a rotation, a skew or a translation, or a view of no width"));
-        }
-        let forward = z.w;
-        let up = if self.clip_y == ClipY::Up { 1.0 } else { -1.0 };
-        let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
-        // Depth is a + b / z, with z along the view.
-        let (a, b) = (z.z * forward, w.z);
-        let is_reversed = b > 0.0;
-        let [a, b] = if is_reversed { [a, b] } else { [1.0 - a, -b] };
-        let near_m = b / (1.0 - a);
-        if !(b > 0.0 && near_m > 0.0) {
-            return Err(project("has no near plane in front of the eye"));
-        }
-        if a > 0.0 {
-            return Err(project("has its far plane behind the eye"));
-        }
-        let far_m = if a < 0.0 { (-b / a).min(INFINITE_FAR * near_m) } else { INFINITE_FAR * near_m };
-        let scale = [x.x.abs(), y.y.abs()];
-        let projection = Projection { scale, shift: [z.x * forward, up * z.y * forward], depth: [a, b] };
+        let read = ReadProjection::new(&clip, self.clip_y == ClipY::Up).map_err(|why| wrong("view_to_clip", why))?;
+        let ReadProjection { projection, turn, is_reversed, near: near_m, far } = read;
+        let far_m = far.min(INFINITE_FAR * near_m);
+        let scale = projection.scale;
         let view_to_view = Mat3::from_diagonal(turn);
         let world = Mat4::from_cols_array(&self.world_to_view);
         let rotation = Mat3::from_mat4(world);
@@ -105,7 +83,7 @@ impl CameraInput {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec4Swizzles;
+    use glam::{Vec3, Vec4Swizzles};
 
     /// The conventions that engines have: a projection matrix, and what the camera looks along.
     fn conventions() -> Vec<(&'static str, Mat4, ClipY)> {

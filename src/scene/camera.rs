@@ -73,6 +73,60 @@ impl Projection {
     }
 }
 
+/// What a perspective matrix of any renderer says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadProjection {
+    /// The same projection, in the conventions of this crate.
+    pub projection: Projection,
+    /// What the axes of the renderer's view space are over those of ours, 1 or −1 each.
+    pub turn: Vec3,
+    /// Whether the matrix gives reversed depth.
+    pub is_reversed: bool,
+    /// The near plane in the units of the matrix.
+    pub near: f32,
+    /// The far plane; infinite for a projection without one.
+    pub far: f32,
+}
+
+impl ReadProjection {
+    /// Reads a matrix that is multiplied by column vectors, with depth from 0 to 1; `y_is_up` says whether the top of
+    /// the image is at y = w.
+    ///
+    /// # Errors
+    /// Why it is no perspective, as the rest of a sentence.
+    pub fn new(clip: &Mat4, y_is_up: bool) -> Result<Self, &'static str> {
+        if !clip.is_finite() {
+            return Err("has numbers that are not finite");
+        }
+        let [x, y, z, w] = [clip.x_axis, clip.y_axis, clip.z_axis, clip.w_axis];
+        if x.w != 0.0 || y.w != 0.0 || w.w != 0.0 || z.w.abs() != 1.0 {
+            return Err("is no perspective projection: its last row must be 0, 0, ±1, 0");
+        }
+        let is_plain = x.y == 0.0 && x.z == 0.0 && y.x == 0.0 && y.z == 0.0 && w.x == 0.0 && w.y == 0.0;
+        if !is_plain || x.x == 0.0 || y.y == 0.0 {
+            return Err("has a rotation, a skew or a translation, or a view of no width");
+        }
+        let forward = z.w;
+        let up = if y_is_up { 1.0 } else { -1.0 };
+        let turn = Vec3::new(x.x.signum(), (up * y.y).signum(), forward);
+        // Depth is a + b / z, with z along the view.
+        let (a, b) = (z.z * forward, w.z);
+        let is_reversed = b > 0.0;
+        let [a, b] = if is_reversed { [a, b] } else { [1.0 - a, -b] };
+        let near = b / (1.0 - a);
+        if !(b > 0.0 && near > 0.0) {
+            return Err("has no near plane in front of the eye");
+        }
+        if a > 0.0 {
+            return Err("has its far plane behind the eye");
+        }
+        let far = if a < 0.0 { -b / a } else { f32::INFINITY };
+        let shift = [z.x * forward, up * z.y * forward];
+        let projection = Projection { scale: [x.x.abs(), y.y.abs()], shift, depth: [a, b] };
+        Ok(Self { projection, turn, is_reversed, near, far })
+    }
+}
+
 /// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect
 /// itself.
 const MIRROR_CLEARANCE_M: f64 = 2e-3;

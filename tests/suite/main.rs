@@ -30,6 +30,7 @@ mod error_study;
 mod figures;
 mod filters;
 mod gbuffer_file;
+mod gbuffer_maps;
 mod gloss;
 mod gloss_twin;
 mod golden;

@@ -380,6 +380,8 @@ pub enum GBufferCommand {
     Export(GBufferExportOptions),
     /// Run a method on a G-buffer file.
     Reflect(GBufferReflectOptions),
+    /// Write the G-buffer that a map makes of another renderer's files as a file of our own, to look at it.
+    Convert(GBufferConvertOptions),
 }
 
 /// Options of `ssct gbuffer export`.
@@ -400,9 +402,13 @@ pub struct GBufferExportOptions {
 /// Options of `ssct gbuffer reflect`.
 #[derive(Debug, Args)]
 pub struct GBufferReflectOptions {
-    /// The G-buffer: R, G, B, depth or Z, N.X, N.Y, N.Z, roughness, reflectivity, and a projection.
+    /// The G-buffer: R, G, B, depth or Z, N.X, N.Y, N.Z, roughness, reflectivity, and a projection; with --gbuffer-map what
+    /// the map says.
     #[arg(value_name = "FILE.exr")]
     pub file: PathBuf,
+    /// A map that says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
+    #[arg(long, value_name = "FILE.toml")]
+    pub gbuffer_map: Option<PathBuf>,
     /// The method.
     #[arg(long, default_value = "ssct")]
     pub method: String,
@@ -416,6 +422,20 @@ pub struct GBufferReflectOptions {
     pub beside: BesideGBufferOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
+}
+
+/// Options of `ssct gbuffer convert`.
+#[derive(Debug, Args)]
+pub struct GBufferConvertOptions {
+    /// The G-buffer of another renderer; further files that the map names lie beside it.
+    #[arg(value_name = "FILE.exr")]
+    pub file: PathBuf,
+    /// The map that says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
+    #[arg(long, value_name = "FILE.toml")]
+    pub gbuffer_map: PathBuf,
+    /// The G-buffer in our own conventions (.exr), as `ssct gbuffer export` writes it.
+    #[arg(short, long, value_name = "FILE.exr")]
+    pub output: PathBuf,
 }
 
 /// A table of the thesis.

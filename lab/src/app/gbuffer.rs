@@ -1,19 +1,22 @@
-//! `ssct gbuffer export` and `ssct gbuffer reflect`.
+//! `ssct gbuffer export`, `ssct gbuffer reflect` and `ssct gbuffer convert`.
 
-use super::cli::{GBufferCommand, GBufferExportOptions, GBufferReflectOptions};
+use super::cli::{GBufferCommand, GBufferConvertOptions, GBufferExportOptions, GBufferReflectOptions};
 use super::resolve;
 use crate::gpu::frame::Mode;
 use crate::methods::{self, METHODS, Setup, Wants};
 use crate::report::{files, images};
 use crate::scene::capture_file::CaptureFolder;
-use crate::scene::gbuffer_file;
+use crate::scene::gbuffer_map::GBufferMap;
+use crate::scene::{GBufferData, gbuffer_file};
 use crate::study::{Shot, Stage, gbuffer};
+use std::path::Path;
 
 /// Runs the subcommand.
 pub fn run(command: &GBufferCommand) -> anyhow::Result<()> {
     match command {
         GBufferCommand::Export(options) => export(options),
         GBufferCommand::Reflect(options) => reflect(options),
+        GBufferCommand::Convert(options) => convert(options),
     }
 }
 
@@ -38,7 +41,7 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
 fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
     let method = methods::find(&options.method)?;
-    let data = gbuffer_file::load(&options.file)?;
+    let data = load(&options.file, options.gbuffer_map.as_deref())?;
     let captures = options.beside.captures.as_deref().map(CaptureFolder::open).transpose()?;
     let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);
@@ -47,4 +50,18 @@ fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::write_image(&options.output, if options.reflection_only { &made.reflection } else { &made.composite })?;
     gpu.check_validation()?;
     Ok(())
+}
+
+fn convert(options: &GBufferConvertOptions) -> anyhow::Result<()> {
+    let data = load(&options.file, Some(&options.gbuffer_map))?;
+    files::write(&options.output, &gbuffer_file::encode(&data, &options.output)?)?;
+    Ok(())
+}
+
+/// Reads a G-buffer in our own conventions, or in those of a map.
+fn load(file: &Path, map: Option<&Path>) -> anyhow::Result<GBufferData> {
+    Ok(match map {
+        Some(map) => GBufferMap::load(map)?.read(file)?,
+        None => gbuffer_file::load(file)?,
+    })
 }

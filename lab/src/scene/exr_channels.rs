@@ -22,6 +22,28 @@ const FREE_BYTES: u64 = 1 << 24;
 const LOSSLESS: [Compression; 5] =
     [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
 
+/// Checks what a header claims, before any memory for pixels is allocated. Errors call the file `path` and what it should be
+/// `what`. Returns whether the images are so small that threads cost more time than they save.
+///
+/// # Errors
+/// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] or [`MAX_BYTES`], or claims more pixels than that many bytes
+/// can hold.
+pub(super) fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
+        return Err(wrong(format!(
+            "{what} has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
+            size.0, size.1
+        )));
+    }
+    let header_bytes = |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
+    let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
+    if unpacked > MAX_BYTES || !bounded::may_unpack(length, unpacked, FREE_BYTES) {
+        return Err(wrong(format!("the channels would take {unpacked} bytes, too many for a file of {length} bytes")));
+    }
+    Ok(unpacked < FREE_BYTES)
+}
+
 /// The channels of a file.
 pub(super) struct ExrChannels<'a> {
     path: &'a Path,
@@ -45,29 +67,14 @@ impl<'a> ExrChannels<'a> {
         let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
         // The header is checked before any memory for pixels is allocated.
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
-        if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {
-            return Err(wrong(format!(
-                "{what} has {}x{} pixels; at most {MAX_SIDE} on each side are supported",
-                size.0, size.1
-            )));
-        }
         if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
             return Err(wrong(format!(
                 "the compression {lossy} loses precision; supported are none, RLE, ZIP, ZIPS and PIZ"
             )));
         }
-        let header_bytes =
-            |h: &Header| h.layer_size.area() as u64 * h.channels.list.len() as u64 * size_of::<f32>() as u64;
-        let unpacked: u64 = meta.headers.iter().map(header_bytes).fold(0, u64::saturating_add);
-        if unpacked > MAX_BYTES || !bounded::may_unpack(bytes.len(), unpacked, FREE_BYTES) {
-            let from = bytes.len();
-            return Err(wrong(format!(
-                "the channels would take {unpacked} bytes, too many for a file of {from} bytes"
-            )));
-        }
+        let is_small = check_claims(&meta, bytes.len(), path, what)?;
         let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-        // For small images, threads cost more time than they save.
-        let read = if unpacked < FREE_BYTES { read.non_parallel() } else { read };
+        let read = if is_small { read.non_parallel() } else { read };
         let layer = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?.layer_data;
         let samples = |c: AnyChannel<FlatSamples>| (c.name.to_string(), c.sample_data.values_as_f32().collect());
         Ok(Self {

@@ -8,13 +8,14 @@
 //! `fovYRadians`, `aspectRatio`, `nearPlane` and `farPlane` (metres) repeat the projection exactly; if a file
 //! lacks them, the projection is taken from its matrix.
 
+use super::camera::ReadProjection;
 use super::exr_channels::{self, ExrChannels, axis};
 use super::{Camera, GBufferData, Lens, Projection, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
 use exr::meta::header::LayerAttributes;
 use exr::prelude::Text;
-use glam::Mat4;
+use glam::{Mat4, Vec3};
 use std::path::Path;
 
 /// The largest side, in pixels, of a G-buffer that can be read.
@@ -134,23 +135,21 @@ fn camera(attributes: &LayerAttributes, aspect: f32) -> std::result::Result<Came
     Ok(made)
 }
 
-/// The lens, the aspect ratio and the numbers of a symmetric perspective matrix with reversed depth.
+/// The lens, the aspect ratio and the numbers of a perspective matrix with reversed depth.
 fn from_matrix(m: &Mat4) -> std::result::Result<(Lens, f32, Option<Projection>), String> {
-    let [x, y, z, w] = m.to_cols_array_2d();
-    let perspective = z[3] == 1.0 && w[3] == 0.0 && x[1..] == [0.0; 3] && y[0] == 0.0 && y[2..] == [0.0; 2];
-    if !(perspective && z[0] == 0.0 && z[1] == 0.0) {
-        return Err("viewToClip is not a symmetric, left-handed perspective with reversed depth".into());
+    let read = ReadProjection::new(m, true).map_err(|why| format!("viewToClip {why}"))?;
+    if read.turn != Vec3::ONE || !read.is_reversed {
+        return Err("viewToClip is not a left-handed perspective with reversed depth".into());
     }
-    let lens = Lens { fov_y_radians: 2.0 * (1.0 / y[1]).atan(), near_m: w[2] / (1.0 - z[2]), far_m: -w[2] / z[2] };
-    let exact = Projection { scale: [x[0], y[1]], shift: [0.0; 2], depth: [z[2], w[2]] };
-    Ok((lens, y[1] / x[0], Some(exact)))
+    let [x, y] = read.projection.scale;
+    let lens = Lens { fov_y_radians: 2.0 * (1.0 / y).atan(), near_m: read.near, far_m: read.far };
+    Ok((lens, y / x, Some(read.projection)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use exr::meta::MetaData;
-    use glam::Vec3;
 
     fn sample() -> GBufferData {
         let lens = Lens { fov_y_radians: 1.2, near_m: 0.25, far_m: 50.0 };

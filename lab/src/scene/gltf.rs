@@ -2,7 +2,8 @@
 //!
 //! [`load`] reads a file into a [`Scene`]. The submodules are the stages: `data` finds buffers and images and reads
 //! accessors, `geometry` makes triangles, `nodes` walks the tree of nodes for meshes, cameras and lights, `materials`
-//! turns metallic-roughness into reflectivity and ϱ ([`roughness`]) and bakes the images of a material.
+//! turns metallic-roughness into reflectivity and ϱ ([`material_terms`](super::material_terms)) and bakes the images of a
+//! material.
 //!
 //! The crate `gltf` parses and checks the JSON; what its accessors point to is read and checked here.
 
@@ -10,7 +11,6 @@ mod data;
 mod geometry;
 mod materials;
 mod nodes;
-pub mod roughness;
 
 use super::{LoadOptions, Probe, Scene, bounded, viewpoint};
 use crate::error::{Error, Result};

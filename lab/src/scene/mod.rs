@@ -1,7 +1,7 @@
 //! Where scenes come from: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
 //! ([`library`]); all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera, [`bvh`] and [`triangles`]
-//! trace rays against a scene, [`placement`] finds places for captures, and [`gbuffer_file`] and [`capture_file`] are the
-//! files of other renderers.
+//! trace rays against a scene, [`placement`] finds places for captures, [`gbuffer_file`] and [`capture_file`] are the
+//! files of other renderers, and [`gbuffer_map`] reads those in conventions of their own.
 //!
 //! The types themselves are those of [`ssct::scene`], which are here under the same names.
 
@@ -10,9 +10,12 @@ mod bounded;
 pub mod bvh;
 pub mod capture_file;
 mod exr_channels;
+mod exr_parts;
 pub mod gbuffer_file;
+pub mod gbuffer_map;
 pub mod gltf;
 pub mod library;
+pub mod material_terms;
 pub mod obj;
 pub mod path;
 pub mod pattern;

@@ -53,6 +53,29 @@ pub fn decode(path: &Path, encoding: Encoding) -> Result<Texture> {
 /// [`MAX_EXTENT`] on a side, or if it claims more texels than that many bytes can hold. All this is checked
 /// before memory is allocated for the image.
 pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Texture> {
+    let image = decode_bytes(bytes, path)?;
+    let (width, height) = (image.width(), image.height());
+    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok(Texture { name, width, height, rgba: image.into_rgba8().into_raw(), encoding })
+}
+
+/// Width, height and the values of an image, four a texel, 0…1 as they are encoded, of 16 bits where the image has them.
+///
+/// # Errors
+/// As for [`from_bytes`].
+pub(super) fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
+    let image = decode_bytes(bytes, path)?;
+    let size = [image.width(), image.height()];
+    let has_16_bits = image.color().bytes_per_pixel() > image.color().channel_count();
+    let values = if has_16_bits {
+        image.into_rgba16().into_raw().into_iter().map(|v| f32::from(v) / f32::from(u16::MAX)).collect()
+    } else {
+        image.into_rgba8().into_raw().into_iter().map(|v| f32::from(v) / f32::from(u8::MAX)).collect()
+    };
+    Ok((size, values))
+}
+
+fn decode_bytes(bytes: &[u8], path: &Path) -> Result<DynamicImage> {
     let malformed = |e: image::ImageError| Error::malformed(path, None, format!("cannot be decoded: {e}"));
     let mut reader = ImageReader::new(Cursor::new(bytes));
     if let Ok(format) = ImageFormat::from_path(path) {
@@ -75,9 +98,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
         let message = format!("an image of {width} x {height} texels cannot come from only {} bytes", bytes.len());
         return Err(Error::malformed(path, None, message));
     }
-    let rgba = DynamicImage::from_decoder(decoder).map_err(malformed)?.into_rgba8().into_raw();
-    let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    Ok(Texture { name, width, height, rgba, encoding })
+    DynamicImage::from_decoder(decoder).map_err(malformed)
 }
 
 /// The texels of an image of this size once [`within`] a side.

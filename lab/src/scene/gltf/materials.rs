@@ -4,16 +4,17 @@
 //! |---|---|
 //! | base colour · (1 − metallic) | albedo |
 //! | luminance of mix(F0, base colour, metallic), F0 of the index of refraction (0.04 without one) | reflectivity |
-//! | roughness | ϱ of [`super::roughness`] |
+//! | roughness | ϱ of [`roughness_of_perceptual`] |
 //! | emission e, or the whole albedo of an unlit material | albedo + e, of which the share of e in the luminance is emission |
 //! | alpha below the cutoff | a hole |
 //!
 //! Where an image takes part, the results are baked texel by texel into images of the size of the largest.
 
+use super::Notes;
 use super::data::{Data, ImageBytes};
-use super::{Notes, roughness};
 use crate::error::Result;
 use crate::math;
+use crate::scene::material_terms::{self, F0, roughness_of_perceptual};
 use crate::scene::texture::{self, MAX_TEXELS, luminance};
 use crate::scene::{Encoding, Material, Scene, Texture, bounded};
 use glam::{DVec2, DVec4, Vec3};
@@ -23,9 +24,6 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
-
-/// The reflection at normal incidence of a material that states no index of refraction (1.5).
-const F0: f32 = 0.04;
 
 /// Which texture coordinates a material uses, and how it changes them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -208,7 +206,7 @@ impl Factors {
     }
 
     fn reflectivity(&self, base: Vec3, metallic: f32) -> f32 {
-        luminance(Vec3::splat(self.f0).lerp(base * self.base, metallic * self.metallic)).clamp(0.0, 1.0)
+        material_terms::reflectivity(base * self.base, metallic * self.metallic, self.f0)
     }
 }
 
@@ -248,7 +246,12 @@ pub(super) fn attach(
 
 /// The material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
 fn default_material() -> Material {
-    Material { name: "default".into(), albedo: Vec3::ZERO, roughness: roughness::of(1.0), ..Material::default() }
+    Material {
+        name: "default".into(),
+        albedo: Vec3::ZERO,
+        roughness: roughness_of_perceptual(1.0),
+        ..Material::default()
+    }
 }
 
 /// The scene's material, whose maps are indices into `baked`.
@@ -265,7 +268,7 @@ fn convert(material: &gltf::Material, baked: &mut Vec<Baked>, notes: &mut Notes)
         notes.add("bright", "emission brighter than 1 counts as 1".to_owned());
     }
     let roughness_factor = pbr.roughness_factor().clamp(0.0, 1.0);
-    if !of.unlit && roughness::of(roughness_factor) >= 1.0 {
+    if !of.unlit && roughness_of_perceptual(roughness_factor) >= 1.0 {
         notes.add("rough", "roughness above 0.42 is wider than the widest lobe (ϱ = 1) and counts as that".to_owned());
     }
     let normals = material.normal_texture().and_then(|n| Some((Use::of_normals(&n).image(notes)?, n.scale())));
@@ -292,7 +295,7 @@ fn convert(material: &gltf::Material, baked: &mut Vec<Baked>, notes: &mut Notes)
         albedo: colour,
         emission: share,
         reflectivity: if of.unlit { 0.0 } else { of.reflectivity(Vec3::ONE, 1.0) },
-        roughness: roughness::of(roughness_factor),
+        roughness: roughness_of_perceptual(roughness_factor),
         single_sided: !material.double_sided(),
         ..Material::default()
     };
@@ -398,7 +401,7 @@ impl<'a> Baker<'a> {
             }
             Baked::Roughness { metallic, factor } => {
                 let inputs = [self.image(*metallic, Encoding::Linear)];
-                texels(&inputs, Encoding::Linear, |[rough]| grey(roughness::of(factor * rough.y as f32)))
+                texels(&inputs, Encoding::Linear, |[rough]| grey(roughness_of_perceptual(factor * rough.y as f32)))
             }
             Baked::Mask { base, factor, cutoff } => {
                 let inputs = [image(base, Encoding::Linear)];

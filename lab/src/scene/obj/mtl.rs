@@ -8,21 +8,17 @@
 //! | `Kd` | albedo, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
 //! | `Ks` | its luminance is the reflectivity; 1 if absent |
 //! | `Pr` | roughness |
-//! | `Ns` | without `Pr`: Phong exponent, see [`roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
+//! | `Ns` | without `Pr`: Phong exponent, see [`material_terms::roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
 //! | `map_Kd`, `map_Ks`, `map_d` | albedo image, factor on the reflectivity, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::{read_limited, text::NO_MATERIAL};
 use crate::error::{Error, Result};
-use crate::math::constants;
-use crate::scene::{Material, texture::luminance};
+use crate::scene::{Material, material_terms, texture::luminance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
-
-/// ξ of the lobe (docs/definitions.md, "Surfaces").
-const XI: f32 = constants::XI as f32;
 
 /// One `newmtl` block.
 #[derive(Debug, Clone, Default)]
@@ -37,7 +33,7 @@ pub(super) struct Definition {
 impl Definition {
     /// The material without its name, surface and images.
     pub(super) fn material(&self) -> Material {
-        let roughness = self.roughness.or(self.exponent.map(roughness_of_exponent));
+        let roughness = self.roughness.or(self.exponent.map(material_terms::roughness_of_exponent));
         let mut albedo = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if albedo == Vec3::ZERO && self.images.albedo.is_some() {
             albedo = Vec3::ONE;
@@ -54,11 +50,6 @@ impl Definition {
     pub(super) fn images(&self) -> MaterialImages {
         self.images.clone()
     }
-}
-
-/// The roughness ϱ = 2 arccos(ξ^(1/(α+1))), 0…1, of a Phong exponent α; 0 for α ≤ 0.
-pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
-    if exponent > 0.0 { (2.0 * XI.powf(1.0 / (exponent + 1.0)).acos()).clamp(0.0, 1.0) } else { 0.0 }
 }
 
 /// Reads the files that the `mtllib` statements of the OBJ file at `obj_path` name. A missing file adds a
@@ -233,16 +224,5 @@ mod tests {
         is("-mm 0 1 \"my file.png\"", "my file.png", 1.0, false);
         is("-odd-name.png", "-odd-name.png", 1.0, false);
         assert_eq!(image("  "), None);
-    }
-
-    #[test]
-    fn roughness_falls_with_the_exponent() {
-        assert_eq!(roughness_of_exponent(0.0), 0.0);
-        assert_eq!(roughness_of_exponent(-3.0), 0.0);
-        assert_eq!(roughness_of_exponent(1.0), 1.0);
-        let rough = roughness_of_exponent(100.0);
-        // The inverse function: α(ϱ) = ln ξ / ln cos(ϱ/2) − 1.
-        assert!((XI.ln() / (0.5 * rough).cos().ln() - 1.0 - 100.0).abs() < 0.1, "{rough}");
-        assert!(roughness_of_exponent(1000.0) < rough);
     }
 }

@@ -1,0 +1,127 @@
+//! Whole OpenEXR files of other renderers: every part, with its channels as they are and its attributes. Scan lines or
+//! tiles, of 16-bit or 32-bit floats or unsigned integers; of several resolutions the largest.
+
+use super::exr_channels::check_claims;
+use crate::error::{Error, Result};
+use exr::compression::Compression;
+use exr::image::{FlatSamples, Layer};
+use exr::meta::MetaData;
+use exr::meta::attribute::AttributeValue;
+use exr::meta::header::{Header, ImageAttributes, LayerAttributes};
+use exr::prelude::{ReadChannels, ReadLayers, read};
+use std::collections::BTreeMap;
+use std::io::Cursor;
+use std::path::Path;
+
+/// A part of a file.
+pub(super) struct ExrPart {
+    /// Its name; files of one part may have none.
+    pub name: Option<String>,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Sorted by name.
+    pub channels: BTreeMap<String, ExrChannel>,
+    /// What it says beside its channels, by the names that the file format has.
+    pub attributes: BTreeMap<String, AttributeValue>,
+}
+
+/// A channel of a part.
+pub(super) struct ExrChannel {
+    /// Rows from the top of the file.
+    pub values: Vec<f32>,
+    /// The compression, if it rounded the values.
+    pub rounded_by: Option<Compression>,
+}
+
+/// Decodes the bytes of a file. Errors call the file `path`.
+///
+/// # Errors
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if it claims more than
+/// [`check_claims`] allows, uses B44, has several parts of deep data, or a part that covers only a piece of the image.
+pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+    let is_small = check_claims(&meta, bytes.len(), path, "the image")?;
+    for header in &meta.headers {
+        check_part(header).map_err(wrong)?;
+    }
+    let read = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let read = if is_small { read.non_parallel() } else { read };
+    let image = read.from_buffered(Cursor::new(bytes)).map_err(unreadable)?;
+    Ok(image.layer_data.into_iter().map(|layer| part(layer, &image.attributes)).collect())
+}
+
+/// # Errors
+/// A sentence about a part that cannot be used.
+fn check_part(header: &Header) -> std::result::Result<(), String> {
+    if [Compression::B44, Compression::B44A].contains(&header.compression) {
+        return Err(format!(
+            "its {} is not supported; save it with ZIP, ZIPS, PIZ, RLE, PXR24, DWAA, DWAB or none",
+            header.compression
+        ));
+    }
+    let window = header.shared_attributes.display_window;
+    let position = header.own_attributes.layer_position;
+    if position != window.position || header.layer_size != window.size {
+        let [part, whole] = [header.layer_size, window.size];
+        return Err(format!(
+            "only {}x{} pixels from {}, {} on of the image's {}x{} are in the file; only whole images can be read",
+            part.0, part.1, position.0, position.1, whole.0, whole.1
+        ));
+    }
+    Ok(())
+}
+
+fn part(layer: Layer<exr::image::AnyChannels<FlatSamples>>, image: &ImageAttributes) -> ExrPart {
+    let compression = layer.encoding.compression;
+    let channel = |channel: exr::image::AnyChannel<FlatSamples>| {
+        let name = channel.name.to_string();
+        let rounded = rounds(compression, &name, &channel.sample_data);
+        let values = match channel.sample_data {
+            FlatSamples::F32(values) => values,
+            other => other.values_as_f32().collect(),
+        };
+        (name, ExrChannel { values, rounded_by: rounded.then_some(compression) })
+    };
+    ExrPart {
+        name: layer.attributes.layer_name.as_ref().map(ToString::to_string),
+        size: [layer.size.0 as u32, layer.size.1 as u32],
+        channels: layer.channel_data.list.into_iter().map(channel).collect(),
+        attributes: attributes(layer.attributes, image),
+    }
+}
+
+/// The attributes by their names. Those that the file format knows are fields of the crate's types; of these, the ones
+/// that speak of a camera or are a number.
+fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
+    use AttributeValue::{F32, Matrix4x4};
+    let known = [
+        ("worldToCamera", layer.world_to_camera.map(Matrix4x4)),
+        ("worldToNDC", layer.world_to_normalized_device.map(Matrix4x4)),
+        ("near", layer.near_clip_plane.map(F32)),
+        ("far", layer.far_clip_plane.map(F32)),
+        ("fieldOfViewHorizontal", layer.horizontal_field_of_view.map(F32)),
+        ("fieldOfViewVertical", layer.vertical_field_of_view.map(F32)),
+        ("focus", layer.focus.map(F32)),
+        ("pixelAspectRatio", Some(F32(image.pixel_aspect))),
+        ("screenWindowWidth", Some(F32(layer.screen_window_width))),
+    ];
+    let known = known.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    let others = layer.other.into_iter().chain(image.other.clone());
+    known.chain(others.map(|(name, value)| (name.to_string(), value))).collect()
+}
+
+/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB transform the channels
+/// of colours, which they know by the last part of the name, and keep all others; integers they always keep.
+fn rounds(compression: Compression, channel: &str, samples: &FlatSamples) -> bool {
+    const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
+    match compression {
+        Compression::PXR24 => matches!(samples, FlatSamples::F32(_)),
+        Compression::DWAA(_) | Compression::DWAB(_) => {
+            let last = channel.rsplit('.').next().unwrap_or(channel).to_ascii_lowercase();
+            COLOURS.contains(&last.as_str()) && !matches!(samples, FlatSamples::U32(_))
+        }
+        _ => false,
+    }
+}

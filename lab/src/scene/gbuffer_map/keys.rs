@@ -1,0 +1,209 @@
+//! The keys of a map's sections, taken one by one. Whatever is wrong with one is a sentence with the line; keys that
+//! nobody took are unknown.
+
+use super::numbers::{AttributeName, MapNumbers, NumbersFrom};
+use crate::error::{Error, Result};
+use crate::scene::scene_file::SourceText;
+use std::collections::BTreeMap;
+use std::ops::Range;
+use toml::{Spanned, Value};
+
+/// A section as TOML has it.
+pub(super) type MapSection = Spanned<BTreeMap<String, Spanned<Value>>>;
+
+/// The keys of a section that have not been taken yet.
+pub(super) struct MapKeys<'a> {
+    text: &'a SourceText<'a>,
+    /// As the map has it, in its brackets.
+    pub name: String,
+    /// Where it begins.
+    pub line: usize,
+    left: BTreeMap<String, (Value, usize)>,
+    known: Vec<&'static str>,
+}
+
+impl<'a> MapKeys<'a> {
+    pub fn new(text: &'a SourceText<'a>, name: &str, section: MapSection) -> Self {
+        let line = text.line(section.span());
+        let of = |(key, value): (String, Spanned<Value>)| {
+            let line = text.line(value.span());
+            (key, (value.into_inner(), line))
+        };
+        let left = section.into_inner().into_iter().map(of).collect();
+        Self { text, name: name.to_owned(), line, left, known: Vec::new() }
+    }
+
+    /// A section that may be left out.
+    pub fn or_empty(text: &'a SourceText<'a>, name: &str, section: Option<MapSection>) -> Self {
+        let none = || Self { text, name: name.to_owned(), line: 1, left: BTreeMap::new(), known: Vec::new() };
+        section.map_or_else(none, |section| Self::new(text, name, section))
+    }
+
+    /// An error at a line.
+    pub fn error(&self, line: usize, message: impl AsRef<str>) -> Error {
+        Error::malformed(self.text.path, Some(line), format!("{}: {}", self.name, message.as_ref()))
+    }
+
+    fn take(&mut self, key: &'static str) -> Option<(Value, usize)> {
+        self.known.push(key);
+        self.left.remove(key)
+    }
+
+    /// Whether one of these keys is there.
+    pub fn has_any(&self, keys: &[&str]) -> bool {
+        keys.iter().any(|key| self.left.contains_key(*key))
+    }
+
+    /// A text.
+    pub fn text(&mut self, key: &'static str) -> Result<Option<String>> {
+        match self.take(key) {
+            None => Ok(None),
+            Some((Value::String(text), _)) => Ok(Some(text)),
+            Some((other, line)) => Err(self.error(line, format!("{key} must be a text, not {}", kind(&other)))),
+        }
+    }
+
+    /// One of some words.
+    pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
+        let Some((value, line)) = self.take(key) else { return Ok(None) };
+        let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
+        match found {
+            Some((_, choice)) => Ok(Some(*choice)),
+            None => {
+                let names = choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+                Err(self.error(line, format!("{key} must be one of {names}, not {}", shown(&value))))
+            }
+        }
+    }
+
+    /// One of some words that must be there.
+    pub fn required_word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
+        let names = choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+        let missing = self.error(self.line, format!("{key} is missing: one of {names}"));
+        self.word(key, choices)?.ok_or(missing)
+    }
+
+    /// A number that is finite or, where that is allowed, infinite.
+    pub fn number(&mut self, key: &'static str, may_be_infinite: bool) -> Result<Option<f64>> {
+        let Some((value, line)) = self.take(key) else { return Ok(None) };
+        let allowed = |n: &f64| n.is_finite() || (may_be_infinite && !n.is_nan());
+        match number(&value).filter(allowed) {
+            Some(number) => Ok(Some(number)),
+            None => {
+                let finite = if may_be_infinite { "" } else { "finite " };
+                Err(self.error(line, format!("{key} must be a {finite}number, not {}", shown(&value))))
+            }
+        }
+    }
+
+    /// One finite number, or three.
+    pub fn value(&mut self, key: &'static str) -> Result<Option<Vec<f64>>> {
+        let Some((value, line)) = self.take(key) else { return Ok(None) };
+        let numbers = flat(&value).filter(|n| [1, 3].contains(&n.len()) && n.iter().all(|v| v.is_finite()));
+        let wrong = || self.error(line, format!("{key} must be a finite number or three, not {}", shown(&value)));
+        numbers.ok_or_else(wrong).map(Some)
+    }
+
+    /// Names of channels: a text, or a list of texts.
+    pub fn names(&mut self, key: &'static str) -> Result<Option<(Vec<String>, usize)>> {
+        let Some((value, line)) = self.take(key) else { return Ok(None) };
+        let list = match &value {
+            Value::String(name) => Some(vec![name.clone()]),
+            Value::Array(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
+            _ => None,
+        };
+        let wrong =
+            || self.error(line, format!("{key} must be the name of a channel or a list of such, not {}", kind(&value)));
+        list.ok_or_else(wrong).map(|list| Some((list, line)))
+    }
+
+    /// So many finite numbers, in the map or in an attribute of a file: `{ attribute = "…", file = "…", part = "…" }`.
+    pub fn numbers(&mut self, key: &'static str, count: usize) -> Result<Option<MapNumbers>> {
+        let Some((value, line)) = self.take(key) else { return Ok(None) };
+        let from = if let Value::Table(table) = value {
+            NumbersFrom::Attribute(self.attribute(key, line, table)?)
+        } else {
+            let numbers = flat(&value).filter(|n| n.len() == count && n.iter().all(|v| v.is_finite()));
+            NumbersFrom::Here(numbers.ok_or_else(|| {
+                let many = if count == 1 { "a finite number".to_owned() } else { format!("{count} finite numbers") };
+                self.error(line, format!("{key} must be {many} or {{ attribute = \"…\" }}, not {}", shown(&value)))
+            })?)
+        };
+        Ok(Some(MapNumbers { key: format!("{}: {key}", self.name), line, count, from }))
+    }
+
+    fn attribute(&self, key: &str, line: usize, table: toml::Table) -> Result<AttributeName> {
+        let mut keys = self.inner(key, line, table);
+        let [name, file, part] = ["attribute", "file", "part"].map(|k| keys.text(k));
+        let [name, file, part] = [name?, file?, part?];
+        keys.finish()?;
+        let name = name.ok_or_else(|| self.error(line, format!("{key} must name an attribute")))?;
+        Ok(AttributeName { name, file, part })
+    }
+
+    /// The keys of a table within this section.
+    pub fn table(&mut self, key: &'static str) -> Result<Option<Self>> {
+        match self.take(key) {
+            None => Ok(None),
+            Some((Value::Table(table), line)) => Ok(Some(self.inner(key, line, table))),
+            Some((other, line)) => Err(self.error(line, format!("{key} must be a table, not {}", kind(&other)))),
+        }
+    }
+
+    fn inner(&self, key: &str, line: usize, table: toml::Table) -> Self {
+        let left = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
+        Self { text: self.text, name: format!("{} {key}", self.name), line, left, known: Vec::new() }
+    }
+
+    /// # Errors
+    /// The first key that nobody took, and those that there are.
+    pub fn finish(mut self) -> Result<()> {
+        self.known.dedup();
+        match self.left.iter().min_by_key(|(_, (_, line))| *line) {
+            None => Ok(()),
+            Some((key, (_, line))) => {
+                Err(self.error(*line, format!("there is no key {key:?} here; there are {}", self.known.join(", "))))
+            }
+        }
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    value.as_float().or_else(|| value.as_integer().map(|n| n as f64))
+}
+
+/// A number, or the numbers of a list, or of a list of lists one after another.
+fn flat(value: &Value) -> Option<Vec<f64>> {
+    match value {
+        Value::Array(list) => list.iter().map(flat).collect::<Option<Vec<_>>>().map(|lists| lists.concat()),
+        other => number(other).map(|n| vec![n]),
+    }
+}
+
+/// What an error calls a value.
+fn shown(value: &Value) -> String {
+    /// Longer ones are only named by their kind.
+    const LONGEST: usize = 40;
+    let text = value.to_string();
+    if text.len() <= LONGEST { text } else { kind(value).to_owned() }
+}
+
+fn kind(value: &Value) -> &'static str {
+    match value {
+        Value::String(_) => "a text",
+        Value::Integer(_) | Value::Float(_) => "a number",
+        Value::Boolean(_) => "true or false",
+        Value::Datetime(_) => "a date",
+        Value::Array(_) => "such a list",
+        Value::Table(_) => "a table",
+    }
+}
+
+/// The sections of a map, as the text names them.
+impl SourceText<'_> {
+    /// The line of a byte range, from 1.
+    fn line(&self, at: Range<usize>) -> usize {
+        let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
+        1 + before.iter().filter(|b| **b == b'\n').count()
+    }
+}

@@ -1,0 +1,128 @@
+//! The normals of a map: signed, from 0 to 1, or octahedral, in the axes of the renderer's world or view space.
+
+use super::axes::MapConventions;
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use super::source::{MapPlanes, MapSource, SourceRules};
+use crate::error::Result;
+use crate::scene::Camera;
+use glam::{DMat3, DVec2, DVec3, Vec3};
+use std::path::Path;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum NormalEncoding {
+    Signed,
+    Unorm,
+    /// Signed octahedral coordinates.
+    Octahedral,
+    /// The same from 0 to 1.
+    OctahedralUnorm,
+    /// The same as two numbers of 12 bits in three channels of 8 bits.
+    Octahedral888,
+}
+
+/// What a map says of the normals.
+#[derive(Debug, Clone)]
+pub(super) struct MapNormals {
+    source: MapSource,
+    is_world: bool,
+    encoding: NormalEncoding,
+}
+
+/// A normal that is shorter than this has no direction: nothing was drawn there, or it is not lit.
+const SHORTEST: f64 = 1e-3;
+
+impl MapNormals {
+    pub fn take(mut keys: MapKeys) -> Result<Self> {
+        use NormalEncoding::{Octahedral, Octahedral888, OctahedralUnorm, Signed, Unorm};
+        let is_world = keys.required_word("space", &[("view", false), ("world", true)])?;
+        let encodings = [
+            ("signed", Signed),
+            ("unorm", Unorm),
+            ("octahedral", Octahedral),
+            ("octahedral-unorm", OctahedralUnorm),
+            ("octahedral-888", Octahedral888),
+        ];
+        let encoding = keys.word("encoding", &encodings)?.unwrap_or(Signed);
+        let counts: &[usize] = if matches!(encoding, Octahedral | OctahedralUnorm) { &[2] } else { &[3] };
+        let rules = SourceRules { counts, may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
+        let source = MapSource::take(&mut keys, rules)?;
+        keys.finish()?;
+        Ok(Self { source, is_world, encoding })
+    }
+
+    /// Whether they are in world space, so that they say nothing without the place of the camera.
+    pub fn need_world(&self) -> bool {
+        self.is_world
+    }
+
+    /// View-space normals, zero where there is no surface, that is, no depth. What is `signed` keeps its length.
+    ///
+    /// # Errors
+    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
+    /// finite.
+    pub fn read(
+        &self,
+        files: &mut MapFiles,
+        conventions: &MapConventions,
+        camera: &Camera,
+        depth: &[f32],
+        map: &Path,
+    ) -> Result<Vec<Vec3>> {
+        let planes = self.source.read(files)?;
+        let [width, _] = files.size();
+        let turn = if self.is_world {
+            DMat3::from_mat4(camera.world_to_view.as_dmat4()) * conventions.world
+        } else {
+            conventions.view
+        };
+        let pixel = |(i, depth): (usize, &f32)| {
+            if *depth <= 0.0 {
+                return Ok(Vec3::ZERO);
+            }
+            let normal = (turn * self.decode(&planes, i)).as_vec3();
+            if normal.is_finite() {
+                return Ok(normal);
+            }
+            let values = || (0..self.source.count()).map(|k| planes.at(k, i));
+            let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
+            Err(planes.error(map, width, i, bad, "be finite"))
+        };
+        depth.iter().enumerate().map(pixel).collect()
+    }
+
+    fn decode(&self, planes: &MapPlanes, pixel: usize) -> DVec3 {
+        let [x, y] = [0, 1].map(|k| planes.at(k, pixel));
+        match self.encoding {
+            NormalEncoding::Signed => DVec3::new(x, y, planes.at(2, pixel)),
+            NormalEncoding::Unorm => unit(DVec3::new(x, y, planes.at(2, pixel)) * 2.0 - 1.0),
+            NormalEncoding::Octahedral => octahedral(DVec2::new(x, y)),
+            NormalEncoding::OctahedralUnorm => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
+            NormalEncoding::Octahedral888 => {
+                let bytes = [x, y, planes.at(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
+                // The third byte has the upper four bits of either number, those of the first below.
+                let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
+                let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
+                octahedral(packed / 4095.0 * 2.0 - 1.0)
+            }
+        }
+    }
+}
+
+/// Whether a normal has a direction.
+pub(super) fn has_direction(normal: Vec3) -> bool {
+    f64::from(normal.length()) >= SHORTEST
+}
+
+/// Of length 1, or zero if it has no direction.
+fn unit(v: DVec3) -> DVec3 {
+    if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
+}
+
+/// The direction of octahedral coordinates from −1 to 1: the unit sphere's projection onto an octahedron, whose half
+/// with z below 0 is folded outwards over the square |x| + |y| ≤ 1 (Cigolle et al. 2014).
+fn octahedral(at: DVec2) -> DVec3 {
+    let z = 1.0 - at.x.abs() - at.y.abs();
+    let fold = (-z).max(0.0);
+    unit(DVec3::new(at.x - fold * at.x.signum(), at.y - fold * at.y.signum(), z))
+}

@@ -1,0 +1,173 @@
+//! Where a map takes values from: channels of a file, or constants.
+
+use super::files::MapFiles;
+use super::keys::MapKeys;
+use crate::error::{Error, Result};
+use crate::math;
+use std::path::Path;
+
+/// Channels of one part of a file.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelSource {
+    pub file: Option<String>,
+    pub part: Option<String>,
+    pub names: Vec<String>,
+    pub line: usize,
+}
+
+/// The values of a section, one or several a pixel.
+#[derive(Debug, Clone)]
+pub(super) struct MapSource {
+    /// What errors call it.
+    section: String,
+    line: usize,
+    from: SourceFrom,
+    is_srgb: bool,
+    scale: Option<f64>,
+    offset: Option<f64>,
+    exact: bool,
+}
+
+#[derive(Debug, Clone)]
+enum SourceFrom {
+    Channels(ChannelSource),
+    Constants(Vec<f64>),
+}
+
+/// What a section may have for its values.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SourceRules {
+    /// How many channels.
+    pub counts: &'static [usize],
+    /// Whether constants may stand in their place.
+    pub may_be_constant: bool,
+    /// Whether they may be encoded as sRGB.
+    pub may_be_srgb: bool,
+    /// Whether `offset` is read, beside `scale`.
+    pub has_offset: bool,
+    /// Whether values that a compression rounded are refused.
+    pub exact: bool,
+}
+
+/// One value a pixel.
+pub(super) enum MapPlane {
+    Pixels(Vec<f32>),
+    Constant(f64),
+}
+
+impl MapPlane {
+    pub fn at(&self, pixel: usize) -> f64 {
+        match self {
+            Self::Pixels(values) => f64::from(values[pixel]),
+            Self::Constant(value) => *value,
+        }
+    }
+}
+
+/// The values of a section as they lie in the files.
+pub(super) struct MapPlanes<'a> {
+    source: &'a MapSource,
+    /// One, two or three.
+    pub planes: Vec<MapPlane>,
+    /// Where they are from, for errors.
+    place: String,
+}
+
+impl MapSource {
+    /// Takes the keys of a source.
+    pub fn take(keys: &mut MapKeys, rules: SourceRules) -> Result<Self> {
+        let line = keys.line;
+        let [file, part] = ["file", "part"].map(|key| keys.text(key));
+        let [file, part] = [file?, part?];
+        let wants = rules.counts.iter().map(ToString::to_string).collect::<Vec<_>>().join(" or ");
+        let names = if rules.counts.contains(&1) { keys.names("channel")? } else { None };
+        let names = if rules.counts == [1] { names } else { names.or(keys.names("channels")?) };
+        let value = if rules.may_be_constant { keys.value("value")? } else { None };
+        let encodings = [("linear", false), ("srgb", true)];
+        let is_srgb = rules.may_be_srgb && keys.word("encoding", &encodings)?.unwrap_or(false);
+        let scale = keys.number("scale", false)?;
+        let offset = if rules.has_offset { keys.number("offset", false)? } else { None };
+        let from = match (names, value) {
+            (Some((names, line)), None) => {
+                if !rules.counts.contains(&names.len()) {
+                    return Err(keys.error(line, format!("{} channels are named, not {wants}", names.len())));
+                }
+                SourceFrom::Channels(ChannelSource { file, part, names, line })
+            }
+            (None, Some(value)) => {
+                if !rules.counts.contains(&value.len()) {
+                    return Err(keys.error(line, format!("value has {} numbers, not {wants}", value.len())));
+                }
+                if file.is_some() || part.is_some() {
+                    return Err(keys.error(line, "file and part go with channels, not with a value"));
+                }
+                SourceFrom::Constants(value)
+            }
+            (Some(_), Some(_)) => return Err(keys.error(line, "there is a channel and a value; one of them is enough")),
+            (None, None) => {
+                let or = if rules.may_be_constant { ", or a value" } else { "" };
+                let key = if rules.counts == [1] { "channel" } else { "channels" };
+                return Err(keys.error(line, format!("{key} is missing: the name of {wants} in the file{or}")));
+            }
+        };
+        Ok(Self { section: keys.name.clone(), line, from, is_srgb, scale, offset, exact: rules.exact })
+    }
+
+    /// How many values a pixel has.
+    pub fn count(&self) -> usize {
+        match &self.from {
+            SourceFrom::Channels(channels) => channels.names.len(),
+            SourceFrom::Constants(values) => values.len(),
+        }
+    }
+
+    /// Reads the values.
+    ///
+    /// # Errors
+    /// As for [`MapFiles::channel`].
+    pub fn read(&self, files: &mut MapFiles) -> Result<MapPlanes<'_>> {
+        let (planes, place) = match &self.from {
+            SourceFrom::Channels(of) => {
+                let channel = |name: &String| files.channel(of, name, self.exact).map(MapPlane::Pixels);
+                let planes = of.names.iter().map(channel).collect::<Result<_>>()?;
+                let path = files.path(of.file.as_deref());
+                (planes, format!("{} of {}", of.names.join(", "), path.display()))
+            }
+            SourceFrom::Constants(values) => {
+                (values.iter().map(|v| MapPlane::Constant(*v)).collect(), "the value".to_owned())
+            }
+        };
+        Ok(MapPlanes { source: self, planes, place })
+    }
+}
+
+impl MapPlanes<'_> {
+    /// A value of a pixel as it lies in the file.
+    pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
+        // A single one stands for all three.
+        self.planes[plane.min(self.planes.len() - 1)].at(pixel)
+    }
+
+    /// A value of a pixel: decoded, scaled and shifted.
+    pub fn at(&self, plane: usize, pixel: usize) -> f64 {
+        let raw = self.raw(plane, pixel);
+        let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };
+        decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
+    }
+
+    /// Three values of a pixel; a single one stands for all.
+    pub fn three(&self, pixel: usize) -> [f64; 3] {
+        [0, 1, 2].map(|plane| self.at(plane, pixel))
+    }
+
+    /// An error about a pixel whose value, as [`Self::at`] has it, is not as it must be.
+    pub fn error(&self, map: &Path, width: u32, pixel: usize, value: f64, must: &str) -> Error {
+        let (x, y) = (pixel % width as usize, pixel / width as usize);
+        let at = if matches!(self.source.from, SourceFrom::Constants(_)) {
+            format!("is {value}")
+        } else {
+            format!("is {value} at pixel {x}, {y} ({})", self.place)
+        };
+        Error::malformed(map, Some(self.source.line), format!("{}: it {at}; it must {must}", self.source.section))
+    }
+}

@@ -1,0 +1,207 @@
+//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. These show a floor and a ball,
+//! which are traced here in the renderer's own world; what is read must lie on them.
+
+use super::files::{Part, floats, halves, write_exr, write_png};
+use super::named;
+use crate::common::folder::Folder;
+use crate::common::repository;
+use exr::image::FlatSamples;
+use glam::{DMat4, DVec3, DVec4, Vec3};
+use ssct_lab::scene::GBufferData;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [160, 90];
+
+/// What the camera sees in a pixel.
+#[derive(Clone, Copy)]
+struct Seen {
+    /// Along the view; none of the sky.
+    z: Option<f64>,
+    /// In the renderer's world, as is the place.
+    normal: DVec3,
+    is_ball: bool,
+}
+
+/// A floor where z is 0 and a ball on it, in a world with z up, through a camera whose view looks along `forward` z.
+fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, middle: DVec3) -> Vec<Seen> {
+    let to_world = world_to_view.inverse();
+    let eye = to_world.w_axis.truncate();
+    let pixel = |i: usize| {
+        let (column, row) = ((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
+        let ndc = [column / f64::from(SIZE[0]) * 2.0 - 1.0, 1.0 - row / f64::from(SIZE[1]) * 2.0];
+        let ray = to_world.transform_vector3(DVec3::new(ndc[0] / x, ndc[1] / y, forward));
+        let floor = -eye.z / ray.z;
+        let to = eye - middle;
+        let (a, b, c) = (ray.length_squared(), to.dot(ray), to.length_squared() - radius * radius);
+        let ball = b * b - a * c;
+        let ball = if ball > 0.0 { (-b - ball.sqrt()) / a } else { -1.0 };
+        if ball > 0.0 && (floor <= 0.0 || ball < floor) {
+            Seen { z: Some(ball), normal: (eye + ball * ray - middle) / radius, is_ball: true }
+        } else if floor > 0.0 && floor < 40.0 * radius {
+            Seen { z: Some(floor), normal: DVec3::Z, is_ball: false }
+        } else {
+            Seen { z: None, normal: DVec3::ZERO, is_ball: false }
+        }
+    };
+    (0..SIZE[0] as usize * SIZE[1] as usize).map(pixel).collect()
+}
+
+/// Holds what was read against the floor and the ball; `of_world` takes a place of the renderer to ours, in metres,
+/// `near` is how near it must lie, as a share of its distance, and `turn` how near its normal.
+fn lies_on(
+    data: &GBufferData,
+    seen: &[Seen],
+    of_world: impl Fn(DVec3) -> DVec3,
+    ball: (f64, DVec3),
+    near: f64,
+    turn: f64,
+) {
+    let to_world = (data.camera.view_to_clip_reversed().as_dmat4() * data.camera.world_to_view.as_dmat4()).inverse();
+    let view = data.camera.world_to_view.as_dmat4();
+    let unit = of_world(DVec3::X).length();
+    let (mut floors, mut balls) = (0, 0);
+    for (i, seen) in seen.iter().enumerate() {
+        assert_eq!(seen.z.is_some(), data.depth[i] > 0.0, "pixel {i}");
+        let Some(z) = seen.z else { continue };
+        let (x, y) = ((i % SIZE[0] as usize) as f64 + 0.5, (i / SIZE[0] as usize) as f64 + 0.5);
+        let ndc = DVec3::new(
+            x / f64::from(SIZE[0]) * 2.0 - 1.0,
+            1.0 - y / f64::from(SIZE[1]) * 2.0,
+            f64::from(data.depth[i]),
+        );
+        let place = to_world.project_point3(ndc);
+        let off = if seen.is_ball {
+            balls += 1;
+            place.distance(of_world(ball.1)) - ball.0 * unit
+        } else {
+            floors += 1;
+            place.y
+        };
+        assert!(off.abs() < near * z * unit, "pixel {i}: {off} m off at {z}");
+        let normal = view.transform_vector3(of_world(seen.normal).normalize());
+        let off = normal.distance(data.normal[i].as_dvec3());
+        assert!(off < turn, "pixel {i}: normal {} is {off} off", data.normal[i]);
+        assert!(data.normal[i].z < 0.3, "pixel {i}: it is seen from in front");
+    }
+    assert!(floors > 3000 && balls > 500, "{floors} {balls}");
+}
+
+fn example(name: &str) -> (GBufferMap, toml::Table) {
+    let path = repository().join("examples/gbuffer-maps").join(name);
+    (GBufferMap::load(&path).unwrap(), std::fs::read_to_string(&path).unwrap().parse().unwrap())
+}
+
+/// The numbers of a key of `[camera]`.
+fn camera_numbers(map: &toml::Table, key: &str) -> Vec<f64> {
+    fn numbers(value: &toml::Value) -> Vec<f64> {
+        match value {
+            toml::Value::Array(list) => list.iter().flat_map(numbers).collect(),
+            toml::Value::Integer(n) => vec![*n as f64],
+            other => vec![other.as_float().unwrap()],
+        }
+    }
+    numbers(&map["camera"][key])
+}
+
+#[test]
+fn the_map_of_blender_reads_one_part_and_many() {
+    let (map, text) = example("blender.toml");
+    let rows = DMat4::from_cols_slice(&camera_numbers(&text, "view-to-world")).transpose();
+    let x = 2.0 * camera_numbers(&text, "focal-length-mm")[0] / camera_numbers(&text, "sensor-width-mm")[0];
+    let ball = (0.9, DVec3::new(-0.4, 0.0, 0.9));
+    let seen = trace(rows.inverse(), [x, x * 16.0 / 9.0], -1.0, ball.0, ball.1);
+    let each = |of: &dyn Fn(&Seen) -> f64| floats(seen.iter().map(of));
+    let halves_of = |of: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(of));
+    let rgb = |of: [f64; 3]| of.map(|v| halves_of(&|s| if s.z.is_some() { v } else { 0.0 })).to_vec();
+    let xyz = |k: usize| each(&|s| s.normal[k]);
+    let sky = [0.25, 0.5, 1.0].map(|v| halves_of(&|s| if s.z.is_some() { 0.0 } else { v })).to_vec();
+    let passes: Vec<(&str, &str, Vec<FlatSamples>)> = vec![
+        ("Combined", "RGBA", [rgb([9.0; 3]), rgb([1.0; 3])[..1].to_vec()].concat()),
+        ("Depth", "Z", vec![each(&|s| s.z.unwrap_or(1e10))]),
+        ("Normal", "XYZ", vec![xyz(0), xyz(1), xyz(2)]),
+        ("Diffuse Direct", "RGB", rgb([2.0, 1.0, 0.5])),
+        ("Diffuse Indirect", "RGB", rgb([1.0, 0.5, 0.25])),
+        ("Diffuse Color", "RGB", rgb([0.5, 0.25, 0.125])),
+        ("Emission", "RGB", rgb([0.0, 0.25, 0.0])),
+        ("Environment", "RGB", sky),
+        ("roughness", "X", vec![each(&|s| if s.is_ball { 0.3 } else { 0.1 })]),
+        ("metallic", "X", vec![each(&|s| if s.is_ball { 0.0 } else { 1.0 })]),
+        ("base color", "RGBA", [rgb([0.5; 3]), rgb([1.0; 3])[..1].to_vec()].concat()),
+    ];
+    let channels = |(pass, suffixes, samples): &(&str, &str, Vec<FlatSamples>)| {
+        let names: Vec<String> = suffixes.chars().map(|c| format!("ViewLayer.{pass}.{c}")).collect();
+        named(&names.iter().map(String::as_str).collect::<Vec<_>>(), samples.clone())
+    };
+    let folder = Folder::new();
+    let parts = passes.iter().map(|pass| Part::new(channels(pass)).named(&format!("ViewLayer.{}", pass.0)));
+    write_exr(&folder.path("many.exr"), SIZE, parts.collect());
+    write_exr(&folder.path("one.exr"), SIZE, vec![Part::new(passes.iter().flat_map(channels).collect())]);
+    let data = map.read(&folder.path("many.exr")).unwrap();
+    assert!(data == map.read(&folder.path("one.exr")).unwrap(), "in one part as in many");
+    lies_on(&data, &seen, |v| DVec3::new(v.x, v.z, v.y), ball, 3e-6, 1e-6);
+    for (i, seen) in seen.iter().enumerate() {
+        let colour = if seen.z.is_some() { Vec3::new(1.5, 0.625, 0.09375) } else { Vec3::new(0.25, 0.5, 1.0) };
+        assert_eq!(data.color[i], colour, "diffuse light times colour, emission, and the background");
+        // Of a dielectric F0, of a metal its colour; ϱ of 0.1 and 0.3 by docs/definitions.md, "glTF".
+        let (reflectivity, roughness) = match (seen.z, seen.is_ball) {
+            (None, _) => (0.0, 0.0),
+            (_, true) => (0.04, 0.511),
+            (_, false) => (0.5, 0.057),
+        };
+        assert!(
+            (data.reflectivity[i] - reflectivity).abs() < 1e-6 && (data.roughness[i] - roughness).abs() < 1e-3,
+            "{i}"
+        );
+    }
+}
+
+#[test]
+fn the_map_of_an_unreal_capture_reads_its_textures() {
+    let (map, text) = example("renderdoc-unreal.toml");
+    // Row vectors in memory are column vectors by columns.
+    let [to_view, to_clip] =
+        ["world-to-view", "projection"].map(|key| DMat4::from_cols_slice(&camera_numbers(&text, key)));
+    assert_eq!(to_clip.row(3), DVec4::Z);
+    let ball = (120.0, DVec3::new(500.0, 40.0, 120.0));
+    let seen = trace(to_view, [to_clip.x_axis.x, to_clip.y_axis.y], 1.0, ball.0, ball.1);
+    let folder = Folder::new();
+    let rgba = |values: [FlatSamples; 4]| Part::new(named(&["R", "G", "B", "A"], values));
+    let one = || halves(seen.iter().map(|_| 1.0));
+    let each = |of: &dyn Fn(&Seen) -> f64| halves(seen.iter().map(of));
+    write_exr(
+        &folder.path("SceneColor.exr"),
+        SIZE,
+        vec![rgba([each(&|s| f64::from(u8::from(s.is_ball))), one(), one(), one()])],
+    );
+    // Infinite far plane: the near plane's distance over z. RenderDoc writes the one component of a depth buffer into
+    // R.
+    let near = to_clip.w_axis.z;
+    let depth = floats(seen.iter().map(|s| s.z.map_or(0.0, |z| near / z)));
+    let zero = || floats(seen.iter().map(|_| 0.0));
+    write_exr(
+        &folder.path("SceneDepthZ.exr"),
+        SIZE,
+        vec![rgba([depth, zero(), zero(), floats(seen.iter().map(|_| 1.0))])],
+    );
+    // Ten bits a component.
+    let ten = |v: f64| ((v * 0.5 + 0.5) * 1023.0).round() / 1023.0;
+    let normal = |k: usize| each(&|s| ten(s.normal[k]));
+    write_exr(&folder.path("GBufferA.exr"), SIZE, vec![rgba([normal(0), normal(1), normal(2), one()])]);
+    // Metallic, specular, roughness: a floor of metal, a ball of a dielectric.
+    write_png(&folder.path("GBufferB.png"), SIZE, |i| if seen[i].is_ball { [0.0, 0.5, 0.3] } else { [1.0, 0.5, 0.1] });
+    write_png(&folder.path("GBufferC.png"), SIZE, |_| [0.5; 3]);
+    let data = map.read(&folder.path("SceneColor.exr")).unwrap();
+    // Ten bits, then the half float of a number in ½…1: a component is off by twice the half of either step at most, a
+    // direction by √3 of that, and twice that once it is normalised.
+    let turn = 2.0 * 3_f64.sqrt() * (1.0 / 1023.0 + 1.0 / 2048.0);
+    lies_on(&data, &seen, |v| DVec3::new(v.y, v.z, v.x) * 0.01, ball, 3e-6, turn);
+    let grey = ((128.0 / 255.0 + 0.055_f64) / 1.055).powf(2.4);
+    for (i, seen) in seen.iter().enumerate().filter(|(_, s)| s.z.is_some()) {
+        // F0 is 0.08 of the specular, which is 128 of 255.
+        let reflectivity = if seen.is_ball { 0.08 * 128.0 / 255.0 } else { grey };
+        assert!((f64::from(data.reflectivity[i]) - reflectivity).abs() < 1e-6, "{i}: {}", data.reflectivity[i]);
+        let roughness = if seen.is_ball { 0.511 } else { 0.057 };
+        assert!((data.roughness[i] - roughness).abs() < 8e-3, "{i}: {}", data.roughness[i]);
+        assert_eq!(data.color[i], Vec3::new(f32::from(u8::from(seen.is_ball)), 1.0, 1.0));
+    }
+}

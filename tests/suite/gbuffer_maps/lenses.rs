@@ -1,0 +1,166 @@
+//! Cameras of maps: the same lens said in every way, in the conventions of the graphics interfaces, with a shift.
+
+use super::files::{Part, floats, write_exr};
+use super::named;
+use crate::common::folder::Folder;
+use glam::{DMat4, DVec3, DVec4, Mat4};
+use ssct_lab::scene::Camera;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+const SIZE: [u32; 2] = [8, 4];
+const NEAR: f64 = 0.5;
+const FAR: f64 = 40.0;
+/// Of the view from top to bottom.
+const FOV: f64 = 0.9;
+const ASPECT: f64 = 2.0;
+/// Pixels to the right and down by which the picture is shifted.
+const SHIFT: [f64; 2] = [0.75, -0.5];
+
+/// The depths of the pixels of a frame, in metres.
+fn depths() -> Vec<f64> {
+    (0..32).map(|i| if i == 5 { FAR * 2.0 } else { NEAR + 0.9 * f64::from(i) }).collect()
+}
+
+/// Reads a frame whose depth has these values; world space is view space turned about y.
+fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item = f64>) -> (Camera, Vec<f32>) {
+    let folder = Folder::new();
+    let flat = |v: f64| floats(vec![v; 32]);
+    let channels = named(&["d", "zero", "one"], [floats(values), flat(0.0), flat(1.0)]);
+    write_exr(&folder.path("f.exr"), SIZE, vec![Part::new(channels)]);
+    let map = format!(
+        "[conventions]\n{conventions}\n[camera]\n{camera}\n[depth]\nchannel = \"d\"\n{depth}\n[normal]\nspace = \
+         \"view\"\n\
+         channels = [\"zero\", \"zero\", \"one\"]\n[roughness]\nvalue = 0\nkind = \"lobe\"\n[reflectivity]\nvalue = 1\n\
+         [[color]]\nvalue = 1\n"
+    );
+    folder.write("map.toml", map);
+    let data = GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap();
+    (data.camera, data.depth)
+}
+
+/// Whether two cameras show a point at the same place and depth.
+fn same(a: &Camera, b: &Camera) {
+    for point in [DVec3::new(0.3, -0.2, 1.0), DVec3::new(-4.0, 2.0, 7.0), DVec3::new(5.0, 5.0, 39.0)] {
+        let [a, b] = [a, b].map(|c| (c.view_to_clip_reversed().as_dmat4()).project_point3(point));
+        assert!(a.distance(b) < 2e-6, "{point}: {a} {b}");
+    }
+    assert!(a.world_to_view.abs_diff_eq(b.world_to_view, 1e-5), "{} {}", a.world_to_view, b.world_to_view);
+}
+
+fn view_z() -> impl Iterator<Item = f64> {
+    depths().into_iter()
+}
+
+#[test]
+fn a_lens_can_be_said_in_every_way() {
+    let planes = format!("near = {NEAR}\nfar = {FAR}");
+    let linear = "kind = \"view-z\"";
+    let (plain, depth) = read("", &format!("fov-y-rad = {FOV}\n{planes}"), linear, view_z());
+    let reversed = |z: f64| if z >= FAR { 0.0 } else { NEAR * (FAR - z) / (z * (FAR - NEAR)) };
+    assert!(depth.iter().zip(depths()).all(|(d, z)| (f64::from(*d) - reversed(z)).abs() < 1e-6), "{depth:?}");
+    let x = 2.0 * ((0.5 * FOV).tan() * ASPECT).atan();
+    let width = 36.0;
+    let length = 0.5 * width / ((0.5 * FOV).tan() * ASPECT);
+    for lens in [
+        format!("fov-y-deg = {}", FOV.to_degrees()),
+        format!("fov-x-rad = {x}"),
+        format!("fov-x-deg = {}", x.to_degrees()),
+        format!("focal-length-mm = {length}\nsensor-width-mm = {width}"),
+        format!("focal-length-mm = {length}\nsensor-height-mm = {}\naspect = 2", width / ASPECT),
+    ] {
+        let (camera, there) = read("", &format!("{lens}\n{planes}"), linear, view_z());
+        same(&camera, &plain);
+        assert!(there == depth, "{lens}");
+    }
+    // In centimetres, with distances in metres: the units of the camera are those of the conventions.
+    let centimetres = format!("fov-y-rad = {FOV}\nnear = {}\nfar = {}", NEAR * 100.0, FAR * 100.0);
+    let (camera, there) = read("metres-per-unit = 0.01", &centimetres, "kind = \"view-z\"\nscale = 100", view_z());
+    same(&camera, &plain);
+    assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6));
+    // A depth that points the other way.
+    let (_, there) =
+        read("", &format!("fov-y-rad = {FOV}\n{planes}"), "kind = \"view-z\"\nscale = -1", view_z().map(|z| -z));
+    assert!(there == depth);
+}
+
+#[test]
+fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
+    let planes = format!("near = {NEAR}\nfar = {FAR}");
+    let shifted = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
+    let (expected, depth) = read("", &shifted, "kind = \"view-z\"", view_z());
+    // A point straight ahead appears where the shift takes the middle of the image.
+    let ahead = expected.view_to_clip_reversed().project_point3(glam::Vec3::Z * 3.0);
+    let [w, h] = SIZE.map(f64::from);
+    let pixel = [(f64::from(ahead.x) * 0.5 + 0.5) * w, (0.5 - 0.5 * f64::from(ahead.y)) * h];
+    assert!((pixel[0] - 4.0 - SHIFT[0]).abs() < 1e-6 && (pixel[1] - 2.0 - SHIFT[1]).abs() < 1e-6, "{pixel:?}");
+    let y = 1.0 / (0.5 * FOV).tan();
+    let (u, v) = (2.0 * SHIFT[0] / w, -2.0 * SHIFT[1] / h);
+    // What becomes of depth: its two numbers, what the files have, and whether the far plane must be said.
+    let standard = |z: f64| FAR * (z - NEAR) / (z * (FAR - NEAR));
+    type Depth<'a> = (&'a str, [f64; 2], Box<dyn Fn(f64) -> f64 + 'a>, bool);
+    let kinds: [Depth; 4] = [
+        ("standard", [FAR / (FAR - NEAR), -NEAR * FAR / (FAR - NEAR)], Box::new(standard), false),
+        ("reversed", [-NEAR / (FAR - NEAR), NEAR * FAR / (FAR - NEAR)], Box::new(|z| 1.0 - standard(z)), false),
+        ("reversed", [0.0, NEAR], Box::new(|z| NEAR / z), true),
+        (
+            "minus-one-to-one",
+            [(FAR + NEAR) / (FAR - NEAR), -2.0 * NEAR * FAR / (FAR - NEAR)],
+            Box::new(|z| 2.0 * standard(z) - 1.0),
+            false,
+        ),
+    ];
+    let world = DMat4::from_rotation_y(0.4) * DMat4::from_translation(DVec3::new(1.0, -2.0, 0.5));
+    for (kind, [a, b], of_z, says_far) in &kinds {
+        for (view, forward, up) in [("left", 1.0, 1.0), ("right", -1.0, 1.0), ("right-y-down", 1.0, -1.0)] {
+            for clip_y in ["up", "down"] {
+                // y of clip space over y of our view space, and over that of theirs.
+                let flip = if clip_y == "up" { 1.0 } else { -1.0 };
+                let clip = DMat4::from_cols(
+                    DVec4::new(y / ASPECT, 0.0, 0.0, 0.0),
+                    DVec4::new(0.0, flip * up * y, 0.0, 0.0),
+                    DVec4::new(u, flip * v, *a, 1.0) * forward,
+                    DVec4::new(0.0, 0.0, *b, 0.0),
+                );
+                let turn = DMat4::from_scale(DVec3::new(1.0, up, forward));
+                let far = if *says_far { format!("far = {FAR}\nnear = {NEAR}\n") } else { String::new() };
+                let [projection, place] =
+                    [clip, turn * world].map(|m| format!("{:?}", m.transpose().to_cols_array_2d()));
+                let camera = format!("{far}projection = {projection}\nworld-to-view = {place}");
+                let conventions = format!("view = \"{view}\"\nclip-y = \"{clip_y}\"\nmatrices = \"rows\"");
+                let kind_key = format!("kind = \"{kind}\"");
+                let (camera, there) =
+                    read(&conventions, &camera, &kind_key, depths().into_iter().map(|z| of_z(z.min(FAR))));
+                let expected = Camera { world_to_view: world.as_mat4(), ..expected };
+                same(&camera, &expected);
+                assert!((camera.lens.far_m / expected.lens.far_m - 1.0).abs() < 1e-4, "{kind} {view}");
+                // Standard depth in 32 bits is rounded by 2⁻²⁵, twice as much where its range is twice as large.
+                let close = |(a, b): (&f32, &f32)| (a - b).abs() < 3e-7 + 2e-6 * b;
+                assert!(there.iter().zip(&depth).all(close), "{kind} {view}: {there:?} {depth:?}");
+            }
+        }
+    }
+    // Planes of the buffer that are not the camera's.
+    let other = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
+    let (_, there) = read("", &other, "kind = \"reversed\"\nnear = 0.25\nfar = inf", view_z().map(|z| 0.25 / z));
+    assert!(there.iter().zip(&depth).all(|(a, b)| (a - b).abs() < 1e-6), "{there:?} {depth:?}");
+}
+
+#[test]
+fn a_camera_can_stand_and_be_upright_in_every_world() {
+    let lens = format!("fov-y-rad = {FOV}\nnear = {NEAR}\nfar = {FAR}");
+    let place = |conventions: &str, place: &str| {
+        read(conventions, &format!("{lens}\n{place}"), "kind = \"view-z\"", view_z()).0.world_to_view
+    };
+    let (eye, at) = (glam::Vec3::new(1.0, 2.0, 3.0), glam::Vec3::new(-2.0, 1.0, 7.0));
+    let expected = Camera::new(eye, at, ssct_lab::scene::Lens::default(), ASPECT as f32).world_to_view;
+    let forward = "forward = [-3, -1, 4]";
+    assert_eq!(place("", "eye = [1, 2, 3]\nlook-at = [-2, 1, 7]"), expected);
+    let is_it = |got: Mat4| assert!(got.abs_diff_eq(expected, 1e-6), "{got} {expected}");
+    is_it(place("", &format!("eye = [1, 2, 3]\n{forward}")));
+    is_it(place("", &format!("eye = [1, 2, 3]\n{forward}\nup = [0, 5, 0]")));
+    is_it(place("world = \"right\"", "eye = [1, 2, -3]\nlook-at = [-2, 1, -7]"));
+    is_it(place("world = \"right-z-up\"", "eye = [1, 3, 2]\nlook-at = [-2, 7, 1]\nup = [0, 0, 1]"));
+    is_it(place("world = \"left-z-up\"\nmetres-per-unit = 0.01", "eye = [300, 100, 200]\nlook-at = [700, -200, 100]"));
+    let leaning = place("", &format!("eye = [1, 2, 3]\n{forward}\nup = [1, 1, 0]"));
+    assert!(!leaning.abs_diff_eq(expected, 0.1) && (leaning.determinant() - 1.0).abs() < 1e-5);
+}

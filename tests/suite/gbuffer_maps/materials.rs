@@ -1,0 +1,168 @@
+//! Materials and colours in the terms of engines: roughness and reflectivity in bytes, sRGB, constants, sums of
+//! colours, and compressions that round.
+
+use super::files::{Part, floats, write_exr, write_png};
+use super::{SIZE, axis, each, named, numbers, original, read, same_images};
+use crate::common::folder::Folder;
+use exr::prelude::Compression;
+use ssct_lab::scene::gbuffer_map::GBufferMap;
+
+/// ϱ of a perceptual roughness: docs/definitions.md, "glTF", written out once more.
+fn lobe_of_perceptual(r: f64) -> f64 {
+    let half = 2.0 * (r * r).atan();
+    if half >= std::f64::consts::FRAC_PI_2 {
+        return 1.0;
+    }
+    let exponent_and_one = 0.5_f64.ln() / half.cos().ln();
+    (2.0 * 0.244_f64.powf(1.0 / exponent_and_one).acos()).clamp(0.0, 1.0)
+}
+
+/// The perceptual roughness of ϱ, its inverse.
+fn perceptual_of_lobe(rho: f64) -> f64 {
+    if rho <= 0.0 {
+        return 0.0;
+    }
+    let exponent_and_one = 0.244_f64.ln() / (rho / 2.0).cos().ln();
+    let half = 0.5_f64.powf(1.0 / exponent_and_one).acos();
+    (half / 2.0).tan().sqrt()
+}
+
+#[test]
+fn roughness_and_reflectivity_of_engines_in_bytes() {
+    let data = original();
+    let folder = Folder::new();
+    let decode = |v: f64| if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) };
+    let encode = |v: f64| if v <= 0.003_130_8 { v * 12.92 } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    let r: Vec<f64> = data.roughness.iter().map(|v| perceptual_of_lobe(f64::from(*v))).collect();
+    // Metal of a grey base colour reflects that grey.
+    let base = write_png(&folder.path("base.png"), SIZE, |i| [encode(f64::from(data.reflectivity[i])); 3]);
+    let orm = write_png(&folder.path("orm.png"), SIZE, |i| [1.0 - r[i], r[i], r[i] * r[i]]);
+    let floats_of = |values: &[f32]| floats(each(values, |v| f64::from(*v)));
+    let channels = [floats_of(&data.depth)].into_iter().chain([0, 1, 2].map(|k| floats(axis(&data.normal, k))));
+    let channels = named(&["D", "X", "Y", "Z"], channels);
+    let colour = named(&["c.R", "c.G", "c.B"], [0, 1, 2].map(|k| floats(axis(&data.color, k).map(encode))));
+    write_exr(&folder.path("f.exr"), SIZE, vec![Part::new([channels, colour].concat())]);
+    let lens = data.camera.lens;
+    let map = |roughness: &str, reflectivity: &str| {
+        format!(
+            "[camera]\nfov-y-rad = {}\nnear = {}\nfar = {}\nworld-to-view = {}\n[depth]\nchannel = \"D\"\n\
+             kind = \"reversed\"\n[normal]\nspace = \"view\"\nchannels = [\"X\", \"Y\", \"Z\"]\n[roughness]\n\
+             {roughness}\n{reflectivity}\n[[color]]\nchannels = [\"c.R\", \"c.G\", \"c.B\"]\nencoding = \"srgb\"\n",
+            f64::from(lens.fov_y_radians),
+            lens.near_m,
+            lens.far_m,
+            numbers(&data.camera.world_to_view.as_dmat4()),
+        )
+    };
+    let metal = "[metallic]\nvalue = 1\n[base-color]\nfile = \"base.png\"\nchannels = [\"R\", \"G\", \"B\"]\nencoding \
+     = \"srgb\"";
+    let step = 1.0 / 510.0;
+    for (roughness, exact) in [
+        (
+            "file = \"orm.png\"\nchannel = \"R\"\nkind = \"smoothness\"",
+            &(|i: usize| 1.0 - orm[i][0]) as &dyn Fn(usize) -> f64,
+        ),
+        ("file = \"orm.png\"\nchannel = \"G\"\nkind = \"perceptual\"", &|i| orm[i][1]),
+        ("file = \"orm.png\"\nchannel = \"B\"\nkind = \"ggx-alpha\"", &|i| orm[i][2].sqrt()),
+    ] {
+        let got = read(&folder, &map(roughness, metal), "f.exr");
+        assert!(got.depth == data.depth && got.normal == data.normal && got.camera == data.camera);
+        let mut held = got.clone();
+        for i in 0..data.depth.len() {
+            if data.depth[i] <= 0.0 {
+                assert_eq!((got.roughness[i], got.reflectivity[i]), (0.0, 0.0));
+                continue;
+            }
+            held.roughness[i] = lobe_of_perceptual(exact(i)) as f32;
+            held.reflectivity[i] = decode(base[i][0]) as f32;
+            assert!((got.roughness[i] - held.roughness[i]).abs() < 1e-6, "{i}");
+            assert!((got.reflectivity[i] - held.reflectivity[i]).abs() < 1e-6, "{i}");
+            // Half a step of a byte; ϱ rises with the roughness, so that the ends of the step bound it.
+            let rho = f64::from(data.roughness[i]);
+            let ends = if roughness.contains("alpha") {
+                [-step, step].map(|s| lobe_of_perceptual((r[i] * r[i] + s).max(0.0).sqrt()))
+            } else {
+                [-step, step].map(|s| lobe_of_perceptual((r[i] + s).max(0.0)))
+            };
+            let got_rho = f64::from(got.roughness[i]);
+            assert!(
+                got_rho >= ends[0].min(rho) - 1e-6 && got_rho <= ends[1].max(rho) + 1e-6,
+                "{i}: {got_rho} {rho} {ends:?}"
+            );
+            // The slope of sRGB's decoding is 2.4 / 1.055 at most.
+            let off = f64::from((got.reflectivity[i] - data.reflectivity[i]).abs());
+            assert!(off <= 2.4 / 1.055 * step + 1e-6, "{i}: {off}");
+            let colour = (got.color[i] - data.color[i]).abs().max_element();
+            assert!(f64::from(colour) <= 1e-6 * f64::from(data.color[i].max_element()).max(1.0), "{i}: {colour}");
+        }
+        if roughness.contains("perceptual") {
+            same_images(&got, &held);
+        }
+    }
+    // Constants, dielectrics, and a reflectivity that is given as a colour.
+    let got = read(
+        &folder,
+        &map(
+            "value = 0.25\nkind = \"lobe\"",
+            "[metallic]\nvalue = 0\n[base-color]\nvalue = 0.5\n[f0]\nvalue = 0.5\nscale = 0.08",
+        ),
+        "f.exr",
+    );
+    let there = |i: &usize| data.depth[*i] > 0.0;
+    assert!(
+        (0..data.depth.len())
+            .filter(there)
+            .all(|i| got.roughness[i] == 0.25 && (got.reflectivity[i] - 0.04).abs() < 1e-7)
+    );
+    let got = read(&folder, &map("value = 0\nkind = \"lobe\"", "[reflectivity]\nvalue = [1, 0.5, 0]"), "f.exr");
+    assert!((0..data.depth.len()).filter(there).all(|i| (got.reflectivity[i] - 0.2126 - 0.5 * 0.7152).abs() < 1e-6));
+}
+
+#[test]
+fn colours_are_sums_of_products_and_only_they_may_be_rounded() {
+    let folder = Folder::new();
+    let size = [64, 48];
+    let count = size[0] as usize * size[1] as usize;
+    let ramp = |k: usize| (0..count).map(move |i| ((i * (k + 1)) % 97) as f64 / 97.0);
+    let channels = |names: [&str; 3]| named(&names, [0, 1, 2].map(|k| floats(ramp(k))));
+    let plain =
+        Part::new([named(&["Z"], [floats(vec![2.0; count])]), channels(["a.X", "a.Y", "a.Z"])].concat()).named("plain");
+    let lossy =
+        |name: &str, compression| Part::new(channels(["b.R", "b.G", "b.B"])).named(name).compressed(compression);
+    write_exr(
+        &folder.path("f.exr"),
+        size,
+        vec![plain, lossy("dwa", Compression::DWAA(None)), lossy("pxr", Compression::PXR24)],
+    );
+    let map = |colour: &str| {
+        format!(
+            "[camera]\nfov-y-deg = 60\nnear = 1\nfar = 10\n[depth]\nchannel = \"plain.Z\"\nkind = \
+             \"view-z\"\n[normal]\n\
+             space = \"view\"\nchannels = [\"a.X\", \"a.Y\", \"a.Z\"]\n[roughness]\nvalue = 0\nkind = \"lobe\"\n\
+             [reflectivity]\nvalue = 1\n{colour}"
+        )
+    };
+    let term = "[[color]]\nchannels = [\"a.X\", \"a.Y\", \"a.Z\"]\nscale = 3\n[color.times]\nvalue = [1, 0.5, 0.25]\n";
+    let got = read(&folder, &map(&format!("{term}[[color]]\nvalue = -1.0\n")), "f.exr");
+    for (i, colour) in got.color.iter().enumerate() {
+        for (k, factor) in [1.0, 0.5, 0.25].into_iter().enumerate() {
+            let a = f64::from(((i * (k + 1)) % 97) as f32 / 97.0);
+            let expected = (3.0 * a * factor - 1.0).max(0.0);
+            assert!((f64::from(colour[k]) - expected).abs() < 1e-6, "{i} {k}");
+        }
+    }
+    for (part, bound) in [("dwa", 0.1), ("pxr", 1.0 / (1 << 15) as f64)] {
+        let lossy = format!("[[color]]\npart = \"{part}\"\nchannels = [\"b.R\", \"b.G\", \"b.B\"]\n");
+        let got = read(&folder, &map(&lossy), "f.exr");
+        let off = (0..count).map(|i| (f64::from(got.color[i].x) - (i % 97) as f64 / 97.0).abs()).fold(0.0, f64::max);
+        assert!(off <= bound && off > 0.0, "{part}: {off}");
+        let normal = map(&lossy).replace(
+            "channels = [\"a.X\", \"a.Y\", \"a.Z\"]",
+            &format!("part = \"{part}\"\nchannels = [\"b.R\", \"b.G\", \"b.B\"]"),
+        );
+        folder.write("map.toml", &normal);
+        let said =
+            GBufferMap::load(&folder.path("map.toml")).unwrap().read(&folder.path("f.exr")).unwrap_err().to_string();
+        assert!(said.contains("map.toml:11: channel b.R of ") && said.contains("was rounded by "), "{said}");
+    }
+}
