@@ -140,7 +140,7 @@ fn time_specs<'a>(gpu: &'a Gpu, plan: &Plan, places: &'a [Place]) -> Vec<TimeSpe
     let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
     let spec = |(scene, view): &'a Place, methods: Vec<&'static MethodInfo>, setup: &Setup| {
         let (sizes, globals, setup) = (vec![plan.size], vec![GLOSSY], setup.clone());
-        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 2, samples: plan.samples, a_a: true }
+        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 2, samples: plan.samples, a_a: true, only: None }
     };
     let of = |place| {
         let all = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
@@ -163,6 +163,7 @@ fn table_spec<'a>(gpu: &'a Gpu, plan: &Plan, (scene, view): &'a Place) -> TimeSp
         warmup: 2,
         samples: plan.samples,
         a_a: true,
+        only: None,
     }
 }
 
