@@ -56,8 +56,8 @@ impl UnifiedTracePass {
         })
     }
 
-    /// Pass "trace/mirrors", in compute shaders over tiles with hits after the pass "hits". Gives where each ray ended, if
-    /// that was asked for.
+    /// Pass "trace/mirrors"; in compute shaders over tiles, with hits, after the pass "hits". Gives where each ray ended,
+    /// if that was asked for.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
