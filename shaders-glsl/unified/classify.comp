@@ -22,11 +22,9 @@ void main() {
     if (gl_GlobalInvocationID.xy == uvec2(0)) {
         for (int list = 0; list < LISTS; ++list) {
             counts[DrawArguments(list) + 1] = 1;
-            // Parts of a tile, and tiles in rows, so that no axis has more workgroups than every device takes.
             for (int halve = 0; halve < 2; ++halve) {
-                int parts = (TILE_SIDE >> halve) / GROUP_SIDE;
+                int parts = (TILE_SIDE >> halve) / GROUP_SIDE; // of a tile, along a side
                 counts[DispatchArguments(list, halve)] = uint(parts * parts);
-                counts[DispatchArguments(list, halve) + 1] = uint(TILES_TO_A_ROW);
             }
         }
     }
@@ -47,9 +45,12 @@ void main() {
             continue;
         int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
         tiles[list * room + index] = PackTile(uvec2(tile));
-        if (index % TILES_TO_A_ROW == 0) {
-            atomicAdd(counts[DispatchArguments(list, 0) + 2], 1u);
-            atomicAdd(counts[DispatchArguments(list, 1) + 2], 1u);
+        // Workgroups of a dispatch: parts of a tile, tiles in a row, rows. No axis has more than every device takes.
+        for (int halve = 0; halve < 2; ++halve) {
+            if (index < TILES_TO_A_ROW)
+                atomicAdd(counts[DispatchArguments(list, halve) + 1], 1u);
+            if (index % TILES_TO_A_ROW == 0)
+                atomicAdd(counts[DispatchArguments(list, halve) + 2], 1u);
         }
     }
 }

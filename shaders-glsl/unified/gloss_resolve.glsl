@@ -1,8 +1,8 @@
 // From the rays of gloss_trace.glsl to the image: the reflection of each pixel with a narrow lobe, from the rays around
-// it (NARROW); the reflection of each cell with a wide lobe, from the rays of the cells around it (CELLS); and that of each
-// pixel with a wide lobe, between the cells around it. As fragment programs (gloss_resolve.frag) and as compute programs
-// (gloss_resolve.comp), which say with WHOLE whether they run over the whole image, and how rays are gathered. CPU twins:
-// reference::unified::gather and resolve.
+// it (NARROW); the reflection of each cell with a wide lobe, from the rays of the cells around it (CELLS); and that of
+// each pixel with a wide lobe, between the cells around it. As fragment programs (gloss_resolve.frag) and as compute
+// programs (gloss_resolve.comp), which say with WHOLE whether they run over the whole image, and bring the rays that are
+// gathered. CPU twins: reference::unified::gather and resolve.
 //
 // Over tiles, what is not of the list is left as it is: the images already hold what it shows. With WHOLE they hold
 // nothing, all that reflects is of the list, and the other pixels show their lit colour.

@@ -1,5 +1,5 @@
-// One ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a wide one, and
-// what it saw, for neighbours to gather. As fragment programs (gloss_trace.frag) and as compute programs
+// One ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a wide one,
+// and what it saw, for neighbours to gather. As fragment programs (gloss_trace.frag) and as compute programs
 // (gloss_trace.comp). CPU twin: reference::unified::gloss_trace.
 
 #ifndef UNIFIED_GLOSS_TRACE_GLSL

@@ -47,7 +47,8 @@ bool Show(ivec2 pixel, out Shown shown) {
     if (is_hit || in_sky) {
         vec3 along = SkyAlong(ray.direction);
         shown.reflection = in_sky ? vec4(along, 1.0)
-                                  : vec4(ColorMirrored(hit.position, along), Fade(hit.position * unified.pixel_to_clip));
+                                  : vec4(ColorMirrored(hit.position, along),
+                                         Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {
         PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit,
                    2.0 * unified.pixel_to_view.y);

@@ -50,8 +50,8 @@ ivec2 UnpackTile(uint word) {
     return ivec2(word & 0xffffu, word >> 16);
 }
 
-// The arguments of the indirect draws and dispatches over the lists, in words of one buffer (passes::tiles): for each list
-// those of a draw, a point a tile; then for each list those of a dispatch over texels, and of one with a texel for 2 x 2.
+// The arguments of indirect draws and dispatches over the lists, in words of one buffer (passes::tiles): for each list
+// those of a draw, a point a tile; then for each list those of a dispatch over pixels, and of one over blocks of 2 x 2.
 int DrawArguments(int list) {
     return 4 * list;
 }

@@ -49,17 +49,25 @@
 //! **Gloss** ([`unified_gloss`](crate::passes::unified_gloss)) is a ray a pixel for narrow lobes, and one
 //! for 2 × 2 pixels for wide ones, in directions that neighbours have dealt out among them: each pixel
 //! gathers the rays around it as samples of its own lobe, 9 narrow ones or 25 wide ones. Of these it loads 4 or 9:
-//! the four of a block of 2 × 2, which are shaded in step, hand on what they loaded (`gloss_resolve.frag`). Where a
+//! the four of a block of 2 × 2, which are shaded in step, hand on what they loaded (`gloss_resolve.frag`); in compute
+//! shaders a workgroup loads its rays once into memory that its threads share (`gloss_resolve.comp`). Where a
 //! map turns the normals, neighbours have little of their wide lobes in common, and each ray stands for more of its
 //! own. Wide lobes are shown between the cells around a pixel, as far as their surfaces are its own; the pixels that stand for
 //! the cells lie on a chequerboard, so that a joint between tiles, a pixel wide, is not missed by all of them. There
 //! is no randomness. Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
+//! **Two stages.** Each of these passes is there as a fragment program and as a compute program, of one source, and both
+//! make the same images to the bit on a device whose arithmetic is the same in both. Which of them is faster depends on the
+//! device: [`UnifiedParams`] chooses for the traces and for what gathers. Only the pipelines of the stage that is chosen are
+//! made. A fragment program is drawn over tiles as points; a compute program runs in workgroups of 8 × 8, as many as the
+//! classification has counted, and stores to the images that the other draws into.
+//!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
-//! `classify.comp` and `tile.vert`; `traverse.glsl`; `mirror.frag`; `gloss.glsl`, `gloss_trace.frag` and
-//! `gloss_resolve.frag`; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. The pyramid, the traversal and the passes of gloss have plain twins in
-//! `reference::unified`.
+//! `classify.comp`, with `tile.vert` and `groups.glsl`, by which the programs of either stage stand over tiles;
+//! `traverse.glsl`; `mirror.glsl`; `gloss.glsl`, `gloss_trace.glsl` and `gloss_resolve.glsl`, each of the three beside a
+//! `.frag` and a `.comp` of its stem; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
+//! `follow.comp`. The pyramid, the traversal and the passes of gloss have plain twins in `reference::unified`.
 
 use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
@@ -94,10 +102,10 @@ pub const INFO: MethodInfo = MethodInfo {
 parameters! {
     /// Parameters of `unified`. They change no image.
     pub struct UnifiedParams {
-        /// The shaders that trace rays, of the passes trace/mirrors, trace/narrow and trace/wide: fragment or compute. The
-        /// image is the same; which is faster depends on the device (docs/unified.md).
+        /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
+        /// same; on lavapipe fragment shaders are faster, and another device may have it otherwise (docs/unified.md).
         trace_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
-        /// The same of those that gather what rays saw, of the passes resolve/narrow, cells and resolve/wide.
+        /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide), the same.
         resolve_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
     }
 }

@@ -159,7 +159,7 @@ pub struct HiZ<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
-/// What a method draws into that composites along the way: at least one of them.
+/// What a method draws into that composites along the way: at least one of them, or nothing is drawn.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The finished image, linear, where it is wanted. RGBA16F.
@@ -180,12 +180,12 @@ impl<'a> Canvas<'a> {
         [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
     }
 
-    /// What is stored to over tiles, in the order of the shaders' images; where the second one is not wanted, the first
-    /// stands for it.
-    fn stored(self) -> [&'a Image; 2] {
+    /// What compute programs store to, in the order of the shaders' images. Each program has two: where only one is
+    /// wanted, it stands for the other one as well, which is not written.
+    fn stored(self) -> Option<[&'a Image; 2]> {
         let mut images = self.images();
-        let first = images.next().expect("a canvas has an image");
-        [first, images.next().unwrap_or(first)]
+        let first = images.next()?;
+        Some([first, images.next().unwrap_or(first)])
     }
 
     /// Passes "composite", which takes the lit colour over, and "reflection": nothing is reflected yet.

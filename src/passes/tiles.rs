@@ -161,8 +161,8 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
     /// In a stage. The constants are those for the tiles (`false`) and for the whole image.
     ///
     /// # Errors
-    /// [`Error::NoDevice`] on a device that draws no points of a tile's size, in fragment shaders; or whose shaders take
-    /// fewer images than the program has.
+    /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on one whose
+    /// shaders take fewer images than the program has.
     pub fn new(
         gpu: &Gpu,
         (stage, over): (TileStage, Over),

@@ -172,7 +172,8 @@ impl UnifiedGlossPass {
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
         };
-        let [color_image, reflection_image] = canvas.stored().map(Image::all);
+        let Some(stored) = canvas.stored() else { return Ok(()) };
+        let [color_image, reflection_image] = stored.map(Image::all);
         let compute = || ResolveNarrowCompute {
             unified: resolve.unified,
             material_buffer: resolve.material_buffer,
@@ -237,7 +238,8 @@ impl UnifiedGlossPass {
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
         };
-        let [color_image, reflection_image] = canvas.stored().map(Image::all);
+        let Some(stored) = canvas.stored() else { return Ok(()) };
+        let [color_image, reflection_image] = stored.map(Image::all);
         let compute = || ResolveWideCompute {
             unified: resolve.unified,
             pyramid: resolve.pyramid,

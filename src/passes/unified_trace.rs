@@ -56,8 +56,8 @@ impl UnifiedTracePass {
         })
     }
 
-    /// Pass "trace/mirrors", in compute shaders over tiles with hits after the pass "hits". Gives where each ray ended, if
-    /// that was asked for.
+    /// Pass "trace/mirrors"; in compute shaders over tiles, with hits, after the pass "hits". Gives where each ray ended,
+    /// if that was asked for.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
@@ -79,29 +79,27 @@ impl UnifiedTracePass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
+        let Some([color, reflection]) = canvas.stored() else { return Ok(hits.map(Hits)) };
         let fragment = || {
             let [composite, reflection] = canvas.targets(*tiles);
             let hits = hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT));
             ([composite, reflection, hits], mirror)
         };
-        let compute = || {
-            let [color, reflection] = canvas.stored();
-            MirrorCompute {
-                unified: mirror.unified,
-                pyramid: mirror.pyramid,
-                normal_buffer: mirror.normal_buffer,
-                material_buffer: mirror.material_buffer,
-                color_buffer: mirror.color_buffer,
-                Tiles: tiles.lists,
-                Counts: tiles.arguments,
-                color_image: color.all(),
-                reflection_image: reflection.all(),
-                hits_image: hits.unwrap_or(color).all(),
-                captures: mirror.captures,
-                environment: mirror.environment,
-                lost_counts: mirror.lost_counts,
-                lost: mirror.lost,
-            }
+        let compute = || MirrorCompute {
+            unified: mirror.unified,
+            pyramid: mirror.pyramid,
+            normal_buffer: mirror.normal_buffer,
+            material_buffer: mirror.material_buffer,
+            color_buffer: mirror.color_buffer,
+            Tiles: tiles.lists,
+            Counts: tiles.arguments,
+            color_image: color.all(),
+            reflection_image: reflection.all(),
+            hits_image: hits.unwrap_or(color).all(),
+            captures: mirror.captures,
+            environment: mirror.environment,
+            lost_counts: mirror.lost_counts,
+            lost: mirror.lost,
         };
         self.mirrors.record(frame, "trace/mirrors", (parameters, *tiles), fragment, compute)?;
         Ok(hits.map(Hits))

@@ -25,7 +25,7 @@ use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
 struct Drawn {
     data: GBufferData,
     captures: Vec<CaptureData>,
-    /// What mirror.frag and follow.comp left.
+    /// What mirror.glsl and follow.comp left.
     hits: Pixels,
     /// The reflection before fade and reflectivity.
     reflection: Pixels,

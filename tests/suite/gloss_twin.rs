@@ -292,7 +292,7 @@ fn check(data: &GBufferData, drawn: &Drawn, way: Way) -> Counts {
 }
 
 /// The G-buffer of a built-in view with one roughness.
-fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32) -> GBufferData {
+pub(crate) fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32) -> GBufferData {
     let scene = library::scene("rooms").unwrap();
     let view = scene.view(view).unwrap();
     let globals = Globals { roughness: Some(roughness), normal_deviation: Some(deviation), ..Globals::default() };
@@ -307,7 +307,7 @@ fn rooms(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f32
 
 /// A G-buffer with a roughness of its own in every block of `block` pixels a side: none that reflects, mirrors, narrow
 /// lobes and wide ones beside each other.
-fn mixed(data: &GBufferData, block: u32) -> GBufferData {
+pub(crate) fn mixed(data: &GBufferData, block: u32) -> GBufferData {
     let stream = Stream::new(u64::from(block), u64::from(data.width));
     let mut mixed = data.clone();
     for (x, y) in (0..data.height).flat_map(|y| (0..data.width).map(move |x| (x, y))) {
@@ -324,7 +324,7 @@ fn half(v: f32) -> f32 {
 }
 
 /// Noise: depths over four decades, normals in any direction, colours up to thousands.
-fn noise(extent: [u32; 2]) -> GBufferData {
+pub(crate) fn noise(extent: [u32; 2]) -> GBufferData {
     let count = u64::from(extent[0]) * u64::from(extent[1]);
     let stream = Stream::new(count, 7);
     let unit = |i: u64, n: u64| stream.uniform(8 * i + n);

@@ -57,6 +57,7 @@ mod stochastic;
 mod stress;
 mod trace_normals;
 mod unified;
+mod unified_stages;
 mod validation;
 mod video;
 mod window;

@@ -14,19 +14,21 @@ use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
 use ssct::methods::ssct::ThesisDrawing;
 use ssct::methods::ssr_fast::SsrFastParams;
+use ssct::methods::unified::UnifiedParams;
 use ssct::methods::{EffectParams, Fallback, METHODS, MethodInfo, Setup, Wants};
 use ssct::parameter::Preset;
 use ssct::passes::PosterFilter;
 use ssct::passes::color_chain::ChainFilter;
 use ssct::passes::linear_trace::LinearMarch;
 use ssct::passes::pyramid::PyramidPass;
-use ssct::passes::tiles::ARGUMENT_BYTES;
+use ssct::passes::tiles::{ARGUMENT_BYTES, TileStage};
 use ssct_lab::scene::View;
 use ssct_lab::study::image::render;
 use ssct_lab::study::{Globals, Shot, Stage};
 
 /// The modes of a method: all combinations for those that see the screen alone, and each fallback.
 fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
+    use TileStage::{Compute, Fragment};
     let usual = Setup::new(extent);
     // What the modes change doesn't depend on the size; the largest has the longest chains, and takes most
     // of the time.
@@ -54,6 +56,11 @@ fn setups(method: &MethodInfo, extent: [u32; 2]) -> Vec<(Setup, Wants)> {
     setups.push((blurred, Wants::REFLECTION));
     setups.push((around(&|p| p.fallback = Fallback::Pccm), Wants::REFLECTION));
     setups.push((around(&|p| p.resolution_scale = 0.5), Wants::HITS));
+    let has_stages = method.own_parameters().iter().any(|p| p.name == "trace_stage");
+    for stages in [[Compute; 2], [Compute, Fragment], [Fragment, Compute]].into_iter().filter(|_| has_stages) {
+        let setup = usual.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages);
+        setups.extend([Wants::REFLECTION, Wants::HITS].map(|wants| (setup.clone(), wants)));
+    }
     let quarter = around(&|p| (p.resolution_scale, p.fallback) = (0.25, Fallback::Environment));
     setups.push((quarter, Wants::REFLECTION));
     setups

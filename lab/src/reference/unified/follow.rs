@@ -114,7 +114,7 @@ impl<'a> CubeWalk<'a> {
         }
     }
 
-    /// What the screen makes of the mirror ray of a pixel (`mirror.frag`); its traversal must be
+    /// What the screen makes of the mirror ray of a pixel (`mirror.glsl`); its traversal must be
     /// [`Traversal::followed`].
     pub fn on_screen(&self, screen: &Traversal, x: u32, y: u32) -> Seen {
         let Some((ray, true)) = screen.mirror_ray(x, y) else { return Seen::Nothing };

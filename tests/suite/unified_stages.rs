@@ -1,0 +1,197 @@
+//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`): the same images to the bit, by
+//! passes of the same names.
+
+use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
+use crate::common::{check_validation, gpu, is_gpu_assisted};
+use crate::gloss_twin::{mixed, noise, rooms};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{FrameContext, Gpu};
+use ssct::math::OracleVersion::{self, V1, V2};
+use ssct::methods::setup::{CaptureCount, HistoryUse};
+use ssct::methods::unified::UnifiedParams;
+use ssct::methods::{EffectParams, Fallback, Input, Setup, Wants, unified};
+use ssct::passes::gbuffer::GBufferImages;
+use ssct::passes::pyramid::PyramidPass;
+use ssct::passes::tiles::TileStage::{self, Compute, Fragment};
+use ssct::passes::{GBuffer, Reflectors};
+use ssct::{Reflections, ReflectionsInfo};
+use ssct_lab::scene::{Camera, Capture, GBufferData, Scene, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+/// The stages in which rays are traced and gathered, each of which must make what the first pair makes.
+const STAGES: [[TileStage; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
+
+/// What a frame made: the bits of its images by their names, and the passes that it recorded.
+type Made = (Vec<(&'static str, Vec<u32>)>, Vec<String>);
+
+fn in_stages(setup: &Setup, stages: [TileStage; 2]) -> Setup {
+    setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages)
+}
+
+/// Holds what each pair of stages makes against what fragment shaders make.
+fn check_same(what: &str, mut make: impl FnMut([TileStage; 2]) -> Made) {
+    let (expected, passes) = make(STAGES[0]);
+    // Instrumented, each shader is compiled for half a minute.
+    let tried = if is_gpu_assisted() { &STAGES[1..2] } else { &STAGES[1..] };
+    for stages in tried {
+        let (found, recorded) = make(*stages);
+        assert_eq!(found.len(), expected.len(), "{what}, {stages:?}");
+        for ((name, found), (_, expected)) in found.iter().zip(&expected) {
+            let differ = found.iter().zip(expected).filter(|(a, b)| a != b).count();
+            assert!(
+                found.len() == expected.len() && differ == 0,
+                "{what}, {stages:?}, {name}: {differ} numbers differ"
+            );
+        }
+        // In compute shaders no attachment is cleared along with the pass.
+        let is_clear = |pass: &&String| **pass == "hits" || pass.ends_with("/hits");
+        let others = |passes: &[String]| passes.iter().filter(|p| !is_clear(p)).cloned().collect::<Vec<_>>();
+        assert_eq!(others(&recorded), others(&passes), "{what}, {stages:?}");
+    }
+}
+
+/// The method alone in a frame over a G-buffer.
+fn alone(gpu: &Gpu, images: &GBufferImages, (camera, reflectors): (&Camera, Reflectors), of: (&Setup, Wants)) -> Made {
+    let (setup, wants) = of;
+    let method = unified::INFO.alone(gpu, setup, wants).unwrap();
+    let mut context = FrameContext::new(gpu).unwrap();
+    let mut frame = context.begin(Mode::Plain).unwrap();
+    let gbuffer = GBuffer { reflectors, ..images.gbuffer() };
+    let output = method.record(&mut frame, &Input::of_screen(gbuffer, camera)).unwrap();
+    let report = frame.finish().unwrap();
+    let images = [
+        ("composite", output.composite),
+        ("reflection", output.reflection.map(|r| r.0)),
+        ("hits", output.hits.map(|h| h.0)),
+    ];
+    let read = |(name, image): (_, Option<&ssct::gpu::Image>)| {
+        image.map(|image| (name, bits(&context.read(image.level(0)).unwrap())))
+    };
+    (images.into_iter().filter_map(read).collect(), report.recorded)
+}
+
+/// Sides of one texel, odd sides, and more tiles than a row of workgroups has.
+fn sizes() -> Vec<[u32; 2]> {
+    let all = [[1, 1], [1, 37], [53, 1], [2, 2], [5, 3], [16, 16], [66, 65], [161, 97], [641, 359]];
+    all.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
+}
+
+/// What is wanted, the version of the oracle, and what is behind.
+const WAYS: [(Wants, OracleVersion, Fallback); 3] = [
+    (Wants::HITS, V1, Fallback::None),
+    (Wants::REFLECTION, V2, Fallback::Environment),
+    (Wants::IMAGE, V1, Fallback::None),
+];
+
+#[test]
+fn over_any_gbuffer_both_stages_make_the_same_images() {
+    let gpu = gpu();
+    let _compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
+    let mut shown = [0; 2];
+    for extent in sizes() {
+        let mut cases: Vec<(String, GBufferData, Reflectors)> = Vec::new();
+        for (kind, roughness) in [0.0, 0.1, 0.5].into_iter().enumerate() {
+            let mut data =
+                if extent[0] < 100 { noise(extent) } else { rooms(&gpu, "corridor", extent, roughness, 1.0) };
+            data.roughness.fill(half::f16::from_f32(roughness).to_f32());
+            let known = Reflectors { mirrors: kind == 0, narrow: kind == 1, wide: kind == 2, everywhere: true };
+            cases.push((format!("{extent:?} whole, roughness {roughness}"), data, known));
+        }
+        for block in [1, 5, 24] {
+            let data = mixed(&cases[2].1, block);
+            cases.push((format!("{extent:?} over tiles, mixed in blocks of {block}"), data, Reflectors::UNKNOWN));
+        }
+        // The others are there for their tiles.
+        let all_ways = [[5, 3], [66, 65], [161, 97]].contains(&extent) && !is_gpu_assisted();
+        let ways = if all_ways { &WAYS } else { &WAYS[..1] };
+        for (name, data, reflectors) in &cases {
+            let images = GBufferImages::upload(&mut FrameContext::new(&gpu).unwrap(), data).unwrap();
+            for (wants, oracle, fallback) in ways {
+                let set = |p: &mut EffectParams| (p.oracle, p.fallback) = (*oracle, *fallback);
+                let setup = Setup::new(extent).with(set);
+                check_same(&format!("{name}, {oracle:?}, {fallback:?}, {wants:?}"), |stages| {
+                    let made = alone(&gpu, &images, (&data.camera, *reflectors), (&in_stages(&setup, stages), *wants));
+                    let lit = made.0.iter().any(|(name, bits)| *name == "reflection" && bits.iter().any(|b| *b != 0));
+                    shown[usize::from(*reflectors == Reflectors::UNKNOWN)] += usize::from(lit);
+                    made
+                });
+                check_validation(&gpu).unwrap_or_else(|e| panic!("{name}: {e}"));
+            }
+        }
+    }
+    assert!(shown.iter().all(|n| *n > 20 || is_gpu_assisted()), "{shown:?} images show something");
+}
+
+/// What the last of some frames of the whole effect shows.
+fn effect(gpu: &Gpu, scene: &Scene, view: &str, setup: &Setup, (roughness, frames): (Option<f32>, usize)) -> Made {
+    let view = scene.view(view).unwrap();
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    let materials = Globals { roughness, ..Globals::default() }.materials(scene, view);
+    let camera = view.camera(scene, setup.extent);
+    let shot = Shot::new(&mut stage, &unified::INFO, setup, Wants::HITS, camera, materials).unwrap();
+    for _ in 1..frames {
+        stage.run(&shot, Mode::Plain).unwrap();
+    }
+    let (report, _, output) = stage.output(&shot).unwrap();
+    let reflection = bits(&gbuffer::reflection(&mut stage.context, &output).unwrap());
+    let composite = bits(&stage.context.read(output.composite.level(0)).unwrap());
+    let hits = bits(&stage.context.read(output.traced.hits.unwrap().0.all()).unwrap());
+    (vec![("composite", composite), ("reflection", reflection), ("hits", hits)], report.recorded)
+}
+
+#[test]
+fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
+    let gpu = gpu();
+    let _compiled = PyramidPass::new(&gpu, [1, 1]).unwrap();
+    let mut scene = library::scene("street").unwrap();
+    let eye = scene.view("puddles").unwrap().eye;
+    let places = [eye + Vec3::Y, eye - Vec3::new(1.0, 0.0, 2.0)];
+    scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
+    let captured = |p: &mut EffectParams| p.captures = CaptureCount::Auto;
+    let over_captures = |p: &mut EffectParams| (p.captures, p.fallback) = (CaptureCount::Auto, Fallback::Environment);
+    let behind = |p: &mut EffectParams| p.fallback = Fallback::Environment;
+    let averaged = |p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 4);
+    let bounced = |p: &mut EffectParams| p.bounces = 2;
+    let cases: [(&str, &dyn Fn(&mut EffectParams), usize); 5] = [
+        ("captures", &captured, 1),
+        ("captures over the environment", &over_captures, 1),
+        ("the environment", &behind, 1),
+        ("a history", &averaged, 3),
+        ("two bounces", &bounced, 1),
+    ];
+    let take = if is_gpu_assisted() { 1 } else { cases.len() };
+    for (name, change, frames) in &cases[..take] {
+        for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
+            let setup = Setup::new([127, 61]).with(|p: &mut EffectParams| change(p));
+            check_same(&format!("{name}, roughness {roughness:?}"), |stages| {
+                let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, *frames));
+                let follows = made.1.iter().any(|pass| pass.starts_with("follow"));
+                assert_eq!(follows, name.starts_with("captures"), "{:?}", made.1);
+                made
+            });
+            check_validation(&gpu).unwrap_or_else(|e| panic!("{name}: {e}"));
+        }
+    }
+}
+
+#[test]
+fn through_the_door_both_stages_make_the_same_image() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = mixed(&view_of_rooms(&gpu, [97, 61]), 24);
+    let theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let context = engine.context();
+    let mut show = |parameters: &[(&str, &str)]| {
+        let info = ReflectionsInfo { parameters, ..info(&data, "unified") };
+        let mut reflections = Reflections::new(&context, &info)?;
+        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+        Ok::<_, ssct::Error>([recorded.composite, recorded.reflection].map(|o| bits(&engine.read(&o.unwrap()))))
+    };
+    let fragment = show(&[]).unwrap();
+    let compute = show(&[("trace-stage", "compute"), ("resolve_stage", "compute")]).unwrap();
+    assert!(fragment == compute && fragment[1].iter().any(|b| *b != 0));
+    let refused = show(&[("trace-stage", "vertex")]).err().unwrap().to_string();
+    assert!(refused.contains("trace-stage") && refused.contains("fragment, compute"), "{refused}");
+    gpu.check_validation().unwrap();
+}
