@@ -8,8 +8,8 @@ use glam::{DVec3, Quat};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use ssct::error::Result;
-use ssct_lab::scene::gltf::{self, roughness};
 use ssct_lab::scene::{Light, Material, Texture};
+use ssct_lab::scene::{gltf, material_terms::roughness_of_perceptual};
 
 /// A square in the xy plane from (0, 0) to (2, 1), seen from +z, with texture coordinates as images have them: (0, 0) at
 /// the upper left.
@@ -220,7 +220,7 @@ fn metallic_roughness_becomes_albedo_reflectivity_and_the_lobe() {
     let metal = material(json!({"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0, 1], "roughnessFactor": 0.25}}));
     assert_eq!(metal.albedo, Vec3::ZERO);
     assert!(close(metal.reflectivity, 0.2126 + 0.5 * 0.7152), "{}", metal.reflectivity);
-    assert_eq!(metal.roughness, roughness::of(0.25));
+    assert_eq!(metal.roughness, roughness_of_perceptual(0.25));
     let plastic = json!({"baseColorFactor": [1, 0.5, 0, 1], "metallicFactor": 0, "roughnessFactor": 0});
     let plastic = |extensions: Value| material(json!({"pbrMetallicRoughness": plastic, "extensions": extensions}));
     let usual = plastic(json!({}));
@@ -260,7 +260,7 @@ fn images_are_baked_texel_by_texel() {
     let Material { albedo_map, reflectivity_map, roughness_map, .. } = scene.materials[0];
     assert_eq!((texel(&scene, albedo_map, 0, 0), texel(&scene, albedo_map, 1, 1)), ([0, 0, 0, 0], [255, 255, 255, 0]));
     assert_eq!((texel(&scene, reflectivity_map, 0, 1)[0], texel(&scene, reflectivity_map, 1, 0)[0]), (255, 10));
-    let stored = |r: f32| (roughness::of(r) * 255.0).round() as u8;
+    let stored = |r: f32| (roughness_of_perceptual(r) * 255.0).round() as u8;
     assert_eq!(
         (texel(&scene, roughness_map, 0, 0)[1], texel(&scene, roughness_map, 1, 0)[1]),
         (stored(0.1), stored(0.2))
