@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What a task asks Slurm for, from what `ssct COMMAND --plan TASKS --json` predicts, which it reads.
 
-    scripts/cluster/plan.py CPUS     prints the time limit in minutes, and the memory in MiB where that is predicted
+    scripts/cluster/plan.py CPUS     prints the time limit in minutes, and the memory in MiB, where they are predicted
 """
 
 import json
@@ -17,9 +17,10 @@ MEMORY_FACTOR, MEMORY_MORE_MIB = 1.5, 512
 
 
 def resources(plan, cpus):
-    """Minutes and MiB; None for what is not predicted."""
-    threads = max(plan["costs"]["threads"], default=cpus)
-    seconds = plan["makespan_s"] * max(threads / cpus, 1)
+    """Minutes and MiB; None for what is not predicted. Where no cell was measured, nothing is."""
+    if plan["costs"]["cells"] == 0:
+        return None, None
+    seconds = plan["makespan_s"] * max(max(plan["costs"]["threads"]) / cpus, 1)
     minutes = math.ceil((TIME_FACTOR * seconds + TIME_MORE_S) / 60)
     if plan["memory_bytes"] is None:
         return minutes, None

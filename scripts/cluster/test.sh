@@ -105,7 +105,7 @@ SlurmdPidFile=$folder/slurmd.%n.pid
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmctldLogFile=$folder/log/slurmctld.log
 SlurmdLogFile=$folder/log/slurmd.%n.log
-NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=8000
+NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=16000
 PartitionName=main Nodes=ALL Default=YES State=UP MaxTime=INFINITE
 EOF
 
@@ -127,7 +127,10 @@ study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughn
     --samples 1 --rays 64 --no-sweep)
 result=$folder/study
 submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
-submit --tasks "$tasks"
+# What a task asks for follows from what small cells of the same methods took here.
+"$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 --no-sweep \
+    -o "$folder/costs" >"$folder/log/costs.log"
+submit --tasks "$tasks" --costs "$folder/costs"
 array=$(squeue -h -n ssct -o %F | head -n 1)
 raw() { squeue -h -r -j "$array" -o '%K %A' 2>/dev/null | awk -v n="$1" '$1 == n { print $2 }'; }
 restarts() { scontrol -o show job "$(raw "$1")" 2>/dev/null | grep -o 'Restarts=[0-9]*' | cut -d= -f2; }

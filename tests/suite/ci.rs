@@ -105,16 +105,20 @@ fn a_task_asks_for_what_the_plan_predicts() {
         text.split_whitespace().map(|word| word.parse().unwrap()).collect::<Vec<f64>>()
     };
     let plan = |makespan_s: f64, memory_bytes: Option<u64>, threads: u32| {
-        let costs = serde_json::json!({ "threads": [threads] });
+        let costs = serde_json::json!({ "cells": 3, "threads": [threads] });
         serde_json::json!([{ "makespan_s": makespan_s, "memory_bytes": memory_bytes, "costs": costs }]).to_string()
     };
     assert_eq!(asks(&plan(3600.0, Some(1 << 30), 2)), [130.0, 2048.0]);
     assert_eq!(asks(&plan(3600.0, None, 8)), [490.0], "a quarter of the threads");
     assert_eq!(asks(&plan(3600.0, None, 1)), [130.0], "more threads are not trusted");
-    // And of the command itself.
+    assert_eq!(asks(&plan(0.0, None, 1).replace(":3", ":0")), [0.0; 0], "nothing was measured");
+    // And of the command itself, which learns from a run.
     let folder = Folder::new();
-    let study = ["error", "--scene", "corridor", "--size", "64x36", "--rays", "64", "--json", "--plan"];
-    let [one, many] = ["1", "1000"].map(|tasks| asks(&folder.succeed(&[&study[..], &[tasks]].concat()))[0]);
+    let study =
+        ["error", "--scene", "corridor", "--method", "ssct", "--roughness", "0.3", "--samples", "1", "--no-sweep"];
+    folder.succeed(&[&study[..], &["--view", "floor", "--size", "32x18", "--rays", "4", "-o", "costs"]].concat());
+    let plan = ["--size", "1920x1080", "--rays", "512", "--json", "--costs", "costs", "--plan"];
+    let [one, many] = ["1", "1000"].map(|tasks| asks(&folder.succeed(&[&study[..], &plan, &[tasks]].concat()))[0]);
     assert!(one > many && many > 10.0, "{one} {many}");
 }
 
