@@ -16,14 +16,14 @@ unfinished() { # folder, tasks
 
 # Sets MINUTES and MEMORY_MIB where they are empty: from the cost model, if the command has one.
 plan_resources() {
-    local plan=''
+    local plan='' minutes mib
     if [ -z "$MINUTES" ] || [ -z "$MEMORY_MIB" ]; then
-        plan=$("$SSCT" "${COMMAND[@]}" --plan "$TASKS" --json 2>/dev/null) || plan=''
+        # A command without a cost model has no such option.
+        plan=$("$SSCT" "${COMMAND[@]}" --plan "$TASKS" --json ${COSTS:+--costs "$COSTS"} 2>/dev/null) || plan=''
     fi
     if [ -n "$plan" ]; then
-        # A prediction may be off by a half; what is asked for too little is asked for again, what is too much waits longer.
-        read -r planned_minutes planned_mib < <(python3 "$here/plan.py" <<<"$plan")
-        MINUTES=${MINUTES:-$planned_minutes} MEMORY_MIB=${MEMORY_MIB:-$planned_mib}
+        read -r minutes mib <<<"$(python3 "$here/plan.py" "$CPUS" <<<"$plan")"
+        MINUTES=${MINUTES:-$minutes} MEMORY_MIB=${MEMORY_MIB:-$mib}
     fi
     [ -n "$MINUTES" ] || fail "nothing predicts the time of ssct ${COMMAND[0]}: give --time MINUTES"
     MEMORY_MIB=${MEMORY_MIB:-4096}
@@ -44,11 +44,13 @@ submit_round() { # folder, round, tasks...
             "--time=$MINUTES" "--mem=$((MEMORY_MIB << round))" "--signal=TERM@$GRACE" "--output=$folder/logs/%a.log" \
             "$HERE/task.sh" "$folder") || fail 'sbatch refused the tasks'
         array=${array%%;*}
+        echo "$array" >>"$folder/jobs"
         dependency=("--dependency=afterany:$array")
     fi
     local collect
     collect=$(sbatch --parsable "${options[@]}" --job-name=ssct-merge "${dependency[@]}" --ntasks=1 --time=60 \
         "--mem=$MEMORY_MIB" "--output=$folder/logs/merge.log" "$HERE/collect.sh" "$folder" "$round") ||
         fail "sbatch refused the merge; the tasks are job ${array:-none}"
+    echo "${collect%%;*}" >>"$folder/jobs"
     echo "tasks ${list:-none}: job ${array:-none}, $MINUTES minutes and $((MEMORY_MIB << round)) MiB each; merge: job ${collect%%;*}"
 }

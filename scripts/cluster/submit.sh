@@ -20,8 +20,10 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
   --tasks N        shards, each a task of the array
   -o, --output DIR the study's folder, on a file system that all nodes share
   --ssct FILE      the command ssct [default: the variable SSCT, else target/release or target/debug of this repository]
-  --time MINUTES   time limit of a task [default: twice what ssct COMMAND --plan predicts, and ten minutes]
+  --time MINUTES   time limit of a task [default: twice what ssct COMMAND --plan predicts, and ten minutes; a command
+                   without a plan needs it]
   --memory MIB     memory of a task [default: what ssct COMMAND --plan predicts, else 4096]
+  --costs DIR      a run of ssct error on these machines, whose costs are taken for the prediction
   --cpus N         threads of a task [default: 2]
   --scratch DIR    work in a folder that each node has for itself, and copy back; variables such as $TMPDIR are
                    replaced on the node, if DIR is quoted here
@@ -34,7 +36,7 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
 EOF
 }
 
-TASKS='' OUTPUT='' SSCT=${SSCT:-} MINUTES='' MEMORY_MIB='' CPUS=2 SCRATCH='' SAVE_EVERY=60 GRACE=120
+TASKS='' OUTPUT='' SSCT=${SSCT:-} MINUTES='' MEMORY_MIB='' COSTS='' CPUS=2 SCRATCH='' SAVE_EVERY=60 GRACE=120
 RESTARTS=5 RETRIES=1 PARTIAL='' SBATCH=()
 while [ $# -gt 0 ]; do
     case $1 in
@@ -43,7 +45,7 @@ while [ $# -gt 0 ]; do
         --partial) PARTIAL=1; shift; continue ;;
         --tasks | --time | --memory | --cpus | --save-every | --grace | --restarts | --retries)
             [[ ${2:-} =~ ^[0-9]+$ ]] || wrong "$1 takes a whole number, not '${2:-}'" ;;
-        -o | --output | --ssct | --scratch | --sbatch) [ -n "${2:-}" ] || wrong "$1 lacks its value" ;;
+        -o | --output | --ssct | --costs | --scratch | --sbatch) [ -n "${2:-}" ] || wrong "$1 lacks its value" ;;
         *) wrong "unknown option '$1'; --help lists all" ;;
     esac
     case $1 in
@@ -52,6 +54,7 @@ while [ $# -gt 0 ]; do
         --ssct) SSCT=$2 ;;
         --time) MINUTES=$2 ;;
         --memory) MEMORY_MIB=$2 ;;
+        --costs) COSTS=$2 ;;
         --cpus) CPUS=$2 ;;
         --scratch) SCRATCH=$2 ;;
         --save-every) SAVE_EVERY=$2 ;;
@@ -98,7 +101,12 @@ if [ ${#missing[@]} -eq 0 ] && [ -d "$OUTPUT/all" ]; then
     exit 0
 fi
 
+if [ -s "$OUTPUT/jobs" ] && [ -n "$(squeue -h -j "$(paste -sd, "$OUTPUT/jobs")" 2>/dev/null || true)" ]; then
+    fail "jobs of $OUTPUT are still in the queue: $(paste -sd' ' "$OUTPUT/jobs")"
+fi
+
 plan_resources
+: >"$OUTPUT/jobs"
 HERE=$here
 declare -p HERE SSCT MINUTES MEMORY_MIB CPUS SCRATCH SAVE_EVERY GRACE RESTARTS RETRIES PARTIAL SBATCH >"$OUTPUT/settings.part"
 mv "$OUTPUT/settings.part" "$OUTPUT/settings"

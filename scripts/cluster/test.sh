@@ -105,7 +105,7 @@ SlurmdPidFile=$folder/slurmd.%n.pid
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmctldLogFile=$folder/log/slurmctld.log
 SlurmdLogFile=$folder/log/slurmd.%n.log
-NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=8000
+NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=16000
 PartitionName=main Nodes=ALL Default=YES State=UP MaxTime=INFINITE
 EOF
 
@@ -126,8 +126,11 @@ fi
 study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
     --samples 1 --rays 64 --no-sweep)
 result=$folder/study
-submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 --memory 1500 --time 30 "$@" -- "${study[@]}"; }
-submit --tasks "$tasks"
+submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
+# What a task asks for follows from what small cells of the same methods took here.
+"$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 --no-sweep \
+    -o "$folder/costs" >"$folder/log/costs.log"
+submit --tasks "$tasks" --costs "$folder/costs"
 array=$(squeue -h -n ssct -o %F | head -n 1)
 raw() { squeue -h -r -j "$array" -o '%K %A' 2>/dev/null | awk -v n="$1" '$1 == n { print $2 }'; }
 restarts() { scontrol -o show job "$(raw "$1")" 2>/dev/null | grep -o 'Restarts=[0-9]*' | cut -d= -f2; }
@@ -209,8 +212,10 @@ study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0
 result=$folder/scratched disturbed=' '
 # shellcheck disable=SC2016
 scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1)
-submit --tasks 2 "${scratch[@]}" --retries 0 --partial
+submit --tasks 2 "${scratch[@]}" --retries 0 --partial --memory 1500 --time 30
 array=$(squeue -h -n ssct -o %F | head -n 1)
+if submit --tasks 2 2>"$folder/log/refused"; then fail 'the study was submitted twice'; fi
+grep -q 'still in the queue' "$folder/log/refused" || fail 'no sentence says why'
 scancel "${array}_2"
 disturb 'ask it to stop'
 [ "$found" = 1 ] || fail 'task 2 runs, though it was cancelled'

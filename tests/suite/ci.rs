@@ -1,10 +1,12 @@
 //! The workflow of the public CI service, and the scripts for clusters: what they name is there, and what may publish does
 //! so from the main branch alone.
 
+use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::process::Command;
+use std::io::Write;
+use std::process::{Command, Stdio};
 
 fn workflow() -> Value {
     let text = std::fs::read_to_string(repository().join(".github/workflows/ci.yml")).unwrap();
@@ -87,6 +89,40 @@ fn only_the_main_branch_publishes_and_nothing_else_may_write() {
 }
 
 #[test]
+fn a_task_asks_for_what_the_plan_predicts() {
+    let asks = |plan: &str| {
+        let script = repository().join("scripts/cluster/plan.py");
+        let mut child = Command::new("python3")
+            .args([script.to_str().unwrap(), "2"])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        child.stdin.take().unwrap().write_all(plan.as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success());
+        let text = String::from_utf8(output.stdout).unwrap();
+        text.split_whitespace().map(|word| word.parse().unwrap()).collect::<Vec<f64>>()
+    };
+    let plan = |makespan_s: f64, memory_bytes: Option<u64>, threads: u32| {
+        let costs = serde_json::json!({ "cells": 3, "threads": [threads] });
+        serde_json::json!([{ "makespan_s": makespan_s, "memory_bytes": memory_bytes, "costs": costs }]).to_string()
+    };
+    assert_eq!(asks(&plan(3600.0, Some(1 << 30), 2)), [130.0, 2048.0]);
+    assert_eq!(asks(&plan(3600.0, None, 8)), [490.0], "a quarter of the threads");
+    assert_eq!(asks(&plan(3600.0, None, 1)), [130.0], "more threads are not trusted");
+    assert_eq!(asks(&plan(0.0, None, 1).replace(":3", ":0")), [0.0; 0], "nothing was measured");
+    // And of the command itself, which learns from a run.
+    let folder = Folder::new();
+    let study =
+        ["error", "--scene", "corridor", "--method", "ssct", "--roughness", "0.3", "--samples", "1", "--no-sweep"];
+    folder.succeed(&[&study[..], &["--view", "floor", "--size", "32x18", "--rays", "4", "-o", "costs"]].concat());
+    let plan = ["--size", "1920x1080", "--rays", "512", "--json", "--costs", "costs", "--plan"];
+    let [one, many] = ["1", "1000"].map(|tasks| asks(&folder.succeed(&[&study[..], &plan, &[tasks]].concat()))[0]);
+    assert!(one > many && many > 10.0, "{one} {many}");
+}
+
+#[test]
 fn scripts_are_whole_and_refuse_wrong_arguments() {
     let scripts = repository().join("scripts");
     let of = |folder: &str| {
@@ -110,6 +146,7 @@ fn scripts_are_whole_and_refuse_wrong_arguments() {
         (&["--tasks", "two", "-o", "x", "--", "error"], "--tasks takes a whole number, not 'two'"),
         (&["-o", "x", "--", "error"], "--tasks must be at least 1"),
         (&["--tasks", "2", "--", "error"], "no folder"),
+        (&["--tasks", "2", "-o", "x", "--", "error", "--plan=3"], "--plan=3 is set by this script"),
         (&["--task", "2"], "unknown option '--task'"),
         (&["--tasks", "2", "-o"], "-o lacks its value"),
     ] {
