@@ -25,6 +25,11 @@ package: setup
 study: build
 	"$(BIN)" study -o $(OUT)
 
+# All that a device does, in at most eight minutes on a GPU; the page is $(OUT)/gpu-study/index.html.
+gpu-study: PROFILE = release
+gpu-study: build
+	scripts/gpu-study.sh "$(BIN)" $(OUT)/gpu-study
+
 # unified beside ssct and hzct: times and errors of many views, half an hour on two cores. SCENES may name a
 # folder with the thesis's own rooms and Sponza.
 bars: PROFILE = release

@@ -11,11 +11,11 @@ folder=${2:-gpu-study}
 shift $(($# < 2 ? $# : 2))
 [ -x "$program" ] || { echo "gpu-study: there is no program $program; cargo build --release makes it" >&2; exit 1; }
 
-against=()
+beside=()
 for kept in "$root"/benches/runs/gpu-study/*/; do
-    [ -d "$kept/same" ] && against+=(--against "${kept%/}")
+    [ -d "$kept/same" ] && beside+=(--beside "${kept%/}")
 done
 "$program" devices
 began=$(date +%s)
-"$program" gpu-study -o "$folder" "${against[@]}" "$@"
+"$program" gpu-study -o "$folder" "${beside[@]}" "$@"
 echo "gpu-study: $(($(date +%s) - began)) s"

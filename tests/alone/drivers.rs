@@ -151,3 +151,47 @@ fn both_drivers_record_and_time_the_same_passes() {
         println!("{} {}: {} ms, {} ms", a["method"], a["roughness"], a["total"]["median_ms"], b["total"]["median_ms"]);
     }
 }
+
+#[test]
+#[ignore = "minutes, and needs the driver that make test-drivers fetches"]
+fn a_device_is_measured_and_held_against_its_own_images() {
+    let _alone = alone();
+    let folder = Folder::new();
+    let study = |more: &[&str]| {
+        let told = ["gpu-study", "--quick", "--device", LAVAPIPE, "-o", "study"];
+        assert!(folder.succeed(&[&told, more].concat()).contains("index.html"));
+        let all: Vec<Value> = serde_json::from_str(&folder.text("study/gpu-study.json")).unwrap();
+        all
+    };
+    let records = study(&[]);
+    let of = |kind: &str| records.iter().filter(|r| r["kind"] == kind).collect::<Vec<_>>();
+    // Each stage at three roughness values; a copy, and passes beside it; two views; validation.
+    assert_eq!(of("stage").len(), 6);
+    for pair in of("stage").chunks_exact(2) {
+        let stages = [&pair[0], &pair[1]].map(|r| r["setup"]["trace_stage"].clone());
+        assert_eq!(stages, ["fragment", "compute"].map(Value::from));
+        let names = |r: &Value| r["passes"].as_array().unwrap().iter().map(|p| p[0].clone()).collect::<Vec<_>>();
+        assert_eq!(names(pair[0]), names(pair[1]));
+    }
+    let rates = of("bandwidth");
+    assert!(rates.len() > 4 && rates.iter().all(|r| r["gb_per_s"].as_f64().is_some_and(|v| v > 0.0)), "{rates:?}");
+    assert!(of("steps").iter().all(|r| r["mean"].as_f64().is_some_and(|v| v > 1.0)) && of("steps").len() == 2);
+    assert_eq!(of("validation")[0]["messages"], Value::Array(Vec::new()));
+    // The second driver is here, and draws what this one is held against.
+    assert_eq!((of("agreement").len(), of("drawn").len()), (2 * METHODS.len(), 3));
+    let times: Vec<Value> = serde_json::from_str(&folder.text("study/time.json")).unwrap();
+    assert!(times.iter().all(|r| r["noise_floor"].as_f64().is_some()), "a floor for each");
+    let page = folder.text("study/index.html");
+    for part in ["Table 5.8", "Every method", "Fragment and compute", "Rates", "Steps", "Validation"] {
+        assert!(page.contains(part), "{part}");
+    }
+    // Beside itself, as on another machine: nothing is measured again, and nothing differs.
+    let again = study(&["--resume", "--beside", "study"]);
+    let own: Vec<_> =
+        again.iter().filter(|r| r["kind"] == "agreement" && r["base"]["name"] == r["device"]["name"]).collect();
+    let screen = METHODS.iter().filter(|m| m.is_screen_space()).count();
+    assert_eq!(own.len(), 2 * screen);
+    for r in own {
+        assert_eq!((&r["rmse"], &r["flip"]), (&0.0.into(), &0.0.into()), "{r}");
+    }
+}

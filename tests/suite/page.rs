@@ -157,6 +157,7 @@ impl Made {
             },
             views: vec![gallery("view", Strip::Plain(vec![lit.clone(), ssct]), ["lit", "ssct"])],
             figures: vec![lit],
+            same: Vec::new(),
             records: vec![("time.json".into(), "times".into()), ("images/".into(), "pictures".into())],
         };
         let html = page.render(path).unwrap();
@@ -222,9 +223,11 @@ fn a_missing_picture_is_named() {
         errors: Errors { settings: String::new(), records: &[], plots: Vec::new(), pictures: Vec::new() },
         views: Vec::new(),
         figures: Vec::new(),
+        same: Vec::new(),
         records: Vec::new(),
     };
-    assert!(empty.render(page.folder.root()).unwrap().contains("Not measured."));
+    let html = empty.render(page.folder.root()).unwrap();
+    assert!(html.contains("Not measured.") && html.contains("no other device"));
     let wrong = Page { figures: vec![missing], ..empty };
     assert!(wrong.render(page.folder.root()).unwrap_err().to_string().contains("none.png"));
 }

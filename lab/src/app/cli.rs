@@ -458,6 +458,9 @@ pub struct StudyOptions {
     /// the atrium: half an hour on two CPU cores.
     #[arg(long)]
     pub full: bool,
+    /// Methods from folders, which are shown, timed and judged beside those of the table.
+    #[arg(long, value_name = "FOLDER", value_delimiter = ',')]
+    pub method: Vec<String>,
     /// Frames that count, for each measurement.
     #[arg(long, default_value_t = 5, conflicts_with = "quick")]
     pub samples: usize,

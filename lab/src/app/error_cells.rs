@@ -5,7 +5,7 @@ use super::cli::ErrorOptions;
 use super::run::{command_line, go_on};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
-use crate::methods::{METHODS, Setup};
+use crate::methods::{MethodInfo, Setup};
 use crate::report::error_report::{self, stem};
 use crate::scene::{Scene, View};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
@@ -42,16 +42,16 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The quick study of a scene: two views, a mirror and a glossy one, every method as published.
-    pub fn quick(scene: Scene, samples: usize, rays: u32) -> Self {
+    /// The quick study of a scene: two views, a mirror and a glossy one, methods as published.
+    pub fn quick(scene: Scene, methods: &[&'static MethodInfo], samples: usize, rays: u32) -> Self {
         let of = |r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: None };
-        let variant = |method| Variant { method, setup: Setup::new(QUICK_SIZE) };
+        let variant = |method: &&'static MethodInfo| Variant { method, setup: Setup::new(QUICK_SIZE) };
         let views = scene.views.iter().take(QUICK_VIEWS).cloned().collect();
         Self {
             scenes: vec![(scene, views)],
             sizes: vec![QUICK_SIZE],
             globals: QUICK_ROUGHNESS.map(of).to_vec(),
-            variants: METHODS.iter().map(variant).collect(),
+            variants: methods.iter().map(variant).collect(),
             samples,
             rays,
         }

@@ -9,6 +9,7 @@ use crate::gpu::{DeviceQuery, Gpu};
 use crate::methods::setup::CaptureCount;
 use crate::methods::unified::UnifiedParams;
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, unified};
+use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::passes::tiles::TileStage;
 use crate::report::gpu_study_report::{self as report, Findings, Silence};
 use crate::report::{files, kept_images};
@@ -31,8 +32,11 @@ const VIEWS: [[&str; 2]; 4] = [["rooms", "corridor"], ["atrium", "hall"], ["muse
 /// Roughness values at which the passes of `unified` are compared, so that each is among them.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
 
+/// Side of the image that is copied, in texels of four bytes: larger than caches.
+const COPIED: u32 = 4096;
+
 /// Pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
-const KEPT_SIZE: [u32; 2] = [161, 91];
+const KEPT_SIZE: [u32; 2] = [97, 55];
 /// Their roughness values: hits of mirrors, and gloss.
 const KEPT_ROUGHNESS: [f32; 2] = [0.0, 0.1];
 /// Where they lie in the study's folder.
@@ -47,7 +51,7 @@ pub struct GpuStudyOptions {
     /// The folder of a study of another device, from any machine: this one's images are held against that one's, on the
     /// same G-buffers.
     #[arg(long, value_name = "DIR")]
-    pub against: Vec<PathBuf>,
+    pub beside: Vec<PathBuf>,
     /// The folder; its page is index.html.
     #[arg(short, long, value_name = "DIR", default_value = "gpu-study")]
     pub output: PathBuf,
@@ -64,19 +68,17 @@ struct Plan {
     samples: usize,
     table_sizes: Vec<[u32; 2]>,
     views: usize,
-    /// Side of the image that is copied.
-    copied: u32,
 }
 
 impl Plan {
     fn new(quick: bool) -> Self {
         if quick {
             let table_sizes = vec![TABLE_5_8[0].size];
-            return Self { size: [320, 180], samples: 3, table_sizes, views: 2, copied: 1024 };
+            return Self { size: [320, 180], samples: MIN_SAMPLES, table_sizes, views: 2 };
         }
         let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
         table_sizes.dedup();
-        Self { size: [1920, 1080], samples: 15, table_sizes, views: VIEWS.len(), copied: 4096 }
+        Self { size: [1920, 1080], samples: 15, table_sizes, views: VIEWS.len() }
     }
 }
 
@@ -140,7 +142,19 @@ fn time_specs<'a>(gpu: &'a Gpu, plan: &Plan, places: &'a [Place]) -> Vec<TimeSpe
     let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
     let spec = |(scene, view): &'a Place, methods: Vec<&'static MethodInfo>, setup: &Setup| {
         let (sizes, globals, setup) = (vec![plan.size], vec![GLOSSY], setup.clone());
-        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 2, samples: plan.samples, a_a: true, only: None }
+        TimeSpec {
+            gpu,
+            scene,
+            view,
+            methods,
+            sizes,
+            globals,
+            setup,
+            warmup: 2,
+            samples: plan.samples,
+            a_a: true,
+            only: None,
+        }
     };
     let of = |place| {
         let all = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
@@ -202,8 +216,8 @@ fn findings(
     let kept_specs = KEPT_ROUGHNESS.map(|r| spec(r, KEPT_SIZE, screen.clone()));
     keep(gpu, &options.output.join(KEPT), &kept_specs)?;
     let mut same = Vec::new();
-    for folder in &options.against {
-        same.extend(against(gpu, &folder.join(KEPT), &kept_specs)?);
+    for folder in &options.beside {
+        same.extend(beside(gpu, &folder.join(KEPT), &kept_specs)?);
     }
     let mut drawn = Vec::new();
     for other in drivers::others(gpu, options.device.validation)? {
@@ -220,7 +234,7 @@ fn findings(
     }
     Ok(Findings {
         stages,
-        copy: bandwidth::copy(gpu, plan.copied, plan.samples)?,
+        copy: bandwidth::copy(gpu, COPIED, plan.samples)?,
         rates: Vec::new(),
         steps,
         same,
@@ -253,7 +267,7 @@ fn stem(spec: &AgreementSpec) -> String {
 }
 
 /// What the device makes of G-buffers that another one kept, against what that one made of them.
-fn against(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
+fn beside(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
     for spec in specs {

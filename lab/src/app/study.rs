@@ -1,9 +1,9 @@
 //! `ssct study`: pictures, times and the page that shows them.
 
 use super::cli::StudyOptions;
-use super::error_cells::{Plan as ErrorPlan, QUICK_SIZE};
+use super::error_cells::{Plan as ErrorPlan, QUICK_ROUGHNESS, QUICK_SIZE};
 use super::run::Run;
-use super::{progress, reference, resolve};
+use super::{drivers, progress, reference, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Pixels};
 use crate::methods::setup::CaptureCount;
@@ -12,6 +12,7 @@ use crate::report::figures::{self, Figure};
 use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
+use crate::study::agreement::{AgreementRecord, AgreementSpec};
 use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
 use crate::study::journal::Journal;
 use crate::study::table::{TABLE_5_8, compare};
@@ -53,11 +54,21 @@ struct Plan {
     table_sizes: Vec<[u32; 2]>,
     /// Rays a pixel of the references.
     rays: u32,
+    /// Those of the table, and any from folders.
+    methods: Vec<&'static MethodInfo>,
     command: String,
 }
 
 impl Plan {
     fn new(options: &StudyOptions) -> Result<Self> {
+        let mut methods: Vec<_> = METHODS.iter().collect();
+        for name in &options.method {
+            let method = methods::find(name)?;
+            if !methods.iter().any(|m| m.name == method.name) {
+                methods.push(method);
+            }
+        }
+        let more: String = options.method.iter().map(|name| format!(" --method {name}")).collect();
         if options.quick {
             let table_sizes = vec![[640, 480]];
             return Ok(Self {
@@ -68,7 +79,8 @@ impl Plan {
                 samples: 3,
                 table_sizes,
                 rays: 16,
-                command: "ssct study --quick".into(),
+                methods,
+                command: format!("ssct study --quick{more}"),
             });
         }
         let samples = options.samples;
@@ -79,8 +91,9 @@ impl Plan {
         table_sizes.dedup();
         let (timed_scenes, views, full) =
             if options.full { (usize::MAX, usize::MAX, " --full") } else { (THESIS_SCENES, 1, "") };
-        let command = format!("ssct study{full} --samples {samples}");
-        Ok(Self { scenes: usize::MAX, timed_scenes, views, size: SIZE, samples, table_sizes, rays: 64, command })
+        let command = format!("ssct study{full} --samples {samples}{more}");
+        let (scenes, size, rays) = (usize::MAX, SIZE, 64);
+        Ok(Self { scenes, timed_scenes, views, size, samples, table_sizes, rays, methods, command })
     }
 
     /// The views of a scene that are shown.
@@ -91,7 +104,7 @@ impl Plan {
     /// What is timed of each view.
     fn view_specs<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Vec<TimeSpec<'a>> {
         let spec = |scene, view| {
-            let (methods, sizes, globals) = (METHODS.iter().collect(), vec![self.size], vec![GLOSSY]);
+            let (methods, sizes, globals) = (self.methods.clone(), vec![self.size], vec![GLOSSY]);
             self.time(gpu, scene, view, methods, sizes, globals)
         };
         let timed = scenes.iter().take(self.timed_scenes);
@@ -110,7 +123,7 @@ impl Plan {
     /// The quick error study of the rooms.
     fn errors(&self, scenes: &[Scene]) -> Option<ErrorPlan> {
         let rooms = scenes.iter().find(|s| s.name == "rooms")?;
-        Some(ErrorPlan::quick(rooms.clone(), self.samples, self.rays))
+        Some(ErrorPlan::quick(rooms.clone(), &self.methods, self.samples, self.rays))
     }
 
     /// What is timed of a view.
@@ -144,10 +157,11 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     let frames = view_specs.iter().chain(&table_spec).map(TimeSpec::frames).sum::<usize>();
     let shown = scenes.iter().map(|s| plan.shown(s).len()).sum::<usize>();
     // Each method, unified with captures, and the truth.
-    bar.inc_length((shown * (METHODS.len() + 2) + frames) as u64);
+    bar.inc_length((shown * (plan.methods.len() + 2) + frames) as u64);
     bar.inc_length(cells.as_ref().map_or(0, ErrorPlan::cells) as u64);
 
-    let measure = |journal: &mut Journal| -> anyhow::Result<(Vec<Gallery>, Vec<Picture>)> {
+    type Shown = (Vec<Gallery>, Vec<Picture>, Vec<AgreementRecord>);
+    let measure = |journal: &mut Journal| -> anyhow::Result<Shown> {
         let mut views = Vec::new();
         for scene in &scenes {
             views.extend(pictures(&gpu, scene, &plan.shown(scene), folder, &plan, &bar)?);
@@ -160,7 +174,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
             let images = folder.join(ERROR_FOLDER).join("images");
             cells.measure(&gpu, journal, None, Some(&images), &mut || bar.inc(1))?;
         }
-        Ok((views, figures))
+        Ok((views, figures, same_elsewhere(&gpu, &scenes, &plan, options.device.validation)?))
     };
     let outcome = measure(&mut run.journal);
     bar.finish_and_clear();
@@ -178,7 +192,7 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
             error_report::write(&folder.join(ERROR_FOLDER), &error_records, &error_costs, &plan.command, &[])
         });
     // What ended it counts for more than what could not be written then.
-    let (views, figures) = run.ended(outcome)?;
+    let (views, figures, same) = run.ended(outcome)?;
     wrote?;
     let page = Page {
         device: gpu.info(),
@@ -194,10 +208,11 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
             settings: error_settings(&plan),
             records: &error_records,
             plots: error_report::plots(&error_records).map_err(anyhow::Error::msg)?,
-            pictures: error_galleries(&error_records),
+            pictures: error_galleries(&error_records, &plan.methods),
         },
         views,
         figures,
+        same,
         records: records(),
     };
     let html = page.render(folder)?;
@@ -210,6 +225,22 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
+}
+
+/// What every other device makes of a G-buffer of the rooms, against what this one makes of it.
+fn same_elsewhere(gpu: &Gpu, scenes: &[Scene], plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
+    let mut records = Vec::new();
+    let Some(scene) = scenes.first() else { return Ok(records) };
+    for other in drivers::others(gpu, validation)? {
+        for roughness in QUICK_ROUGHNESS {
+            let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+            let (methods, setup) = (plan.methods.clone(), Setup::new(QUICK_SIZE));
+            let spec = AgreementSpec { scene, view: scene.view("corridor")?, globals, methods, setup };
+            records.extend(drivers::compare(gpu, &other, &spec)?);
+        }
+        other.check_validation()?;
+    }
+    Ok(records)
 }
 
 /// What lies beside the page.
@@ -238,7 +269,7 @@ fn pictures(
 ) -> Result<Vec<Gallery>> {
     let plain = Setup::new(plan.size);
     let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
-    let methods = METHODS.iter().map(|m| (m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
+    let methods = plan.methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
     let with_captures = "unified with four captures, roughness 0.1".to_owned();
     let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();
     let mut stage = Stage::new(gpu, scene)?;
@@ -352,7 +383,7 @@ fn error_settings(plan: &Plan) -> String {
 }
 
 /// Each cell: every method with its FLIP map beside what its errors are against.
-fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
+fn error_galleries(records: &[ErrorRecord], methods: &[&MethodInfo]) -> Vec<Gallery> {
     let mut galleries: Vec<Gallery> = Vec::new();
     for r in records {
         let h = &r.head;
@@ -372,7 +403,8 @@ fn error_galleries(records: &[ErrorRecord]) -> Vec<Gallery> {
             let flip = error_report::flip_file(&stem, name);
             [reflection(name, name), picture(flip, &format!("FLIP map of {name}"), format!("FLIP map of {name}"))]
         };
-        let (screen, more): (Vec<_>, Vec<_>) = METHODS.iter().partition(|m| m.is_screen_space());
+        let (screen, more): (Vec<&MethodInfo>, Vec<&MethodInfo>) =
+            methods.iter().copied().partition(|m| m.is_screen_space());
         let beside = |title: &str, reference, names: Vec<&str>| Strip::Beside {
             title: title.to_owned(),
             reference,

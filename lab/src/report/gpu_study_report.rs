@@ -86,11 +86,6 @@ fn page(device: &DeviceInfo, command: &str, table: &[TimeRecord], views: &[TimeR
                 &method_cells(views),
             ),
             (
-                "Every pass",
-                "Medians of each pass, with the invocations that the device counted in a frame of its own.",
-                &pass_cells(views),
-            ),
-            (
                 "Fragment and compute",
                 "The passes of unified, each as a fragment shader and as a compute shader that makes the same image to the \
                  bit, frames in turn. Below 1, compute is the faster one.",
@@ -114,6 +109,11 @@ fn page(device: &DeviceInfo, command: &str, table: &[TimeRecord], views: &[TimeR
                 "Validation",
                 "What the Khronos validation layers say of every method, beyond the allow-list: nothing is right.",
                 &validation_cells(&found.validation),
+            ),
+            (
+                "Every pass",
+                "Medians of each pass, with the invocations that the device counted in a frame of its own.",
+                &pass_cells(views),
             ),
         ],
     )
@@ -186,9 +186,11 @@ fn stage_cells(records: &[StageRecord]) -> Vec<Vec<String>> {
 }
 
 fn rate_cells(found: &Findings) -> Vec<Vec<String>> {
-    let mut rows = header(&["pass", "size", "bytes", "median ms", "GB/s", "of a copy"]);
+    let mut rows = header(&["view", "method", "pass", "size", "bytes", "median ms", "GB/s", "of a copy"]);
     rows.extend([&found.copy].into_iter().chain(&found.rates).map(|r| {
         vec![
+            r.view.clone().unwrap_or_else(|| "-".into()),
+            r.method.clone().unwrap_or_else(|| "-".into()),
             r.pass.clone(),
             format!("{} x {}", r.width, r.height),
             r.bytes.to_string(),

@@ -29,6 +29,10 @@ pub struct BandwidthRecord {
     pub program: Provenance,
     /// The pass: `copy`, `pyramid`, or `hi-z`, which is all its levels.
     pub pass: String,
+    /// The method whose pass it is; of the copy, none.
+    pub method: Option<String>,
+    /// Scene and view that it was timed on.
+    pub view: Option<String>,
     /// Width and height of its image in pixels.
     pub width: u32,
     /// See `width`.
@@ -51,6 +55,8 @@ impl BandwidthRecord {
             kind: "bandwidth".into(),
             program,
             pass: pass.into(),
+            method: None,
+            view: None,
             width,
             height,
             bytes,
@@ -87,8 +93,10 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
 /// The rates of the passes of a record that build a pyramid of depth, beside that of a copy.
 pub fn of_passes(record: &TimeRecord, copy: &BandwidthRecord) -> Vec<BandwidthRecord> {
     let extent = [record.head.width, record.head.height];
-    let of = |pass: &str, bytes: u64, median_ms: f64| {
-        BandwidthRecord::new(record.head.program.clone(), pass, extent, bytes, median_ms, copy.gb_per_s)
+    let of = |pass: &str, bytes: u64, median_ms: f64| BandwidthRecord {
+        method: Some(record.head.variant()),
+        view: Some(format!("{} {}", record.head.scene, record.head.view)),
+        ..BandwidthRecord::new(record.head.program.clone(), pass, extent, bytes, median_ms, copy.gb_per_s)
     };
     let pyramid = record.passes.iter().find(|p| p.name == PYRAMID);
     let pyramid = pyramid.map(|p| of(PYRAMID, pyramid_bytes(extent), p.stats.median_ms));

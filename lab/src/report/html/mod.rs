@@ -21,6 +21,7 @@ use super::error_report::ErrorPlot;
 use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
+use crate::study::agreement::AgreementRecord;
 use crate::study::error::ErrorRecord;
 use crate::study::record::{DEFINITIONS, Provenance};
 use crate::study::table::Compared;
@@ -41,6 +42,8 @@ pub struct Page<'a> {
     pub views: Vec<Gallery>,
     /// Figures of the thesis.
     pub figures: Vec<Picture>,
+    /// The methods' images on other devices against those on this one; empty where there is no other.
+    pub same: Vec<AgreementRecord>,
     /// Records beside the page: file or folder, relative to it, and what it has.
     pub records: Vec<(String, String)>,
 }
@@ -72,20 +75,21 @@ pub struct Errors<'a> {
 }
 
 /// Parts of the page: id and title.
-const PARTS: [(&str, &str); 7] = [
+const PARTS: [(&str, &str); 8] = [
     ("views", "Pictures"),
     ("figures", "Figures of the thesis"),
     ("table", "Table 5.8"),
     ("stages", "Where the time goes"),
     ("error", "Run time against error"),
     ("passes", "Every pass"),
+    ("drivers", "The same on other drivers"),
     ("records", "Raw records"),
 ];
 
 impl Page<'_> {
     /// The whole page; its pictures are read from the folder that it will lie in.
     pub fn render(&self, folder: &Path) -> Result<String> {
-        let [views, figures, table, stages, error, passes, records] = PARTS.map(heading);
+        let [views, figures, table, stages, error, passes, drivers, records] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
         let body = html! {
             (views)
@@ -105,6 +109,8 @@ impl Page<'_> {
             (passes)
             p { "Medians, minima and 95th percentiles over the samples; only the stages after the scene passes count." }
             (sections::passes(self.times.view_records))
+            (drivers)
+            (sections::same(&self.same))
             (records)
             ul { @for (file, what) in &self.records { li { a href=(file) { (file) } ": " (what) } } }
             (gallery::compare_template())

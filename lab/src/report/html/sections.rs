@@ -2,8 +2,9 @@
 
 use super::{Errors, Times};
 use crate::report::error_report::{self, ErrorPlot};
-use crate::report::tables;
+use crate::report::{agreement_report, tables};
 use crate::study::TimeRecord;
+use crate::study::agreement::AgreementRecord;
 use maud::{Markup, PreEscaped, html};
 
 /// The thesis's table beside ours.
@@ -67,6 +68,18 @@ pub fn error_sources(cells: &[Vec<String>]) -> Markup {
             "triangles."
         }
         (grid(cells))
+    }
+}
+
+/// How other devices' images agree with this one's.
+pub fn same(records: &[AgreementRecord]) -> Markup {
+    html! {
+        @if records.is_empty() {
+            p { "Vulkan lists no other device here that can be used." }
+        } @else {
+            p { (agreement_report::ABOUT_METHODS) }
+            (grid(&agreement_report::cells(records)))
+        }
     }
 }
 
