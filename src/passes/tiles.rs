@@ -142,8 +142,8 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
             return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run compute shaders \
-                 instead: the parameters trace-stage and resolve-stage say so"
+                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run compute \
+                 shaders instead: the parameters trace-stage and resolve-stage say so"
             )));
         }
         let tiles = GraphicsPipeline::points(gpu, formats(), &constants(false))?;
