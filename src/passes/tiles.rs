@@ -142,8 +142,8 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         if gpu.largest_point() < TILE as f32 {
             let (name, largest) = (&gpu.info().name, gpu.largest_point());
             return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run in compute \
-                 shaders (--trace-stage compute --resolve-stage compute)"
+                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run compute \
+                 shaders instead: the parameters trace-stage and resolve-stage say so"
             )));
         }
         let tiles = GraphicsPipeline::points(gpu, formats(), &constants(false))?;
@@ -178,7 +178,7 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
 
     /// One pass over the list's tiles, or over the whole image, where every texel is written: the program of the stage
     /// that was chosen.
-    pub fn record<'t>(
+    pub fn run<'t>(
         &self,
         frame: &mut Frame,
         name: &str,

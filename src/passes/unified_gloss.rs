@@ -155,7 +155,7 @@ impl UnifiedGlossPass {
             lost: trace.lost,
         };
         let fragment = || ([tiles.target(records)], trace);
-        self.trace_narrow.record(frame, "trace/narrow", (parameters, *tiles), fragment, compute)
+        self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), fragment, compute)
     }
 
     /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
@@ -185,7 +185,7 @@ impl UnifiedGlossPass {
             reflection_image,
         };
         let fragment = || (canvas.targets(*tiles), resolve);
-        self.resolve_narrow.record(frame, "resolve/narrow", (parameters, *tiles), fragment, compute)
+        self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), fragment, compute)
     }
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
@@ -219,7 +219,7 @@ impl UnifiedGlossPass {
             lost: trace.lost,
         };
         let fragment = || ([place, seen].map(|image| tiles.target(image)), trace);
-        self.trace_wide.record(frame, "trace/wide", (parameters, *tiles), fragment, compute)
+        self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), fragment, compute)
     }
 
     /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
@@ -255,7 +255,7 @@ impl UnifiedGlossPass {
             reflection_image,
         };
         let fragment = || (canvas.targets(*tiles), resolve);
-        self.resolve_wide.record(frame, "resolve/wide", (parameters, *tiles), fragment, compute)
+        self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), fragment, compute)
     }
 
     fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
@@ -284,6 +284,6 @@ impl UnifiedGlossPass {
             surface_image: cell_surface.all(),
         };
         let fragment = || ([cell_reflection, cell_surface].map(|image| tiles.target(image)), cells);
-        self.cells.record(frame, "cells", (parameters, *tiles), fragment, compute)
+        self.cells.run(frame, "cells", (parameters, *tiles), fragment, compute)
     }
 }

@@ -101,7 +101,7 @@ impl UnifiedTracePass {
             lost_counts: mirror.lost_counts,
             lost: mirror.lost,
         };
-        self.mirrors.record(frame, "trace/mirrors", (parameters, *tiles), fragment, compute)?;
+        self.mirrors.run(frame, "trace/mirrors", (parameters, *tiles), fragment, compute)?;
         Ok(hits.map(Hits))
     }
 

@@ -148,22 +148,22 @@ fn with_captures_fallbacks_and_histories_both_stages_make_the_same_images() {
     let eye = scene.view("puddles").unwrap().eye;
     let places = [eye + Vec3::Y, eye - Vec3::new(1.0, 0.0, 2.0)];
     scene.captures = places.map(|place| Capture { resolution: 33, ..Capture::at(place) }).to_vec();
-    let captured = |p: &mut EffectParams| p.captures = CaptureCount::Auto;
-    let over_captures = |p: &mut EffectParams| (p.captures, p.fallback) = (CaptureCount::Auto, Fallback::Environment);
-    let behind = |p: &mut EffectParams| p.fallback = Fallback::Environment;
-    let averaged = |p: &mut EffectParams| (p.history, p.history_frames) = (HistoryUse::On, 4);
-    let bounced = |p: &mut EffectParams| p.bounces = 2;
-    let cases: [(&str, &dyn Fn(&mut EffectParams), usize); 5] = [
-        ("captures", &captured, 1),
-        ("captures over the environment", &over_captures, 1),
-        ("the environment", &behind, 1),
-        ("a history", &averaged, 3),
-        ("two bounces", &bounced, 1),
+    type Change = fn(&mut EffectParams);
+    let cases: [(&str, Change, usize); 5] = [
+        ("captures", |p| p.captures = CaptureCount::Auto, 1),
+        (
+            "captures over the environment",
+            |p| (p.captures, p.fallback) = (CaptureCount::Auto, Fallback::Environment),
+            1,
+        ),
+        ("the environment", |p| p.fallback = Fallback::Environment, 1),
+        ("a history", |p| (p.history, p.history_frames) = (HistoryUse::On, 4), 3),
+        ("two bounces", |p| p.bounces = 2, 1),
     ];
     let take = if is_gpu_assisted() { 1 } else { cases.len() };
     for (name, change, frames) in &cases[..take] {
         for roughness in [None, Some(0.0), Some(0.1), Some(0.5)] {
-            let setup = Setup::new([127, 61]).with(|p: &mut EffectParams| change(p));
+            let setup = Setup::new([127, 61]).with(change);
             check_same(&format!("{name}, roughness {roughness:?}"), |stages| {
                 let made = effect(&gpu, &scene, "puddles", &in_stages(&setup, stages), (roughness, *frames));
                 let follows = made.1.iter().any(|pass| pass.starts_with("follow"));
