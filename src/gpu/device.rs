@@ -321,7 +321,7 @@ impl Gpu {
         self.shared.largest_point
     }
 
-    /// The largest width and height of an image; viewports are up to twice as large.
+    /// The largest width and height of an image that is drawn into; viewports are up to twice as large.
     pub fn max_image_size(&self) -> u32 {
         let l = &self.shared.limits;
         let [width, height] = l.max_viewport_dimensions;

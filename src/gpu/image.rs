@@ -86,6 +86,15 @@ pub struct ImageSlice<'a> {
     by_face: bool,
 }
 
+impl ImageDesc<'_> {
+    /// The longest side that the image may have: viewports bound what is drawn into, and nothing else.
+    fn largest(&self, gpu: &Gpu) -> u32 {
+        use vk::ImageUsageFlags as U;
+        let is_drawn = self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT);
+        if is_drawn { gpu.max_image_size() } else { gpu.shared().limits.max_image_dimension2_d }
+    }
+}
+
 impl Image {
     /// Makes an image; its content is undefined.
     ///
@@ -93,7 +102,7 @@ impl Image {
     /// [`Error::Usage`] for a size of 0 or beyond the device's limit; [`Error::Memory`] without memory.
     pub fn new(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
         let [width, height] = desc.extent;
-        let limit = gpu.max_image_size();
+        let limit = desc.largest(gpu);
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(Error::Usage(format!(
                 "{}: an image of {width}x{height} is impossible: each side must be 1 to {limit} on {}",
@@ -122,7 +131,7 @@ impl Image {
     }
 
     fn layered(gpu: &Gpu, desc: &ImageDesc, kind: Kind) -> Result<Self> {
-        let ([width, height], limit, layers) = (desc.extent, gpu.max_image_size(), gpu.max_image_layers());
+        let ([width, height], limit, layers) = (desc.extent, desc.largest(gpu), gpu.max_image_layers());
         if width == 0 || height == 0 || width > limit || height > limit || desc.layers > layers {
             return Err(Error::Usage(format!(
                 "{}: an array of {} images of {width}x{height} is impossible: each side must be 1 to {limit}, and \
@@ -222,7 +231,7 @@ impl Image {
             }
             for slice in 0..slices {
                 // A slice of a volume is a layer of its 2D views.
-                let range = vk::ImageSubresourceRange { base_array_layer: slice, ..image.range(0, 1) };
+                let range = vk::ImageSubresourceRange { base_array_layer: slice, layer_count: 1, ..image.range(0, 1) };
                 image.slice_views.push(image.view(V::TYPE_2D, range)?);
             }
             if has_stencil(desc.format) {
@@ -392,7 +401,8 @@ impl Image {
             base_mip_level: base,
             level_count: count,
             base_array_layer: 0,
-            layer_count: self.layers,
+            // Of a volume a count would mean slices to Vulkan with maintenance9; what remains is all in any case.
+            layer_count: if self.depth > 1 { vk::REMAINING_ARRAY_LAYERS } else { self.layers },
         }
     }
 }

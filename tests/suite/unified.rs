@@ -165,7 +165,8 @@ fn pyramid_and_hits_equal_their_twin_to_the_bit() {
         add(&gbuffer::read(&mut stage.context, &shot).unwrap());
     }
     // So tall that the pyramid's image has narrower strips.
-    [[5, 2100], [3, 4200]].into_iter().for_each(|extent| add(&random_gbuffer(0, extent)));
+    let fits = |extent: &[u32; 2]| extent[1] <= gpu.max_image_size();
+    [[5, 2100], [3, 4200]].into_iter().filter(fits).for_each(|extent| add(&random_gbuffer(0, extent)));
     check_validation(&gpu).unwrap();
     println!("pixels, hits and blocks met from behind by version of the oracle: {totals:?}, 0 ULP");
     assert!(totals.iter().all(|t| t[1] > t[0] / 10), "{totals:?}");
