@@ -26,19 +26,11 @@ chmod 755 "$folder"
 export SSCT_CLUSTER_TEST=$folder SLURM_CONF=$folder/slurm.conf
 mkdir "$folder"/{log,state}
 
+# Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked at.
+with_line() { { grep -lzxF "$1" /proc/[0-9]*/environ 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
+with_file() { { find /proc/[0-9]*/fd -lname "$1" 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 # The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
-ours() {
-    local process id
-    for process in /proc/[0-9]*; do
-        id=${process#/proc/}
-        if { tr '\0' '\n' <"$process/environ"; } 2>/dev/null | grep -qxF "SSCT_CLUSTER_TEST=$folder"; then
-            printf '%s\n' "$id"
-        elif [ "$(cat "$process/comm" 2>/dev/null)" = slurmstepd ] && [ -n "$(node_of_step "$id")" ]; then
-            printf '%s\n' "$id"
-        fi
-    done
-}
-node_of_step() { readlink "/proc/$1"/fd/* 2>/dev/null | sed -n "s|^$folder/log/slurmd\.\(.*\)\.log\$|\1|p" | head -n 1; }
+ours() { { with_line "SSCT_CLUSTER_TEST=$folder" && with_file "$folder/log/*"; } | sort -u; }
 
 stop_all() {
     local status=$? ids n
@@ -123,8 +115,8 @@ if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((
     fail 'a daemon listens on more than the loopback address'
 fi
 
-study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
-    --samples 1 --rays 64 --no-sweep)
+study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 --roughness 0,0.1,0.3,0.6
+    --samples 1 --rays 32 --no-sweep)
 result=$folder/study
 submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
 # What a task asks for follows from what small cells of the same methods took here.
@@ -165,15 +157,10 @@ within 30 "task $killed is queued again" was_queued_again "$killed"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
-daemons='' commands=''
-for id in $(ours); do
-    if [ "$(node_of_step "$id")" = "$lost_node" ] || [ "$id" = "$(cat "$folder/slurmd.$lost_node.pid")" ]; then
-        daemons+=" $id"
-    elif { tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null | grep -qx "SLURMD_NODENAME=$lost_node"; then
-        commands+=" $id"
-    fi
-done
+# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run. Slurm's
+# processes on a node have its log open, and what they started has its name in the environment.
+daemons=$(with_file "$folder/log/slurmd.$lost_node.log")
+commands=$(comm -12 <(with_line "SLURMD_NODENAME=$lost_node") <(ours))
 # shellcheck disable=SC2086
 kill -KILL $daemons $commands 2>/dev/null || true
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
