@@ -22,8 +22,9 @@ export PATH=$PATH:/usr/sbin:/sbin
 
 folder=$(mktemp -d "${TMPDIR:-/tmp}/ssct-cluster.XXXXXX")
 chmod 755 "$folder"
-# Whatever is started below has this in its environment, by which it is found again: daemons, steps and tasks alike.
-export SSCT_CLUSTER_TEST=$folder SLURM_CONF=$folder/slurm.conf
+export SLURM_CONF=$folder/slurm.conf
+# Daemons, and whatever is submitted to them, have this in their environment, by which they are found again.
+marked=(env "SSCT_CLUSTER_TEST=$folder")
 mkdir "$folder"/{log,state}
 
 # Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked at.
@@ -103,10 +104,10 @@ EOF
 
 # A key of its own: who has it may submit, and nobody else has it.
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
-munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
+"${marked[@]}" munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
     --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
-slurmctld -c
-start_node() { mkdir -p "$folder/spool.$1" && slurmd -N "$1"; }
+"${marked[@]}" slurmctld -c
+start_node() { mkdir -p "$folder/spool.$1" && "${marked[@]}" slurmd -N "$1"; }
 for ((n = 1; n <= nodes; n++)); do start_node "node$n"; done
 idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = "$nodes" ]; }
 within 30 "$nodes nodes are idle" idle
@@ -118,7 +119,7 @@ fi
 study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 --roughness 0,0.1,0.3,0.6
     --samples 1 --rays 32 --no-sweep)
 result=$folder/study
-submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
+submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
 # What a task asks for follows from what small cells of the same methods took here.
 "$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 --no-sweep \
     -o "$folder/costs" >"$folder/log/costs.log"
@@ -195,11 +196,11 @@ went_on "$killed" "$lost" "$dead"
 python3 "$here/same.py" "$folder/alone" "$result/all"
 
 # Another study, whose shards are worked at in a folder of each node.
-study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 64 --no-sweep)
+study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
 result=$folder/scratched disturbed=' '
 # shellcheck disable=SC2016
-scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1)
-submit --tasks 2 "${scratch[@]}" --retries 0 --partial --memory 1500 --time 30
+scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1 --memory 1500 --time 30)
+submit --tasks 2 "${scratch[@]}" --retries 0 --partial
 array=$(squeue -h -n ssct -o %F | head -n 1)
 if submit --tasks 2 2>"$folder/log/refused"; then fail 'the study was submitted twice'; fi
 grep -q 'still in the queue' "$folder/log/refused" || fail 'no sentence says why'
