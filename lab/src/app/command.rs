@@ -3,10 +3,11 @@
 
 use super::captures::CapturesOptions;
 use super::cli::{
-    DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, MotionOptions, RenderOptions, StressOptions,
-    StudyOptions, TimeOptions,
+    DevicesOptions, FiguresOptions, GBufferCommand, MotionOptions, RenderOptions, StressOptions, StudyOptions,
+    TimeOptions,
 };
 use super::compare::CompareOptions;
+use super::error_options::ErrorOptions;
 use super::index::IndexOptions;
 use super::merge::MergeOptions;
 use super::truth::TruthOptions;

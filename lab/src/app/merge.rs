@@ -21,7 +21,7 @@ use crate::study::error::ErrorRecord;
 use crate::study::journal::Journal;
 use crate::study::merge::{MergeInput, MergedResult, MergedRun, merge};
 use crate::study::precision::PrecisionRecord;
-use crate::study::record::Head;
+use crate::study::record::{Head, Provenance};
 use crate::study::stress::StressRecord;
 use crate::study::stress::motion::MotionRecord;
 use crate::study::video::VideoRecord;
@@ -57,6 +57,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         return reference_part::merge(options);
     }
     let inputs = options.folders.iter().map(|folder| input(folder)).collect::<Result<Vec<_>>>()?;
+    check_program(&inputs)?;
     let own = |input: &MergeInput| same_folder(&input.folder, &options.output);
     if let Some(input) = inputs.iter().find(|input| own(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
@@ -84,6 +85,20 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     run.finish()?;
     report(options, &merged)?;
     wrote
+}
+
+/// Refuses runs of another program than this one, whose name the page will have.
+fn check_program(inputs: &[MergeInput]) -> Result<()> {
+    let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
+    let is_other = |input: &&MergeInput| input.cells.version != version || input.cells.commit != commit;
+    match inputs.iter().all(|input| is_other(&input)).then(|| inputs.first()).flatten() {
+        Some(MergeInput { folder, cells, .. }) => {
+            let of = format!("version {}, commit {}", cells.version, cells.commit);
+            let message = format!("was measured by {of}; this program is version {version}, commit {commit}");
+            Err(Error::malformed(folder, None, message))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Reads a folder.

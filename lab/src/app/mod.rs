@@ -9,6 +9,7 @@ mod devices;
 mod error;
 mod error_age;
 mod error_cells;
+mod error_options;
 mod error_video;
 mod figures;
 mod gbuffer;

@@ -2,10 +2,10 @@
 //! and how `ssct merge` makes one reference of them.
 
 use super::merge::MergeOptions;
-use super::reference::short;
 use super::run::command_line;
 use crate::error::{Error, Result};
 use crate::math::DefinitionsVersion;
+use crate::reference::kept_samples::short;
 use crate::reference::world::WorldReference;
 use crate::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
 use crate::reference::world_state::WorldState;
