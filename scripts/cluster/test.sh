@@ -117,7 +117,7 @@ if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((
 fi
 
 study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 --roughness 0,0.1,0.3,0.6
-    --samples 1 --rays 32 --no-sweep)
+    --samples 1 --rays 64 --no-sweep)
 result=$folder/study
 submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
 # What a task asks for follows from what small cells of the same methods took here.
@@ -151,10 +151,14 @@ disturb() { # what is done
 }
 was_queued_again() { [ "$(restarts "$1")" -ge 1 ] 2>/dev/null; }
 
+# At once, while the first tasks run: the rest may be done before a node counts as lost.
+disturb 'kill it with its script'
+dead=$found
+scancel --signal=KILL --batch "${array}_$dead"
+
 disturb 'kill ssct'
 killed=$found
 scancel --signal=KILL "${array}_$killed.0"
-within 30 "task $killed is queued again" was_queued_again "$killed"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
@@ -164,14 +168,11 @@ daemons=$(with_file "$folder/log/slurmd.$lost_node.log")
 commands=$(comm -12 <(with_line "SLURMD_NODENAME=$lost_node") <(ours))
 # shellcheck disable=SC2086
 kill -KILL $daemons $commands 2>/dev/null || true
+within 30 "task $killed is queued again" was_queued_again "$killed"
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
 within 60 "$lost_node is down" is_down
 within 30 "task $lost is queued again" was_queued_again "$lost"
 say "task $lost is queued again, without $lost_node"
-
-disturb 'kill it with its script'
-dead=$found
-scancel --signal=KILL --batch "${array}_$dead"
 
 start_node "$lost_node"
 is_back() { sinfo -h -n "$lost_node" -o %T | grep -qxE 'idle|allocated|mixed'; }

@@ -185,6 +185,23 @@ pub struct TimeOptions {
     pub json: bool,
 }
 
+/// Options of `ssct merge`.
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// The folders of the shards, or of runs that were merged before.
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// The folder of the whole study, with the files of a run that was never divided.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Merge although cells are missing; the page names them.
+    #[arg(long)]
+    pub partial: bool,
+    /// Print what was merged as JSON: how many cells there are, on which devices, and which are missing.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Options of `ssct stress`.
 #[derive(Debug, Args)]
 pub struct StressOptions {

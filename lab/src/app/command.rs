@@ -3,13 +3,12 @@
 
 use super::captures::CapturesOptions;
 use super::cli::{
-    DevicesOptions, FiguresOptions, GBufferCommand, MotionOptions, RenderOptions, StressOptions, StudyOptions,
-    TimeOptions,
+    DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, MotionOptions, RenderOptions, StressOptions,
+    StudyOptions, TimeOptions,
 };
 use super::compare::CompareOptions;
 use super::error_options::ErrorOptions;
 use super::index::IndexOptions;
-use super::merge::MergeOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};

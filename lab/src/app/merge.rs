@@ -1,5 +1,6 @@
 //! `ssct merge`: the shards of a study become the run of the whole study.
 
+use super::cli::MergeOptions;
 use super::error_cells::cost_key;
 use super::figures;
 use super::reference_part;
@@ -26,29 +27,11 @@ use crate::study::stress::StressRecord;
 use crate::study::stress::motion::MotionRecord;
 use crate::study::video::VideoRecord;
 use crate::study::{TimeRecord, timing};
-use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Options of `ssct merge`.
-#[derive(Debug, Args)]
-pub struct MergeOptions {
-    /// The folders of the shards, or of runs that were merged before.
-    #[arg(value_name = "DIR", required = true)]
-    pub folders: Vec<PathBuf>,
-    /// The folder of the whole study, with the files of a run that was never divided.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: PathBuf,
-    /// Merge although cells are missing; the page names them.
-    #[arg(long)]
-    pub partial: bool,
-    /// Print what was merged as JSON: how many cells there are, on which devices, and which are missing.
-    #[arg(long)]
-    pub json: bool,
-}
 
 /// Merges, writes, and says what is missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {

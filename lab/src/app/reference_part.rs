@@ -1,7 +1,7 @@
 //! Shares of the world reference's rays, each sampled by another machine: where they are kept, what lies beside them,
 //! and how `ssct merge` makes one reference of them.
 
-use super::merge::MergeOptions;
+use super::cli::MergeOptions;
 use super::run::command_line;
 use crate::error::{Error, Result};
 use crate::math::DefinitionsVersion;
