@@ -22,23 +22,16 @@ export PATH=$PATH:/usr/sbin:/sbin
 
 folder=$(mktemp -d "${TMPDIR:-/tmp}/ssct-cluster.XXXXXX")
 chmod 755 "$folder"
-# Whatever is started below has this in its environment, by which it is found again: daemons, steps and tasks alike.
-export SSCT_CLUSTER_TEST=$folder SLURM_CONF=$folder/slurm.conf
+export SLURM_CONF=$folder/slurm.conf
+# Daemons, and whatever is submitted to them, have this in their environment, by which they are found again.
+marked=(env "SSCT_CLUSTER_TEST=$folder")
 mkdir "$folder"/{log,state}
 
+# Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked at.
+with_line() { { grep -lzxF "$1" /proc/[0-9]*/environ 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
+with_file() { { find /proc/[0-9]*/fd -lname "$1" 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 # The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
-ours() {
-    local process id
-    for process in /proc/[0-9]*; do
-        id=${process#/proc/}
-        if { tr '\0' '\n' <"$process/environ"; } 2>/dev/null | grep -qxF "SSCT_CLUSTER_TEST=$folder"; then
-            printf '%s\n' "$id"
-        elif [ "$(cat "$process/comm" 2>/dev/null)" = slurmstepd ] && [ -n "$(node_of_step "$id")" ]; then
-            printf '%s\n' "$id"
-        fi
-    done
-}
-node_of_step() { readlink "/proc/$1"/fd/* 2>/dev/null | sed -n "s|^$folder/log/slurmd\.\(.*\)\.log\$|\1|p" | head -n 1; }
+ours() { { with_line "SSCT_CLUSTER_TEST=$folder" && with_file "$folder/log/*"; } | sort -u; }
 
 stop_all() {
     local status=$? ids n
@@ -111,10 +104,10 @@ EOF
 
 # A key of its own: who has it may submit, and nobody else has it.
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
-munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
+"${marked[@]}" munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
     --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
-slurmctld -c
-start_node() { mkdir -p "$folder/spool.$1" && slurmd -N "$1"; }
+"${marked[@]}" slurmctld -c
+start_node() { mkdir -p "$folder/spool.$1" && "${marked[@]}" slurmd -N "$1"; }
 for ((n = 1; n <= nodes; n++)); do start_node "node$n"; done
 idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = "$nodes" ]; }
 within 30 "$nodes nodes are idle" idle
@@ -123,10 +116,10 @@ if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((
     fail 'a daemon listens on more than the loopback address'
 fi
 
-study=(error --scene corridor --method ssct,hzct,unified --size 256x144 --roughness 0,0.1,0.3,0.6
+study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 --roughness 0,0.1,0.3,0.6
     --samples 1 --rays 64 --no-sweep)
 result=$folder/study
-submit() { "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
+submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
 # What a task asks for follows from what small cells of the same methods took here.
 "$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 --no-sweep \
     -o "$folder/costs" >"$folder/log/costs.log"
@@ -158,32 +151,28 @@ disturb() { # what is done
 }
 was_queued_again() { [ "$(restarts "$1")" -ge 1 ] 2>/dev/null; }
 
+# At once, while the first tasks run: the rest may be done before a node counts as lost.
+disturb 'kill it with its script'
+dead=$found
+scancel --signal=KILL --batch "${array}_$dead"
+
 disturb 'kill ssct'
 killed=$found
 scancel --signal=KILL "${array}_$killed.0"
-within 30 "task $killed is queued again" was_queued_again "$killed"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
-daemons='' commands=''
-for id in $(ours); do
-    if [ "$(node_of_step "$id")" = "$lost_node" ] || [ "$id" = "$(cat "$folder/slurmd.$lost_node.pid")" ]; then
-        daemons+=" $id"
-    elif { tr '\0' '\n' <"/proc/$id/environ"; } 2>/dev/null | grep -qx "SLURMD_NODENAME=$lost_node"; then
-        commands+=" $id"
-    fi
-done
+# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run. Slurm's
+# processes on a node have its log open, and what they started has its name in the environment.
+daemons=$(with_file "$folder/log/slurmd.$lost_node.log")
+commands=$(comm -12 <(with_line "SLURMD_NODENAME=$lost_node") <(ours))
 # shellcheck disable=SC2086
 kill -KILL $daemons $commands 2>/dev/null || true
+within 30 "task $killed is queued again" was_queued_again "$killed"
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
 within 60 "$lost_node is down" is_down
 within 30 "task $lost is queued again" was_queued_again "$lost"
 say "task $lost is queued again, without $lost_node"
-
-disturb 'kill it with its script'
-dead=$found
-scancel --signal=KILL --batch "${array}_$dead"
 
 start_node "$lost_node"
 is_back() { sinfo -h -n "$lost_node" -o %T | grep -qxE 'idle|allocated|mixed'; }
@@ -208,11 +197,11 @@ went_on "$killed" "$lost" "$dead"
 python3 "$here/same.py" "$folder/alone" "$result/all"
 
 # Another study, whose shards are worked at in a folder of each node.
-study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 64 --no-sweep)
+study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
 result=$folder/scratched disturbed=' '
 # shellcheck disable=SC2016
-scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1)
-submit --tasks 2 "${scratch[@]}" --retries 0 --partial --memory 1500 --time 30
+scratch=(--scratch "$folder/"'scratch-of-$SLURMD_NODENAME' --save-every 1 --memory 1500 --time 30)
+submit --tasks 2 "${scratch[@]}" --retries 0 --partial
 array=$(squeue -h -n ssct -o %F | head -n 1)
 if submit --tasks 2 2>"$folder/log/refused"; then fail 'the study was submitted twice'; fi
 grep -q 'still in the queue' "$folder/log/refused" || fail 'no sentence says why'

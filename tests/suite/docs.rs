@@ -11,6 +11,7 @@ mod figures;
 mod films;
 mod headline;
 mod layers;
+mod machines;
 mod outlook;
 mod records;
 mod stochastic;

@@ -200,11 +200,15 @@ fn what_does_not_belong_together_is_not_merged() {
         let text = std::fs::read_to_string(&path).unwrap();
         assert!(text.contains(from), "{file} has no {from}");
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
-        text
     };
-    let kept = changed("2/cells.json", "\"commit\": \"", "\"commit\": \"other ");
+    changed("2/cells.json", "\"commit\": \"", "\"commit\": \"other ");
     assert!(merge(&b).contains("its commit is other "), "{}", merge(&b));
-    std::fs::write(folders.path("2/cells.json"), kept).unwrap();
+    changed("1/cells.json", "\"commit\": \"", "\"commit\": \"other ");
+    assert!(merge(&b).contains("was measured by version") && merge(&b).contains("this program is"), "{}", merge(&b));
+    for n in ["1/cells.json", "2/cells.json"] {
+        let text = std::fs::read_to_string(folders.path(n)).unwrap();
+        std::fs::write(folders.path(n), text.replacen("\"commit\": \"other ", "\"commit\": \"", 1)).unwrap();
+    }
     let copy = folders.name("copy");
     done(&["merge", &a, &b, "-o", &copy]);
     let text = std::fs::read_to_string(folders.path("copy/journal.jsonl")).unwrap();
@@ -371,4 +375,85 @@ fn a_reference_is_divided_by_its_rays() {
     let ssct = ["render", "--scene", "corridor", "--size", "24x16", "--shard", "1/2", "--cache", &a, "-o"];
     let (status, _, said) = run(&[&ssct[..], &[&image("x")]].concat());
     assert!(status == Some(2) && said.contains("--method reference"), "{said}");
+}
+
+#[test]
+fn rays_that_other_runs_took_are_not_taken_again_and_change_no_figure() {
+    let folders = Folders::new();
+    let small =
+        ["error", "--scene", "corridor", "--view", "corridor", "--no-sweep", "--size", "24x16", "--samples", "1"];
+    let of = |more: &[&'static str]| [&small[..], &["--method", "ssct,unified"], more].concat();
+    for (rays, definitions) in [("150", "2"), ("150", "1")] {
+        let command = of(&["--roughness", "0,0.3", "--rays", rays, "--definitions", definitions, "--fallback", "none"]);
+        let [whole, all] = ["whole", "all"].map(|name| folders.name(&format!("{name}{definitions}")));
+        done(&[&command[..], &["-o", &whole]].concat());
+        let mut taken = 0;
+        let kept: Vec<String> = (1..=4).map(|n| folders.name(&format!("references{definitions}-{n}"))).collect();
+        for (n, folder) in kept.iter().enumerate() {
+            let shard = format!("{}/4", n + 1);
+            let out = done(&[&command[..], &["--only-references", "--shard", &shard, "-o", folder]].concat());
+            taken += out.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse::<u32>().unwrap();
+        }
+        assert_eq!(taken, 2 * 150, "every ray of both cells in one shard");
+        let kept: Vec<&str> = kept.iter().map(String::as_str).collect();
+        done(&[&command[..], &["-o", &all, "--references"], &kept].concat());
+        let read = |folder: &str| {
+            let text = std::fs::read(Path::new(folder).join("error.json")).unwrap();
+            figures(serde_json::from_slice(&text).unwrap())
+        };
+        assert_eq!(read(&whole), read(&all));
+        let page = |folder: &str| std::fs::read_to_string(Path::new(folder).join("index.html")).unwrap();
+        assert!(!page(&all).contains("--references"), "how it was run is not what it is");
+    }
+    let (status, _, said) = run(&[&of(&[])[..], &["--only-references"]].concat());
+    assert!(status == Some(2) && said.contains("--output"), "{said}");
+    let (status, _, said) = run(&[&of(&[])[..], &["--references", &folders.name("nothing")]].concat());
+    assert!(status == Some(1) && said.contains("cannot read"), "{said}");
+}
+
+#[test]
+fn a_plan_says_how_long_a_study_takes_and_measures_nothing() {
+    let study = ["error", "--scene", "rooms", "--rays", "512", "--roughness", "0,0.1,0.3"];
+    let out = done(&[&study[..], &["--plan", "1,4,1000", "--simulate", "--json"]].concat());
+    let plans: Value = serde_json::from_str(&out).unwrap();
+    let of = |n: usize, field: &str| plans[n][field].as_f64().unwrap_or_else(|| panic!("{field} of {}", plans[n]));
+    assert_eq!(plans.as_array().unwrap().len(), 3);
+    for n in 0..3 {
+        assert_eq!(plans[n]["cells"], 18);
+        let total = of(n, "total_s");
+        assert!((of(0, "makespan_s") - total).abs() < 1e-9 * total && total > 10.0);
+        let bound = (total / of(n, "machines")).max(plans[n]["dearest"]["total_s"].as_f64().unwrap());
+        assert!((of(n, "bound_s") - bound).abs() < 1e-9 * bound);
+        assert!(of(n, "makespan_s") >= bound * (1.0 - 1e-9) && of(n, "makespan_by_digest_s") >= bound * (1.0 - 1e-9));
+        let steps = &plans[n]["in_two_steps"];
+        let [references, rest, both] = ["references_s", "rest_s", "makespan_s"].map(|f| steps[f].as_f64().unwrap());
+        assert!((references + rest - both).abs() < 1e-9 * both && references > 0.0 && rest > 0.0);
+        let simulated = ["median_s", "p95_s"].map(|f| plans[n]["simulated"][f].as_f64().unwrap());
+        assert!(of(n, "makespan_s") <= simulated[0] * (1.0 + 1e-9) && simulated[0] <= simulated[1]);
+        assert!(of(n, "memory_bytes") > 1e8);
+    }
+    // The dearest cell alone remains, and the rays of the references can still be divided.
+    assert!((of(2, "makespan_s") - of(2, "bound_s")).abs() < 1e-9 * of(2, "bound_s"));
+    assert!(of(0, "enough") <= 18.0 && plans[2]["in_two_steps"]["makespan_s"].as_f64().unwrap() < of(2, "makespan_s"));
+    let text = done(&[&study[..], &["--plan", "4"]].concat());
+    assert!(
+        text.contains("18 cells") && text.contains("dearest cell: rooms-") && text.contains("do not help"),
+        "{text}"
+    );
+
+    // The plan is by the shards that there are: their cells are those of the plan.
+    let (status, _, said) = run(&[&study[..], &["--plan", "0"]].concat());
+    assert!(status == Some(2) && said.contains("--plan"), "{said}");
+
+    // The costs of another machine: those of a run there.
+    let folders = Folders::new();
+    let own = folders.name("own");
+    let small = ["error", "--scene", "corridor", "--no-sweep", "--method", "ssct", "--size", "24x16", "--samples", "1"];
+    done(&[&small[..], &["--rays", "2", "--roughness", "0.1", "-o", &own]].concat());
+    let out = done(&[&study[..], &["--plan", "4", "--json", "--costs", &own]].concat());
+    let plan: Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(plan[0]["costs"]["cells"], 4);
+    assert!(
+        refused(&[&study[..], &["--plan", "4", "--costs", &folders.name("nothing")]].concat()).contains("costs.json")
+    );
 }

@@ -3,14 +3,14 @@
 
 use super::captures::CapturesOptions;
 use super::cli::{
-    DevicesOptions, ErrorOptions, FiguresOptions, GBufferCommand, MotionOptions, RenderOptions, StressOptions,
+    DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, MotionOptions, RenderOptions, StressOptions,
     StudyOptions, TimeOptions,
 };
 use super::compare::CompareOptions;
 use super::drivers::DriversOptions;
 use super::gpu_study::GpuStudyOptions;
+use super::error_options::ErrorOptions;
 use super::index::IndexOptions;
-use super::merge::MergeOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};

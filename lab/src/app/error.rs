@@ -1,17 +1,20 @@
 //! `ssct error`: run time against error.
 
-use super::cli::ErrorOptions;
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
+use super::error_options::ErrorOptions;
 use super::run::{Run, command_line};
 use super::{error_age, error_video, precision, progress, resolve};
 use crate::error::Result;
+use crate::gpu::Gpu;
 use crate::report::error_report::{self, IMAGES};
 use crate::report::files;
 use crate::scene::{Scene, View, library};
 use crate::study::cost::CellCost;
 use crate::study::error::ErrorRecord;
+use crate::study::shard::Shard;
 use crate::study::{Globals, sweep};
 use std::io::Write;
+use std::path::Path;
 
 /// Measures what is missing, writes and prints everything.
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
@@ -29,6 +32,9 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
         return super::plan::run(options, &plan);
     }
     let gpu = resolve::gpu(&options.common.device)?;
+    if let (true, Some(folder)) = (options.only_references, &options.output) {
+        return sample_references(options, &gpu, &plan, folder);
+    }
     let list = plan.list(&gpu, options.shard.shard, command_line())?;
     let bar = progress::bar("error", list.owned());
     let mut run = Run::begin(options.output.as_deref(), options.resume)?;
@@ -42,6 +48,22 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     run.ended(outcome)?;
     wrote?;
     run.finish()?;
+    gpu.check_validation()?;
+    Ok(())
+}
+
+/// Takes this shard's rays of the world references, for runs with --references.
+fn sample_references(options: &ErrorOptions, gpu: &Gpu, plan: &Plan, folder: &Path) -> anyhow::Result<()> {
+    let shard = options.shard.shard.unwrap_or(Shard { index: 1, of: 1 });
+    let rays = plan.reference_rays(shard.of).swap_remove(shard.index as usize - 1);
+    let run = Run::begin(Some(folder), true)?;
+    let bar = progress::bar("references", rays.len());
+    let outcome = plan.sample_references(gpu, &rays, folder, &mut || bar.inc(1));
+    bar.finish_and_clear();
+    run.ended(outcome)?;
+    run.finish()?;
+    let count: usize = rays.iter().map(|(_, rays)| rays.len()).sum();
+    writeln!(std::io::stdout(), "{}: {count} rays a pixel in {} cells", folder.display(), rays.len())?;
     gpu.check_validation()?;
     Ok(())
 }
@@ -86,7 +108,8 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         let views = views(&scene)?;
         jobs.push((scene, views));
     }
-    Ok(Plan { scenes: jobs, sizes, globals, variants, samples: options.samples, rays: options.rays })
+    let (samples, rays, references) = (options.samples, options.rays, options.references.clone());
+    Ok(Plan { scenes: jobs, sizes, globals, variants, samples, rays, references })
 }
 
 fn roughness_values(common: &super::cli::CommonOptions, values: &[f32]) -> Result<Vec<Globals>> {

@@ -1,7 +1,7 @@
 //! `ssct error --age`: error over the age of captures, while things move.
 
-use super::cli::ErrorOptions;
 use super::error_cells::list_head;
+use super::error_options::ErrorOptions;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::Error;

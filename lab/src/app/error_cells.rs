@@ -1,7 +1,7 @@
 //! The cells of the error study: scene, view, size and roughness. What `ssct error` and `ssct study`
 //! share. A cell that the journal has is not measured again.
 
-use super::cli::ErrorOptions;
+use super::error_options::ErrorOptions;
 use super::run::{command_line, go_on};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
@@ -11,12 +11,13 @@ use crate::scene::{Scene, View};
 use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::cost::CellCost;
 use crate::study::cost_model::{CellShape, CostModel, CostParts};
-use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure};
+use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure, sample_worlds};
 use crate::study::journal::{Journal, scene_digest};
-use crate::study::shard::Shard;
+use crate::study::shard::{RayShare, Shard, rays_of_shards};
 use crate::study::{Globals, Stage};
 use serde_json::{Value, json};
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// Pixels of a quick study.
 pub const QUICK_SIZE: [u32; 2] = [320, 180];
@@ -39,6 +40,22 @@ pub struct Plan {
     pub samples: usize,
     /// Rays a pixel of the references.
     pub rays: u32,
+    /// Folders of samples of world references that other runs took.
+    pub references: Vec<PathBuf>,
+}
+
+/// A cell with what it is predicted to cost.
+pub struct PricedCell {
+    /// The cell.
+    pub cell: PlannedCell,
+    /// The parts of its cost.
+    pub parts: CostParts,
+    /// Bytes that the process holds, if that is known.
+    pub memory_bytes: Option<f64>,
+    /// Rays a pixel of its references.
+    pub rays: u32,
+    /// Seconds to draw it for its references alone.
+    pub drawn_s: f64,
 }
 
 impl Plan {
@@ -54,6 +71,7 @@ impl Plan {
             variants: methods.iter().map(variant).collect(),
             samples,
             rays,
+            references: Vec::new(),
         }
     }
 
@@ -85,11 +103,12 @@ impl Plan {
         self.specs().map(planned).collect()
     }
 
-    /// The cells with what they are predicted to cost by a model, and the bytes that they take, if that is known.
-    pub fn priced(&self, model: &CostModel) -> Vec<(PlannedCell, CostParts, Option<f64>)> {
+    /// The cells with what they are predicted to cost by a model.
+    pub fn priced(&self, model: &CostModel) -> Vec<PricedCell> {
         let price = |(cell, spec): (PlannedCell, ErrorSpec)| {
             let shape = CellShape::of(&spec);
-            (cell, model.predict(&shape), model.memory_bytes(&shape))
+            let (parts, memory_bytes) = (model.predict(&shape), model.memory_bytes(&shape));
+            PricedCell { cell, parts, memory_bytes, rays: spec.rays, drawn_s: model.drawn_s(spec.extent) }
         };
         self.planned(None).into_iter().zip(self.specs()).map(price).collect()
     }
@@ -139,6 +158,37 @@ impl Plan {
         Ok(())
     }
 
+    /// Takes the rays of the world references that a shard has, and keeps them in a folder. `progress` is called after
+    /// each cell.
+    pub fn sample_references(
+        &self,
+        gpu: &Gpu,
+        rays: &[(usize, Range<u32>)],
+        folder: &Path,
+        progress: &mut dyn FnMut(),
+    ) -> Result<()> {
+        let specs: Vec<ErrorSpec> = self.specs().collect();
+        let mut stage: Option<(&str, Stage)> = None;
+        for (cell, samples) in rays {
+            let spec = &specs[*cell];
+            stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
+            let (_, stage) = match &mut stage {
+                Some(stage) => stage,
+                none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
+            };
+            sample_worlds(spec, stage, samples, folder, &mut go_on)?;
+            progress();
+        }
+        Ok(())
+    }
+
+    /// The rays of the world references of each of some shards.
+    pub fn reference_rays(&self, of: u32) -> Vec<Vec<(usize, Range<u32>)>> {
+        let priced = self.priced(CostModel::kept());
+        let share = |of: &PricedCell| RayShare { setup: of.cell.share().setup, cost: of.parts.world_s, rays: of.rays };
+        rays_of_shards(&priced.iter().map(share).collect::<Vec<_>>(), of)
+    }
+
     /// The records of every cell that the journal has.
     pub fn records(&self, gpu: &Gpu, journal: &Journal) -> Vec<ErrorRecord> {
         self.specs().filter_map(|spec| journal.get::<Vec<ErrorRecord>>(&key(gpu, &spec))).flatten().collect()
@@ -146,7 +196,7 @@ impl Plan {
 
     fn specs(&self) -> impl Iterator<Item = ErrorSpec<'_>> {
         let (warmup, samples, rays) = (1, self.samples, self.rays);
-        let variants = &self.variants[..];
+        let (variants, references) = (&self.variants[..], &self.references[..]);
         self.scenes.iter().flat_map(move |(scene, views)| {
             let digest = scene_digest(scene);
             let sizes = |view| self.sizes.iter().map(move |&extent| (view, extent));
@@ -154,7 +204,7 @@ impl Plan {
             let cells = cells.flat_map(|(view, extent)| self.globals.iter().map(move |&g| (view, extent, g)));
             cells.map(move |(view, extent, globals)| {
                 let scene_digest = digest.clone();
-                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest }
+                ErrorSpec { scene, view, extent, globals, variants, warmup, samples, rays, scene_digest, references }
             })
         })
     }

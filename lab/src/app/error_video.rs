@@ -1,7 +1,7 @@
 //! `ssct error --video`: films of methods beside the world's.
 
-use super::cli::ErrorOptions;
 use super::error_cells::list_head;
+use super::error_options::ErrorOptions;
 use super::run::{Run, go_on};
 use super::{progress, resolve};
 use crate::error::{Error, Result};

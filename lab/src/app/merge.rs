@@ -1,5 +1,6 @@
 //! `ssct merge`: the shards of a study become the run of the whole study.
 
+use super::cli::MergeOptions;
 use super::error_cells::cost_key;
 use super::figures;
 use super::reference_part;
@@ -21,34 +22,16 @@ use crate::study::error::ErrorRecord;
 use crate::study::journal::Journal;
 use crate::study::merge::{MergeInput, MergedResult, MergedRun, merge};
 use crate::study::precision::PrecisionRecord;
-use crate::study::record::Head;
+use crate::study::record::{Head, Provenance};
 use crate::study::stress::StressRecord;
 use crate::study::stress::motion::MotionRecord;
 use crate::study::video::VideoRecord;
 use crate::study::{TimeRecord, timing};
-use clap::Args;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Options of `ssct merge`.
-#[derive(Debug, Args)]
-pub struct MergeOptions {
-    /// The folders of the shards, or of runs that were merged before.
-    #[arg(value_name = "DIR", required = true)]
-    pub folders: Vec<PathBuf>,
-    /// The folder of the whole study, with the files of a run that was never divided.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: PathBuf,
-    /// Merge although cells are missing; the page names them.
-    #[arg(long)]
-    pub partial: bool,
-    /// Print what was merged as JSON: how many cells there are, on which devices, and which are missing.
-    #[arg(long)]
-    pub json: bool,
-}
 
 /// Merges, writes, and says what is missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
@@ -57,6 +40,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
         return reference_part::merge(options);
     }
     let inputs = options.folders.iter().map(|folder| input(folder)).collect::<Result<Vec<_>>>()?;
+    check_program(&inputs)?;
     let own = |input: &MergeInput| same_folder(&input.folder, &options.output);
     if let Some(input) = inputs.iter().find(|input| own(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
@@ -84,6 +68,20 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     run.finish()?;
     report(options, &merged)?;
     wrote
+}
+
+/// Refuses runs of another program than this one, whose name the page will have.
+fn check_program(inputs: &[MergeInput]) -> Result<()> {
+    let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
+    let is_other = |input: &&MergeInput| input.cells.version != version || input.cells.commit != commit;
+    match inputs.iter().all(|input| is_other(&input)).then(|| inputs.first()).flatten() {
+        Some(MergeInput { folder, cells, .. }) => {
+            let of = format!("version {}, commit {}", cells.version, cells.commit);
+            let message = format!("was measured by {of}; this program is version {version}, commit {commit}");
+            Err(Error::malformed(folder, None, message))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Reads a folder.

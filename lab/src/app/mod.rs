@@ -10,6 +10,7 @@ mod drivers;
 mod error;
 mod error_age;
 mod error_cells;
+mod error_options;
 mod error_video;
 mod figures;
 mod gbuffer;

@@ -1,7 +1,7 @@
 //! `ssct error --plan`: how long a study takes on some machines, and what bounds it; nothing is measured.
 
-use super::cli::ErrorOptions;
-use super::error_cells::Plan;
+use super::error_cells::{Plan, PricedCell};
+use super::error_options::ErrorOptions;
 use crate::error::{Error, Result};
 use crate::report::tables::aligned;
 use crate::study::cost::CellCost;
@@ -10,6 +10,7 @@ use crate::study::schedule::{Schedule, Simulated, Trouble, enough, total_s};
 use crate::study::shard::Share;
 use serde::Serialize;
 use std::io::Write;
+use std::ops::Range;
 use std::path::Path;
 
 /// Runs of a simulation.
@@ -17,12 +18,10 @@ const RUNS: usize = 500;
 /// Its seed.
 const SEED: u64 = 24;
 
-/// The cells of a study as a plan sees them.
+/// A cell of a study as a plan sees it.
 struct Planned {
-    name: String,
+    priced: PricedCell,
     share: Share,
-    parts: CostParts,
-    memory_bytes: Option<f64>,
 }
 
 /// The plan for a number of machines.
@@ -45,6 +44,8 @@ struct MachinePlan {
     dearest: DearestCell,
     /// More machines than these do not help.
     enough: u32,
+    /// The study in two steps: first the rays of the world references, then the rest.
+    in_two_steps: TwoSteps,
     /// Bytes that the process holds at most, where measured cells say it.
     memory_bytes: Option<u64>,
     /// Machines of which one of a hundred is slow, and attempts of which one of a hundred fails.
@@ -70,6 +71,19 @@ struct DearestCell {
     parts: CostParts,
 }
 
+/// The study with the rays of its world references divided first, whatever the cells are.
+#[derive(Debug, Clone, Copy, Serialize)]
+struct TwoSteps {
+    /// Seconds until the last ray is taken, `ssct error --only-references`.
+    references_s: f64,
+    /// Seconds of the rest from then on, `ssct error --references`.
+    rest_s: f64,
+    /// Of both.
+    makespan_s: f64,
+    /// More machines than these do not help the rest.
+    enough: u32,
+}
+
 /// Where costs come from.
 #[derive(Debug, Clone, Serialize)]
 struct CostsOf {
@@ -92,8 +106,11 @@ pub fn run(options: &ErrorOptions, plan: &Plan) -> anyhow::Result<()> {
     let kept: Vec<Planned> = planned(plan, CostModel::kept());
     let cells: Vec<Planned> = planned(plan, &model);
     let costs = costs_of(&measured);
-    let plans: Vec<MachinePlan> =
-        options.plan.iter().map(|machines| machine_plan(*machines, &cells, &kept, &costs, options.simulate)).collect();
+    let of = |machines: &u32| {
+        let rays = plan.reference_rays(*machines);
+        machine_plan(*machines, (&cells, &kept, &rays), &costs, options.simulate)
+    };
+    let plans: Vec<MachinePlan> = options.plan.iter().map(of).collect();
     let mut out = std::io::stdout().lock();
     if options.json {
         let lines: Vec<String> = plans.iter().map(serde_json::to_string).collect::<std::result::Result<_, _>>()?;
@@ -105,30 +122,31 @@ pub fn run(options: &ErrorOptions, plan: &Plan) -> anyhow::Result<()> {
 }
 
 fn planned(plan: &Plan, model: &CostModel) -> Vec<Planned> {
-    plan.priced(model)
-        .into_iter()
-        .map(|(cell, parts, memory_bytes)| Planned {
-            share: Share { cost: parts.total_s(), ..cell.share() },
-            name: cell.name,
-            parts,
-            memory_bytes,
-        })
-        .collect()
+    let planned = |priced: PricedCell| {
+        let share = Share { cost: priced.parts.total_s(), ..priced.cell.share() };
+        Planned { priced, share }
+    };
+    plan.priced(model).into_iter().map(planned).collect()
 }
 
-fn machine_plan(machines: u32, cells: &[Planned], kept: &[Planned], costs: &CostsOf, simulate: bool) -> MachinePlan {
+fn machine_plan(
+    machines: u32,
+    (cells, kept, rays): (&[Planned], &[Planned], &[Vec<(usize, Range<u32>)>]),
+    costs: &CostsOf,
+    simulate: bool,
+) -> MachinePlan {
     let shares: Vec<Share> = cells.iter().map(|c| c.share.clone()).collect();
     let divided_by: Vec<Share> = kept.iter().map(|c| c.share.clone()).collect();
     let schedule = Schedule::divided_by(&shares, &divided_by, machines);
     let dearest = cells.iter().max_by(|a, b| a.share.cost.total_cmp(&b.share.cost));
     let dearest = dearest.map_or_else(
         || DearestCell { cell: String::new(), total_s: 0.0, parts: CostParts::default() },
-        |c| DearestCell { cell: c.name.clone(), total_s: c.share.cost, parts: c.parts },
+        |c| DearestCell { cell: c.priced.cell.name.clone(), total_s: c.share.cost, parts: c.priced.parts },
     );
     let total_s = total_s(&shares);
     let memory = cells
         .iter()
-        .filter_map(|c| c.memory_bytes)
+        .filter_map(|c| c.priced.memory_bytes)
         .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))));
     MachinePlan {
         kind: "plan",
@@ -140,6 +158,7 @@ fn machine_plan(machines: u32, cells: &[Planned], kept: &[Planned], costs: &Cost
         bound_s: (total_s / f64::from(machines)).max(dearest.total_s),
         dearest,
         enough: enough(&shares),
+        in_two_steps: two_steps(cells, &divided_by, rays, machines),
         memory_bytes: memory.map(|bytes| bytes.ceil() as u64),
         simulated: simulate.then(|| {
             let trouble = Trouble::default();
@@ -147,6 +166,22 @@ fn machine_plan(machines: u32, cells: &[Planned], kept: &[Planned], costs: &Cost
         }),
         costs: costs.clone(),
     }
+}
+
+/// The references first: each shard draws the cells whose rays it takes; and then the rest, which is divided as ever.
+fn two_steps(cells: &[Planned], divided_by: &[Share], rays: &[Vec<(usize, Range<u32>)>], machines: u32) -> TwoSteps {
+    let load = |shard: &Vec<(usize, Range<u32>)>| -> f64 {
+        let cost = |(n, rays): &(usize, Range<u32>)| {
+            let of = &cells[*n].priced;
+            of.parts.world_s * rays.len() as f64 / f64::from(of.rays.max(1)) + of.drawn_s
+        };
+        shard.iter().map(cost).sum()
+    };
+    let references_s = rays.iter().map(load).fold(0.0, f64::max);
+    let without = |c: &Planned| Share { cost: c.share.cost - c.priced.parts.world_s, ..c.share.clone() };
+    let rest: Vec<Share> = cells.iter().map(without).collect();
+    let rest_s = Schedule::divided_by(&rest, divided_by, machines).makespan();
+    TwoSteps { references_s, rest_s, makespan_s: references_s + rest_s, enough: enough(&rest) }
 }
 
 /// The measured cells of a run.
@@ -174,7 +209,7 @@ fn costs_of(measured: &[CellCost]) -> CostsOf {
 /// The plans as text.
 fn text(plans: &[MachinePlan]) -> String {
     let Some(first) = plans.first() else { return String::new() };
-    let mut header = vec!["machines", "done after", "by digests alone", "bound"];
+    let mut header = vec!["machines", "done after", "by digests alone", "bound", "in two steps"];
     let is_simulated = plans.iter().any(|p| p.simulated.is_some());
     if is_simulated {
         header.extend(["with trouble, median", "95 % of runs"]);
@@ -182,7 +217,9 @@ fn text(plans: &[MachinePlan]) -> String {
     let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
     for plan in plans {
         let mut row = vec![plan.machines.to_string()];
-        row.extend([plan.makespan_s, plan.makespan_by_digest_s, plan.bound_s].map(duration));
+        row.extend(
+            [plan.makespan_s, plan.makespan_by_digest_s, plan.bound_s, plan.in_two_steps.makespan_s].map(duration),
+        );
         if let Some(SimulatedPlan { simulated, .. }) = &plan.simulated {
             row.extend([simulated.median_s, simulated.p95_s].map(duration));
         }
@@ -206,7 +243,11 @@ fn text(plans: &[MachinePlan]) -> String {
         duration(parts.world_s),
         duration(parts.judged_s)
     );
-    text += &format!("more than {} machines do not help: the dearest cell is the last\n", first.enough);
+    text += &format!(
+        "more than {} machines do not help: the dearest cell is the last\n\
+         in two steps, with the rays of the world references divided first: more than {} do not help the rest\n",
+        first.enough, first.in_two_steps.enough
+    );
     if let Some(bytes) = first.memory_bytes {
         text += &format!("memory of a process: {:.1} GiB\n", bytes as f64 / f64::from(1_u32 << 30));
     }

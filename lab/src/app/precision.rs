@@ -1,7 +1,7 @@
 //! `ssct error --precision`: error against the bytes of a G-buffer's pixel.
 
-use super::cli::ErrorOptions;
 use super::error_cells::{QUICK_SIZE, QUICK_VIEWS, list_head};
+use super::error_options::ErrorOptions;
 use super::run::Run;
 use super::{progress, resolve};
 use crate::error::{Error, Result};

@@ -9,9 +9,10 @@ use crate::gpu::Pixels;
 use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
+use crate::reference::kept_samples::short;
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
-use crate::reference::world_state::{Fingerprint, WorldState};
+use crate::reference::world_state::WorldState;
 use crate::report::images;
 use crate::scene::{GBufferData, Material, Scene};
 use glam::Vec3;
@@ -153,11 +154,6 @@ fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
 /// The file that keeps a reference's state in a folder.
 pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
     folder.join(format!("{}.world", short(&reference.fingerprint())))
-}
-
-/// The name of what a reference is of.
-pub fn short(fingerprint: &Fingerprint) -> String {
-    fingerprint.iter().take(16).map(|b| format!("{b:02x}")).collect()
 }
 
 /// Where states are kept unless `--cache` says otherwise.

@@ -1,11 +1,11 @@
 //! Shares of the world reference's rays, each sampled by another machine: where they are kept, what lies beside them,
 //! and how `ssct merge` makes one reference of them.
 
-use super::merge::MergeOptions;
-use super::reference::short;
+use super::cli::MergeOptions;
 use super::run::command_line;
 use crate::error::{Error, Result};
 use crate::math::DefinitionsVersion;
+use crate::reference::kept_samples::short;
 use crate::reference::world::WorldReference;
 use crate::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
 use crate::reference::world_state::WorldState;

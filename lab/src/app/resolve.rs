@@ -1,6 +1,7 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
-use super::cli::{DeviceOptions, ErrorOptions, SceneOptions};
+use super::cli::{DeviceOptions, SceneOptions};
+use super::error_options::ErrorOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};

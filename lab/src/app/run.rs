@@ -71,6 +71,9 @@ const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
 /// The same of flags with a value.
 const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
 
+/// The same of flags with several values.
+const OF_THIS_RUN_WITH_VALUES: [&str; 1] = ["--references"];
+
 /// The command of this process as a page shows it: without what differs from one machine and shard to another.
 pub fn command_line() -> String {
     of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
@@ -79,9 +82,13 @@ pub fn command_line() -> String {
 /// The arguments of the whole study after the program's name, those with blanks in quotes.
 fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
     let mut words = vec!["ssct".to_owned()];
-    let mut is_value = false;
+    let (mut is_value, mut are_values) = (false, false);
     for argument in arguments {
         let flag = argument.split('=').next().unwrap_or_default();
+        are_values = OF_THIS_RUN_WITH_VALUES.contains(&flag) || (are_values && !argument.starts_with('-'));
+        if are_values {
+            continue;
+        }
         if std::mem::take(&mut is_value) || OF_THIS_RUN.contains(&flag) {
             continue;
         }
@@ -117,7 +124,9 @@ mod tests {
     fn shards_of_a_study_have_one_command() {
         let of = |text: &str| of_the_study(text.split_whitespace().map(str::to_owned));
         let study = "ssct error --quick --rays 4";
-        for more in ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", ""] {
+        for more in
+            ["--shard 2/3 -o a", "--shard=2/3 --output=b --resume", "-oc --json --device 1", "--references a b c", ""]
+        {
             assert_eq!(of(&format!("error --quick {more} --rays 4")), study);
         }
         let quoted = of_the_study(["error", "--variant", "stochastic --history on"].map(str::to_owned).into_iter());

@@ -6,27 +6,39 @@ use super::first_hits::FirstHits;
 use super::partial_sums::PartialSums;
 use super::world::WorldReference;
 use super::world_hits::ShownPlaces;
-use super::world_state::WorldState;
+use super::world_state::{Fingerprint, WorldState, floor_fingerprint};
 use crate::scene::GBufferData;
 use glam::{DVec3, Vec3};
 
 /// Sums of what a screen shows of the rays of a world reference.
 #[derive(Debug, Clone)]
 pub struct ScreenFloor<'a> {
+    gbuffer: &'a GBufferData,
     screen: ShownPlaces<'a>,
-    sums: PartialSums<DVec3>,
+    pub(super) sums: PartialSums<DVec3>,
 }
 
 impl<'a> ScreenFloor<'a> {
     /// Of a G-buffer and its own first hits, without samples.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
-        Self { screen: ShownPlaces::new(gbuffer, first_hits), sums: PartialSums::new(0, gbuffer.depth.len()) }
+        let screen = ShownPlaces::new(gbuffer, first_hits);
+        Self { gbuffer, screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
+    }
+
+    /// The same without samples, of which the first will be that of a number ([`WorldReference::start_at`]).
+    pub fn start_at(&mut self, first: u32) {
+        self.sums = PartialSums::new(first, self.sums.pixels());
+    }
+
+    /// A hash of what the sums depend on beside a reference.
+    pub(super) fn fingerprint(&self, reference: &WorldReference) -> Fingerprint {
+        floor_fingerprint(&reference.fingerprint(), self.gbuffer)
     }
 
     /// Adds samples to the state of a reference of the same size, and what the screen shows of the same samples to the
     /// sums.
     pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
-        let Self { screen, sums } = self;
+        let Self { screen, sums, .. } = self;
         let last = state.samples.saturating_add(samples);
         while let Some(stop) = sums.next_stop(last) {
             reference.add_beside(state, stop, sums.open(), |sum, sample| {

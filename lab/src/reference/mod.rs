@@ -13,6 +13,7 @@ pub mod hi_z;
 pub mod hi_z_ray_trace;
 pub mod hierarchy;
 pub mod images;
+pub mod kept_samples;
 pub mod lobe;
 pub mod oracle;
 pub mod partial_sums;

@@ -99,6 +99,17 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         true
     }
 
+    /// The same sums as something else, sum by sum.
+    pub fn map<T>(&self, of: impl Fn(&S) -> T) -> PartialSums<T> {
+        let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&of).collect() };
+        PartialSums {
+            first: self.first,
+            end: self.end,
+            pixels: self.pixels,
+            parts: self.parts.iter().map(map).collect(),
+        }
+    }
+
     /// The sum of a pixel over all samples, the greatest parts first.
     pub fn total(&self, pixel: usize) -> S {
         let mut parts = self.parts.iter().map(|part| part.sums[pixel]);

@@ -4,7 +4,7 @@
 use super::partial_sums::{LEAF, PartialSums, parts};
 use super::world::{Escape, WorldReference};
 use crate::error::{Error, Result};
-use crate::scene::{Encoding, Light, Surface};
+use crate::scene::{Encoding, GBufferData, Light, Surface};
 use glam::DVec3;
 use sha2::{Digest, Sha256};
 use std::io::Write;
@@ -78,6 +78,18 @@ impl Sums {
     }
 }
 
+impl Sums {
+    /// The sum of colours alone.
+    pub(super) fn of_color(color: DVec3) -> Self {
+        Self { color, squares: DVec3::ZERO }
+    }
+
+    /// The sum of colours.
+    pub(super) fn color(&self) -> DVec3 {
+        self.color
+    }
+}
+
 impl AddAssign for Sums {
     fn add_assign(&mut self, other: Self) {
         self.color += other.color;
@@ -95,6 +107,14 @@ impl WorldState {
     pub(super) fn advance(&mut self, stop: u32) {
         self.sums.close(stop);
         self.samples = stop;
+    }
+
+    /// Adds the samples that follow; false, and nothing added, if others were given.
+    #[must_use]
+    pub(super) fn append(&mut self, next: Self) -> bool {
+        let same = next.fingerprint == self.fingerprint && self.sums.append(next.sums);
+        self.samples = self.sums.end();
+        same
     }
 
     /// The number of the first sample: 0, but for a part.
@@ -323,6 +343,17 @@ impl WorldReference<'_> {
         }
         hash.0.finalize().into()
     }
+}
+
+/// What a floor is of, beside its reference: what the screen shows.
+pub(super) fn floor_fingerprint(of: &Fingerprint, shown: &GBufferData) -> Fingerprint {
+    let mut hash = Hash(Sha256::new());
+    hash.block(b"floor");
+    hash.block(of);
+    hash.floats(&shown.depth);
+    hash.floats(bytemuck::cast_slice(&shown.color));
+    hash.numbers(&shown.surface.iter().map(|s| u64::from(*s == Surface::Sky)).collect::<Vec<_>>());
+    hash.0.finalize().into()
 }
 
 /// A hash over blocks that includes their lengths, so that no two different inputs give the same bytes.

@@ -50,6 +50,8 @@ pub fn scan(root: &Path) -> Result<Library> {
     let mut library = Library::default();
     let mut folders = folders(root, &mut library.unreadable);
     join_error_folders(&mut folders);
+    // The library's own page is of no run.
+    folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
     for (folder, files) in folders {
         let name = relative(root, &folder);
         let whole = whole.join(folder.strip_prefix(root).unwrap_or(&folder));
@@ -157,8 +159,7 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
         date,
         dated_by,
         files: all.files,
-        // That of the library's own folder is the library's.
-        has_page: name != "." && files.iter().any(|file| file.file_name().is_some_and(|n| n == PAGE)),
+        has_page: files.iter().any(|file| file.file_name().is_some_and(|n| n == PAGE)),
         programs: all.programs.into_iter().collect(),
         definitions: all.definitions.into_iter().collect(),
         devices: all.devices,

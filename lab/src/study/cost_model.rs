@@ -97,7 +97,8 @@ impl CostParts {
     }
 }
 
-/// Seconds of a method: before its first frame, of a frame, and of a pixel of it; and of a pixel that is judged.
+/// Seconds of a method: before its first frame, whatever the number of its variants, which share what the first of them
+/// made; of a frame, and of a pixel of it; and of a pixel that is judged.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct MethodCost {
     setup_s: f64,
@@ -167,6 +168,11 @@ impl CostModel {
         }
     }
 
+    /// What it is predicted to cost to draw a cell of a size, and to find its first hits.
+    pub fn drawn_s(&self, size: [u32; 2]) -> f64 {
+        self.rest_pixel_s * pixels(size)
+    }
+
     /// The bytes that a process is predicted to hold for a cell, if measured ones say it.
     pub fn memory_bytes(&self, cell: &CellShape) -> Option<f64> {
         self.memory.map(|(process, variant)| process + variant * cell.pixels() * cell.methods.len() as f64)
@@ -183,9 +189,10 @@ impl CostModel {
             world_s: scene.world_ray_s * rays,
             ..CostParts::default()
         };
+        let of = |name: &str| self.methods.get(name).unwrap_or(&self.other_method);
+        parts.setup_s = unique(cell.methods.iter().copied()).into_iter().map(|name| of(name).setup_s).sum();
         for name in &cell.methods {
-            let method = self.methods.get(*name).unwrap_or(&self.other_method);
-            parts.setup_s += method.setup_s;
+            let method = of(name);
             parts.frames_s += frames * scene.frames * (method.frame_s + method.frame_pixel_s * pixels);
             parts.judged_s += method.judged_pixel_s * pixels;
         }
@@ -252,13 +259,18 @@ fn fit_methods(cells: &[&CellCost], factors: &BTreeMap<&str, f64>) -> BTreeMap<S
         let all: Vec<_> = cells.iter().flat_map(of).collect();
         let (frame_s, frame_pixel_s) = line(&all.iter().map(|v| (v.0, v.1)).collect::<Vec<_>>());
         MethodCost {
-            setup_s: ratio(all.iter().map(|v| (v.2, 1.0))),
+            setup_s: all.iter().map(|v| v.2).sum::<f64>() / in_cells(cells, name),
             frame_s,
             frame_pixel_s,
             judged_pixel_s: ratio(all.iter().map(|v| (v.3, v.0))),
         }
     };
     names.into_iter().map(|name| (name.to_owned(), fit(name))).collect()
+}
+
+/// How many cells have a method.
+fn in_cells(cells: &[&CellCost], method: &str) -> f64 {
+    cells.iter().filter(|c| c.variants.iter().any(|v| v.method == method)).count().max(1) as f64
 }
 
 /// What a scene's frames took over what they are predicted to take.
@@ -347,6 +359,9 @@ mod tests {
                 assert!((found - expected).abs() < 1e-6 * expected, "{scene}: {found} instead of {expected}");
             }
         }
+        // Two variants of a method make once what they need before their first frames.
+        let twice = CellShape { scene: "dear", size: [64, 36], rays: 4, frames: 2, methods: vec!["a", "a", "b"] };
+        assert_eq!(model.predict(&twice).setup_s, 0.5);
         let memory = model.memory_bytes(&CellShape::measured(&cell("dear", [480, 270], 1, 1)));
         assert!(memory.is_some_and(|bytes| (bytes - 1e8 - 20.0 * 480.0 * 270.0 * 2.0).abs() < 1e4), "{memory:?}");
         // What was never measured costs as much as the others do on the average, and not nothing.

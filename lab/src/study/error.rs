@@ -1,9 +1,11 @@
 //! Run time against error: some variants of methods on one view, size and roughness, timed in turn
 //! and held against three references on the very same G-buffer (docs/definitions.md, "Oracle", "Image error").
 
+mod judged;
 mod truth;
 
-use self::truth::{Reference, Truth, truth};
+use self::judged::{MethodHits, Record};
+use self::truth::{Truth, truth};
 use super::cost::{CellCost, Laps, peak_bytes};
 use super::gbuffer;
 use super::interleave::{Round, Sample, interleave};
@@ -18,9 +20,7 @@ use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
 use crate::metrics::hits::HitAgreement;
-use crate::metrics::image::{error_map, masked_relative_mse, masked_rmse};
-use crate::metrics::place::{self, RayEnd};
-use crate::metrics::world;
+use crate::metrics::image::error_map;
 use crate::passes::Hits;
 use crate::passes::gbuffer::GBufferImages;
 use crate::reference::world::Escape;
@@ -28,6 +28,8 @@ use crate::scene::{GBufferData, Scene, View};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 /// A method with its parameters.
 #[derive(Clone)]
@@ -169,6 +171,8 @@ pub struct ErrorSpec<'a> {
     pub rays: u32,
     /// [`scene_digest`](super::journal::scene_digest) of the scene.
     pub scene_digest: String,
+    /// Folders of samples of world references that other runs took ([`sample_worlds`]).
+    pub references: &'a [PathBuf],
 }
 
 impl ErrorSpec<'_> {
@@ -281,6 +285,25 @@ pub fn measure(
     Ok(cell)
 }
 
+/// Takes some samples of a cell's world references, and keeps them in a folder for runs that measure the cell. Who has the
+/// same device draws the same G-buffer, which the samples are of.
+pub fn sample_worlds(
+    spec: &ErrorSpec,
+    stage: &mut Stage,
+    samples: &Range<u32>,
+    folder: &Path,
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<()> {
+    let Some(first) = spec.variants.first() else { return Ok(()) };
+    let world = world_of(spec.variants)?;
+    let camera = spec.view.camera(spec.scene, spec.extent);
+    let materials = spec.globals.materials(spec.scene, spec.view);
+    let shot = Shot::new(stage, first.method, &first.setup.at(spec.extent), Wants::IMAGE, camera, materials.clone())?;
+    stage.draw(&shot)?;
+    let data = gbuffer::read(&mut stage.context, &shot)?;
+    truth::sample_worlds(spec, &data, &materials, world, (samples, folder), go_on)
+}
+
 /// Name in records of the oracle's hits with the thesis's cone.
 pub const EXACT_HITS: &str = "exact-hits+cone";
 /// Name in records of the screen reference, when it is held against the world.
@@ -289,94 +312,6 @@ pub const SCREEN_REFERENCE: &str = "screen-reference";
 pub const WORLD_REFERENCE: &str = "world-reference";
 /// Name of its picture with the environment where rays escape.
 pub const WORLD_AND_ENVIRONMENT: &str = "world-reference-environment";
-
-/// Where a method's rays ended.
-struct MethodHits {
-    /// On the screen, in pixels; `None` for a miss.
-    positions: Vec<Option<[f64; 2]>>,
-    /// In the world.
-    ends: Vec<RayEnd>,
-}
-
-/// The fields that a variant's records share.
-struct Record {
-    record: ErrorRecord,
-    oracle: OracleVersion,
-}
-
-impl Record {
-    fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
-        let setup = setup.at(spec.extent);
-        let head = Head::new("error", gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
-        Self {
-            oracle: setup.effect().oracle,
-            record: ErrorRecord {
-                head,
-                time_ms,
-                against: Against::Screen,
-                hits: HitAgreement::default(),
-                rmse: None,
-                rel_mse: None,
-                flip: None,
-                standard_error: None,
-                place_agreement: None,
-                floor: None,
-                prepared: None,
-            },
-        }
-    }
-
-    fn image(&self, against: Against, truth: &Truth, reference: &Reference, color: &[[f32; 3]]) -> ErrorRecord {
-        let (width, height) = (truth.data.width, truth.data.height);
-        ErrorRecord {
-            against,
-            rmse: Some(masked_rmse(&reference.color, color, &truth.mask)),
-            rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
-            flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
-            standard_error: Some(reference.standard_error),
-            floor: truth.floor.filter(|_| against == Against::World),
-            ..self.record.clone()
-        }
-    }
-
-    fn against_all(
-        &self,
-        truth: &Truth,
-        escape: Escape,
-        color: &[[f32; 3]],
-        hits: Option<&MethodHits>,
-    ) -> Vec<ErrorRecord> {
-        let hits = hits.filter(|_| truth.mirrors);
-        let screen = truth.screen(self.oracle);
-        let mut records = Vec::new();
-        if let Some(hits) = hits {
-            let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
-            let hits = HitAgreement::new(&truth.mask, &hits.positions, &oracle);
-            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
-        }
-        if escape == Escape::Black {
-            records.push(self.image(Against::Screen, truth, &screen.image, color));
-        }
-        let mut world = self.image(Against::World, truth, truth.world(escape), color);
-        if let Some(hits) = hits {
-            let visible: Vec<_> = truth.world_hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
-            let w = world::agreement(&truth.mask, &visible, &hits.positions);
-            if truth.floor.is_some() {
-                world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
-            }
-            let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
-            world.hits = HitAgreement {
-                hit_agreement: w.fraction(),
-                false_hits: share(w.false_hits),
-                missed: share(w.missed),
-                displaced: share(w.displaced),
-                ..HitAgreement::default()
-            };
-        }
-        records.push(world);
-        records
-    }
-}
 
 /// A picture's name: of the second version of the oracle it says so.
 fn strip_name(name: &str, version: OracleVersion) -> String {

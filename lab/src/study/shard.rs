@@ -2,9 +2,11 @@
 //! "Shards"). Who runs a cell follows from the setups of all cells and from what they are predicted to cost: not from
 //! their order, the device or the machine, so that every machine divides them in the same way.
 
+use crate::reference::partial_sums::LEAF;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 /// One of several shards.
@@ -71,6 +73,48 @@ pub fn owners(cells: &[Share], of: u32) -> Vec<u32> {
 pub fn owner_by_digest(setup: &str, of: u32) -> u32 {
     let number = u64::from_str_radix(setup.get(..16).unwrap_or(setup), 16).unwrap_or(0);
     (number % u64::from(of.max(1))) as u32 + 1
+}
+
+/// A cell whose rays are divided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RayShare {
+    /// A digest of its setup.
+    pub setup: String,
+    /// What all its rays are predicted to cost.
+    pub cost: f64,
+    /// Rays a pixel.
+    pub rays: u32,
+}
+
+/// Which rays of which cells each shard takes: for each shard, cells by their places, with their rays in whole groups
+/// ([`LEAF`]). All rays in the order of the cells' digests are cut where a shard has its share of the cost, so that each
+/// has few cells.
+pub fn rays_of_shards(cells: &[RayShare], of: u32) -> Vec<Vec<(usize, Range<u32>)>> {
+    let mut order: Vec<usize> = (0..cells.len()).collect();
+    order.sort_by(|a, b| cells[*a].setup.cmp(&cells[*b].setup));
+    order.dedup_by(|a, b| cells[*a].setup == cells[*b].setup);
+    let total: f64 = order.iter().map(|n| cells[*n].cost).sum();
+    // Cells that cost nothing are as dear as their rays are many.
+    let cost = |n: usize| if total > 0.0 { cells[n].cost } else { f64::from(cells[n].rays) };
+    let total: f64 = order.iter().map(|n| cost(*n)).sum();
+    let mut shards = vec![Vec::new(); of.max(1) as usize];
+    let mut before = 0.0;
+    for n in order {
+        let groups = cells[n].rays.div_ceil(LEAF);
+        for group in 0..groups {
+            let each = cost(n) / f64::from(groups);
+            let middle = before + (f64::from(group) + 0.5) * each;
+            let shard = ((middle / total * f64::from(of)) as usize).min(shards.len() - 1);
+            let rays = group * LEAF..((group + 1) * LEAF).min(cells[n].rays);
+            let taken: &mut Vec<(usize, Range<u32>)> = &mut shards[shard];
+            match taken.last_mut() {
+                Some((cell, last)) if *cell == n => last.end = rays.end,
+                _ => taken.push((n, rays)),
+            }
+        }
+        before += cost(n);
+    }
+    shards
 }
 
 /// What some shards have to do: seconds, cells, and which shard.
@@ -174,6 +218,31 @@ mod tests {
         let owner = owners(&shares(&[0; 7]), 3);
         let count = |shard| owner.iter().filter(|o| **o == shard).count();
         assert_eq!([1, 2, 3].map(count), [3, 2, 2]);
+    }
+
+    #[test]
+    fn every_ray_is_in_one_shard_and_shares_are_even() {
+        let digest = |n: usize| setup_digest(&json!(["cell", n]));
+        let cell = |(n, (cost, rays)): (usize, &(f64, u32))| RayShare { setup: digest(n), cost: *cost, rays: *rays };
+        let cells: Vec<_> = [(8.0, 1024), (1.0, 1000), (4.0, 64), (3.0, 512)].iter().enumerate().map(cell).collect();
+        for of in [1, 2, 3, 7, 100] {
+            let shards = rays_of_shards(&cells, of);
+            let mut all: Vec<(usize, Range<u32>)> = shards.iter().flatten().cloned().collect();
+            all.sort_by_key(|(cell, rays)| (*cell, rays.start));
+            for (n, cell) in cells.iter().enumerate() {
+                let of: Vec<_> = all.iter().filter(|(m, _)| *m == n).map(|(_, rays)| rays.clone()).collect();
+                assert!(of.windows(2).all(|w| w[0].end == w[1].start && w[0].end.is_multiple_of(LEAF)));
+                assert_eq!((of.first().map(|r| r.start), of.last().map(|r| r.end)), (Some(0), Some(cell.rays)));
+            }
+            let load = |shard: &Vec<(usize, Range<u32>)>| -> f64 {
+                shard.iter().map(|(n, r)| cells[*n].cost * r.len() as f64 / f64::from(cells[*n].rays)).sum()
+            };
+            // The dearest group, of the third cell, costs 4.
+            assert!(shards.iter().map(load).fold(0.0, f64::max) <= 16.0 / f64::from(of) + 4.1);
+        }
+        let free: Vec<_> = cells.iter().map(|c| RayShare { cost: 0.0, ..c.clone() }).collect();
+        assert!(rays_of_shards(&free, 3).iter().all(|shard| !shard.is_empty()));
+        assert_eq!(rays_of_shards(&[], 2), [vec![], vec![]]);
     }
 
     #[test]

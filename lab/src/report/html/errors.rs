@@ -41,8 +41,8 @@ impl ErrorPage<'_> {
             }
             @for ((id, title), part) in parts.iter().zip(self.devices) {
                 (heading((id, title)))
-                p { (part.cells) " cells. The error is the mean over them, the time the median; what is on the front (*, and
-                     the line in the plots) is beaten by none in both." }
+                p { (cells(part.cells)) ". The error is the mean over them, the time the median; what is on the front (*, and
+                     red in the plots) is beaten by none in both." }
                 (error_plots(&part.plots))
             }
             (heading(("sources", "Where the error comes from")))
@@ -58,4 +58,9 @@ impl ErrorPage<'_> {
         let title = "Run time against error";
         frame(title, &page_header(title, alone, self.definitions, self.command, &parts), &body)
     }
+}
+
+/// A number of cells in words.
+fn cells(count: usize) -> String {
+    if count == 1 { "One cell".to_owned() } else { format!("{count} cells") }
 }

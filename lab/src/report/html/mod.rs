@@ -226,7 +226,7 @@ fn missing_cells(missing: &[String]) -> Markup {
     html! {
         @if !missing.is_empty() {
             h2 id="missing" { "Missing cells" }
-            p { "This page is not of the whole study: " (missing.len()) " of its cells were not measured." }
+            p { "This page is not of the whole study. Not measured (" (missing.len()) "):" }
             ul { @for name in missing { li { (name) } } }
         }
     }

@@ -7,6 +7,7 @@ use crate::metrics::image::masked_rmse;
 use crate::reference::first_hits::FirstHits;
 use crate::reference::floor::ScreenFloor;
 use crate::reference::hierarchy::Hierarchy;
+use crate::reference::kept_samples;
 use crate::reference::screen::{Sampling, ScreenReference};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, WorldReference};
@@ -15,9 +16,14 @@ use crate::scene::{GBufferData, Material};
 use crate::study::cost::Laps;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
+use std::path::Path;
 
 /// Rays a pixel of the world reference between two chances to stop.
 const RAYS_AT_ONCE: u32 = 8;
+
+/// The seed of the world references.
+const WORLD_SEED: u64 = 2;
 
 /// The references of a cell.
 pub(super) struct Truth {
@@ -100,14 +106,15 @@ pub(super) fn truth(
 
     let triangles = World::new(spec.scene, materials);
     let first_hits = FirstHits::from_gbuffer(&data);
-    let mut floor = ScreenFloor::new(&data, &first_hits);
     let mut world = |escape| {
-        let reference =
-            WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, 2).with_bounces(bounces);
-        let mut state = reference.start();
-        for begun in (0..spec.rays).step_by(RAYS_AT_ONCE as usize) {
+        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
+            .with_bounces(bounces);
+        let mut floor = ScreenFloor::new(&data, &first_hits);
+        let floor_of_same = (!definitions.is_first()).then_some(&mut floor);
+        let mut state = kept_samples::resume(&reference, floor_of_same, spec.references)?;
+        while state.samples < spec.rays {
             go_on()?;
-            let rays = RAYS_AT_ONCE.min(spec.rays - begun);
+            let rays = RAYS_AT_ONCE.min(spec.rays - state.samples);
             match definitions {
                 DefinitionsVersion::V1 => reference.add(&mut state, rays),
                 DefinitionsVersion::V2 => floor.add(&reference, &mut state, rays),
@@ -119,8 +126,8 @@ pub(super) fn truth(
         Ok::<_, Error>((made, floor))
     };
     let (black, floor) = world(Escape::Black)?;
-    let with_environment = definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment);
-    let world_and_environment = with_environment.then(|| world(Escape::Environment)).transpose()?;
+    let world_and_environment =
+        has_world_and_environment(spec, definitions).then(|| world(Escape::Environment)).transpose()?;
     Ok(Truth {
         seconds: (screens_s, laps.lap()),
         mirrors,
@@ -132,6 +139,32 @@ pub(super) fn truth(
         data,
         mask,
     })
+}
+
+/// Whether variants are held against a second world, with the environment where rays escape.
+fn has_world_and_environment(spec: &ErrorSpec, definitions: DefinitionsVersion) -> bool {
+    definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment)
+}
+
+/// Takes some samples of each world reference of a G-buffer, and keeps them in a folder for [`truth`].
+pub(super) fn sample_worlds(
+    spec: &ErrorSpec,
+    data: &GBufferData,
+    materials: &[Material],
+    (definitions, bounces): (DefinitionsVersion, u32),
+    (samples, folder): (&Range<u32>, &Path),
+    go_on: &mut dyn FnMut() -> Result<()>,
+) -> Result<()> {
+    let triangles = World::new(spec.scene, materials);
+    let first_hits = FirstHits::from_gbuffer(data);
+    let second = has_world_and_environment(spec, definitions).then_some(Escape::Environment);
+    for escape in std::iter::once(Escape::Black).chain(second) {
+        let reference = WorldReference::by(definitions, &triangles, &first_hits, &data.camera, escape, WORLD_SEED)
+            .with_bounces(bounces);
+        let mut floor = (!definitions.is_first()).then(|| ScreenFloor::new(data, &first_hits));
+        kept_samples::sample(&reference, floor.as_mut(), samples, folder, go_on)?;
+    }
+    Ok(())
 }
 
 fn colors(image: &[Vec3]) -> Vec<[f32; 3]> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// A run beside one before it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
+pub struct RunChange {
     /// Index of the earlier run in the library.
     pub before: usize,
     /// Index of the later run.
@@ -17,7 +17,7 @@ pub struct Change {
 }
 
 /// The changes of a library in its order. Threshold: 0 ≤ t < 1.
-pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<Change> {
+pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     let mut found = Vec::new();
     for (after, run) in library.iter().enumerate() {
         let Some(b) = &run.samples else { continue };
@@ -27,7 +27,7 @@ pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<Change> {
         found.extend(on_it.find_map(|(before, a)| {
             let mut totals = compare::times(a, b, threshold);
             totals.retain(|record| record.only_in.is_none());
-            (!totals.is_empty()).then_some(Change { before, after, totals })
+            (!totals.is_empty()).then_some(RunChange { before, after, totals })
         }));
     }
     found

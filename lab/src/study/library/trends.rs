@@ -35,12 +35,16 @@ pub struct TrendLine {
 /// The values of one method in one run, by view.
 type Views = BTreeMap<String, f64>;
 
+/// What one trend is of: device by its number, setting, views and quantity.
+type Place = (usize, Setting, Vec<String>, Quantity);
+
+/// Of each method, its value in each run that has one, by the run's index.
+type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
+
 /// All trends of a library in its order, with times over those of a base method.
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
-    // By device, setting, views and quantity: the methods, and of each the runs with their medians.
-    let mut groups: BTreeMap<(usize, Setting, Vec<String>, Quantity), BTreeMap<String, BTreeMap<usize, f64>>> =
-        BTreeMap::new();
+    let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
     for (at, run) in library.iter().enumerate() {
         for ((device, setting, quantity), methods) in cells(run) {
             let Some(device) = devices.iter().position(|d| **d == run.devices[device]) else { continue };
@@ -53,7 +57,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
             }
         }
     }
-    let trend = |((device, setting, views, quantity), mut methods): (_, BTreeMap<String, BTreeMap<usize, f64>>)| {
+    let trend = |((device, setting, views, quantity), mut methods): (Place, Methods)| {
         // The base over itself says nothing.
         methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
         let runs: BTreeSet<usize> = methods.values().flat_map(|values| values.keys().copied()).collect();

@@ -11,7 +11,7 @@ use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
 use crate::report::library::Library;
 use crate::report::plot::{self, TrendPlotLine};
 use crate::study::compare::TimeComparison;
-use crate::study::library::changes::Change;
+use crate::study::library::changes::RunChange;
 use crate::study::library::trends::{Trend, devices};
 use crate::study::library::{DatedBy, LibraryRun, Quantity, Setting};
 use crate::study::record::DEFINITIONS;
@@ -30,7 +30,7 @@ pub struct LibraryPage<'a> {
     /// Figures over runs.
     pub trends: &'a [Trend],
     /// Each run beside one before it.
-    pub changes: &'a [Change],
+    pub changes: &'a [RunChange],
     /// The method over whose times others are given.
     pub base: &'a str,
     /// Change of a time that counts, as a share.
@@ -149,7 +149,7 @@ impl LibraryPage<'_> {
         }
     }
 
-    fn change(&self, change: &Change) -> Markup {
+    fn change(&self, change: &RunChange) -> Markup {
         let count = |verdict| change.totals.iter().filter(|t| t.verdict == Some(verdict)).count();
         let counts: Vec<_> = Verdict::ALL.iter().map(|v| format!("{} {}", count(*v), v.name())).collect();
         let changed: Vec<_> = change.totals.iter().filter(|t| is_changed(t)).collect();

@@ -1,0 +1,108 @@
+//! What a variant's image and hits come to beside the references of a cell: its records.
+
+use super::truth::{Reference, Truth};
+use super::{Against, ErrorRecord, ErrorSpec, display};
+use crate::gpu::Gpu;
+use crate::math::OracleVersion;
+use crate::methods::Setup;
+use crate::metrics::flip::FlipMap;
+use crate::metrics::hits::HitAgreement;
+use crate::metrics::image::{masked_relative_mse, masked_rmse};
+use crate::metrics::place::{self, RayEnd};
+use crate::metrics::world;
+use crate::reference::world::Escape;
+use crate::study::record::{Head, Of};
+
+/// Where a method's rays ended.
+pub(super) struct MethodHits {
+    /// On the screen, in pixels; `None` for a miss.
+    pub(super) positions: Vec<Option<[f64; 2]>>,
+    /// In the world.
+    pub(super) ends: Vec<RayEnd>,
+}
+
+/// The fields that a variant's records share.
+pub(super) struct Record {
+    pub(super) record: ErrorRecord,
+    oracle: OracleVersion,
+}
+
+impl Record {
+    pub(super) fn new(gpu: &Gpu, spec: &ErrorSpec, of: Of, setup: &Setup, time_ms: Option<f64>) -> Self {
+        let setup = setup.at(spec.extent);
+        let head = Head::new("error", gpu, (spec.scene, spec.view), of, &setup, &spec.globals);
+        Self {
+            oracle: setup.effect().oracle,
+            record: ErrorRecord {
+                head,
+                time_ms,
+                against: Against::Screen,
+                hits: HitAgreement::default(),
+                rmse: None,
+                rel_mse: None,
+                flip: None,
+                standard_error: None,
+                place_agreement: None,
+                floor: None,
+                prepared: None,
+            },
+        }
+    }
+
+    pub(super) fn image(
+        &self,
+        against: Against,
+        truth: &Truth,
+        reference: &Reference,
+        color: &[[f32; 3]],
+    ) -> ErrorRecord {
+        let (width, height) = (truth.data.width, truth.data.height);
+        ErrorRecord {
+            against,
+            rmse: Some(masked_rmse(&reference.color, color, &truth.mask)),
+            rel_mse: masked_relative_mse(&reference.color, color, &truth.mask),
+            flip: Some(FlipMap::new(&reference.display, &display(color), width, height).mean()),
+            standard_error: Some(reference.standard_error),
+            floor: truth.floor.filter(|_| against == Against::World),
+            ..self.record.clone()
+        }
+    }
+
+    pub(super) fn against_all(
+        &self,
+        truth: &Truth,
+        escape: Escape,
+        color: &[[f32; 3]],
+        hits: Option<&MethodHits>,
+    ) -> Vec<ErrorRecord> {
+        let hits = hits.filter(|_| truth.mirrors);
+        let screen = truth.screen(self.oracle);
+        let mut records = Vec::new();
+        if let Some(hits) = hits {
+            let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
+            let hits = HitAgreement::new(&truth.mask, &hits.positions, &oracle);
+            records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
+        }
+        if escape == Escape::Black {
+            records.push(self.image(Against::Screen, truth, &screen.image, color));
+        }
+        let mut world = self.image(Against::World, truth, truth.world(escape), color);
+        if let Some(hits) = hits {
+            let visible: Vec<_> = truth.world_hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
+            let w = world::agreement(&truth.mask, &visible, &hits.positions);
+            if truth.floor.is_some() {
+                world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
+            }
+            let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
+            world.hits = HitAgreement {
+                hit_agreement: w.fraction(),
+                false_hits: share(w.false_hits),
+                missed: share(w.missed),
+                displaced: share(w.displaced),
+                ..HitAgreement::default()
+            };
+        }
+        records.push(world);
+        records
+    }
+}
