@@ -45,14 +45,18 @@ enum MapLens {
 enum MapPlace {
     /// Nothing: world space is view space.
     Origin,
-    Points {
-        eye: MapNumbers,
-        towards: MapNumbers,
-        is_point: bool,
-        up: Option<MapNumbers>,
-    },
+    Points(Box<MapPoints>),
     WorldToView(MapNumbers),
     ViewToWorld(MapNumbers),
+}
+
+/// A place from which the camera looks to a point or in a direction, upright unless `up` says otherwise.
+#[derive(Debug, Clone)]
+struct MapPoints {
+    eye: MapNumbers,
+    towards: MapNumbers,
+    is_point: bool,
+    up: Option<MapNumbers>,
 }
 
 /// The ways to give a lens.
@@ -223,7 +227,8 @@ impl MapCamera {
         };
         let (numbers, is_inverse) = match &self.place {
             MapPlace::Origin => return Ok(Mat4::IDENTITY),
-            MapPlace::Points { eye, towards, is_point, up } => {
+            MapPlace::Points(points) => {
+                let MapPoints { eye, towards, is_point, up } = points.as_ref();
                 let at = conventions.place(three(eye, files)?);
                 let given = three(towards, files)?;
                 let direction = if *is_point { conventions.place(given) - at } else { conventions.direction(given) };
@@ -308,11 +313,12 @@ fn place(keys: &mut MapKeys) -> Result<MapPlace> {
     let view_to_world = keys.numbers("view-to-world", 16)?;
     let [eye, look_at, forward, up] = ["eye", "look-at", "forward", "up"].map(|key| keys.numbers(key, 3));
     let [eye, look_at, forward, up] = [eye?, look_at?, forward?, up?];
+    let points = |eye, towards, is_point, up| MapPlace::Points(Box::new(MapPoints { eye, towards, is_point, up }));
     match (world_to_view, view_to_world, eye, look_at, forward) {
         (Some(matrix), None, None, None, None) if up.is_none() => Ok(MapPlace::WorldToView(matrix)),
         (None, Some(matrix), None, None, None) if up.is_none() => Ok(MapPlace::ViewToWorld(matrix)),
-        (None, None, Some(eye), Some(towards), None) => Ok(MapPlace::Points { eye, towards, is_point: true, up }),
-        (None, None, Some(eye), None, Some(towards)) => Ok(MapPlace::Points { eye, towards, is_point: false, up }),
+        (None, None, Some(eye), Some(towards), None) => Ok(points(eye, towards, true, up)),
+        (None, None, Some(eye), None, Some(towards)) => Ok(points(eye, towards, false, up)),
         (None, None, None, None, None) if up.is_none() => Ok(MapPlace::Origin),
         _ => {
             let message =

@@ -146,6 +146,7 @@ impl MapDepth {
             Some(_) => ours.a + ours.b / z,
             None => near * (far - z) / (z * (far - near)),
         };
+        let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
         let pixel = |i: usize| -> Result<f32> {
             let raw = planes.raw(0, i);
             let value = planes.at(0, i);
@@ -164,8 +165,7 @@ impl MapDepth {
                         1.0
                     };
                     let z = value * metres / along;
-                    // What is not a number is not above it.
-                    if !(z >= near * (1.0 - ROUNDED)) {
+                    if is_too_near(z) {
                         return wrong(value, "not be nearer than the near plane, unless sky-value says that it is sky");
                     }
                     return Ok(of_z(z).clamp(0.0, 1.0) as f32);
@@ -179,7 +179,7 @@ impl MapDepth {
                 return Ok(reversed as f32);
             }
             let z = coding.view_z(reversed);
-            if !(z >= near * (1.0 - ROUNDED)) {
+            if is_too_near(z) {
                 return wrong(value, "not be nearer than the near plane of [camera]");
             }
             Ok(of_z(z).clamp(0.0, 1.0) as f32)

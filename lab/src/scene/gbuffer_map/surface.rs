@@ -107,11 +107,14 @@ impl MapRoughness {
 pub(super) enum MapReflectivity {
     Given(MapSource),
     /// From metallic, base colour and the reflection of dielectrics along the normal.
-    Metallic {
-        metallic: MapSource,
-        base: MapSource,
-        f0: Option<MapSource>,
-    },
+    Metallic(Box<MapMetallic>),
+}
+
+#[derive(Debug, Clone)]
+pub(super) struct MapMetallic {
+    metallic: MapSource,
+    base: MapSource,
+    f0: Option<MapSource>,
 }
 
 impl MapReflectivity {
@@ -130,7 +133,7 @@ impl MapReflectivity {
         let [m, b] = [MapSource::take(&mut metallic, MATERIAL)?, MapSource::take(&mut base, COLOUR)?];
         metallic.finish()?;
         base.finish()?;
-        Ok(Self::Metallic { metallic: m, base: b, f0: f0.map(of_f0).transpose()? })
+        Ok(Self::Metallic(Box::new(MapMetallic { metallic: m, base: b, f0: f0.map(of_f0).transpose()? })))
     }
 
     /// Reflectivity of every pixel; a colour counts by its luminance.
@@ -149,7 +152,8 @@ impl MapReflectivity {
                     })
                 })
             }
-            Self::Metallic { metallic, base, f0 } => {
+            Self::Metallic(of) => {
+                let MapMetallic { metallic, base, f0 } = of.as_ref();
                 let metallic = metallic.read(files)?;
                 let base = base.read(files)?;
                 let f0 = f0.as_ref().map(|f0| f0.read(files)).transpose()?;
