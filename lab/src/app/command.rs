@@ -8,8 +8,8 @@ use super::cli::{
 };
 use super::compare::CompareOptions;
 use super::drivers::DriversOptions;
-use super::gpu_study::GpuStudyOptions;
 use super::error_options::ErrorOptions;
+use super::gpu_study::GpuStudyOptions;
 use super::index::IndexOptions;
 use super::truth::TruthOptions;
 use super::view::ViewOptions;
