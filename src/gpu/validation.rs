@@ -150,9 +150,9 @@ mod tests {
 
     #[test]
     fn an_allowed_message_has_an_id_of_its_own_and_a_reason() {
-        for (n, (id, reason)) in super::ALLOWED.iter().enumerate() {
+        for (n, super::Allowed { id, reason, .. }) in super::ALLOWED.iter().enumerate() {
             assert!(!reason.is_empty() && !id.is_empty());
-            assert!(super::ALLOWED[..n].iter().all(|(other, _)| other != id), "{id} twice");
+            assert!(super::ALLOWED[..n].iter().all(|other| other.id != *id), "{id} twice");
         }
     }
 }
