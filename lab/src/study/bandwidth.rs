@@ -15,9 +15,9 @@ const PYRAMID: &str = "pyramid";
 const HI_Z: &str = "hi-z/";
 
 /// Bytes of a texel of the image that is copied, of depth, and of a level of the Hi-Z buffer without maxima (R32F).
-const DEPTH_BYTES: u64 = 4;
+const R32F_BYTES: u64 = 4;
 /// Bytes of a cell of the pyramid: front and back (RG32F).
-const CELL_BYTES: u64 = 8;
+const RG32F_BYTES: u64 = 8;
 
 /// The rate of a pass, or of the copy.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -86,7 +86,7 @@ pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
         let report = frame.finish()?;
         times.extend(report.passes.iter().filter(|_| sample > 0).map(|p| p.ms));
     }
-    let bytes = 2 * DEPTH_BYTES * u64::from(side) * u64::from(side);
+    let bytes = 2 * R32F_BYTES * u64::from(side) * u64::from(side);
     Ok(BandwidthRecord::new(Provenance::on(gpu), "copy", extent, bytes, Stats::of(&times).median_ms, 0.0))
 }
 
@@ -110,13 +110,13 @@ fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     let area = |[w, h]: [u32; 2]| u64::from(w) * u64::from(h);
     let padded = pyramid::padded(extent);
     let cells: u64 = (0..=pyramid::top_level(extent)).map(|level| area(padded.map(|side| side >> level))).sum();
-    DEPTH_BYTES * area(extent) + CELL_BYTES * cells
+    R32F_BYTES * area(extent) + RG32F_BYTES * cells
 }
 
 /// Of each level, all texels of the level below read once, and its own written once.
 fn hi_z_bytes(extent: [u32; 2]) -> u64 {
     let area = |level: u32| extent.map(|side| u64::from((side >> level).max(1))).iter().product::<u64>();
-    (1..image::full_chain(extent)).map(|level| DEPTH_BYTES * (area(level - 1) + area(level))).sum()
+    (1..image::full_chain(extent)).map(|level| R32F_BYTES * (area(level - 1) + area(level))).sum()
 }
 
 #[cfg(test)]
