@@ -52,5 +52,6 @@ submit_round() { # folder, round, tasks...
         "--mem=$MEMORY_MIB" "--output=$folder/logs/merge.log" "$HERE/collect.sh" "$folder" "$round") ||
         fail "sbatch refused the merge; the tasks are job ${array:-none}"
     echo "${collect%%;*}" >>"$folder/jobs"
-    echo "tasks ${list:-none}: job ${array:-none}, $MINUTES minutes and $((MEMORY_MIB << round)) MiB each; merge: job ${collect%%;*}"
+    echo "tasks ${list:-none}: job ${array:-none}, $MINUTES minutes and $((MEMORY_MIB << round)) MiB each;" \
+        "merge: job ${collect%%;*}"
 }

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs Debian's Slurm and MUNGE if they are missing, without starting their services, now or when the machine starts.
+# Installs Debian's Slurm and MUNGE if they are missing, without starting their services, now or when the machine
+# starts.
 set -euo pipefail
 
 missing=() services=()
@@ -17,7 +18,8 @@ if [ "$(id -u)" -ne 0 ]; then
     as_root=(sudo)
 fi
 
-# The packages start their services as they are installed, unless this file, which administrators may have too, forbids it.
+# The packages start their services as they are installed, unless this file, which administrators may have too, forbids
+# it.
 policy=/usr/sbin/policy-rc.d
 if [ ! -e "$policy" ]; then
     trap '"${as_root[@]}" rm -f "$policy"' EXIT

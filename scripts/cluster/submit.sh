@@ -4,9 +4,9 @@
 #
 #   scripts/cluster/submit.sh --tasks N -o DIR [options] -- error --scene rooms --rays 256 ...
 #
-# What follows the two dashes is a command of ssct with its options, without --shard, --resume and -o. In DIR, which every
-# node must see under the same path, are then shards/1 to shards/N, logs/ and, when all is done, the result in all/.
-# docs/many-machines.md explains what happens when a task is killed or a node is lost.
+# What follows the two dashes is a command of ssct with its options, without --shard, --resume and -o. In DIR, which
+# every node must see under the same path, are then shards/1 to shards/N, logs/ and, when all is done, the result in
+# all/. docs/many-machines.md explains what happens when a task is killed or a node is lost.
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# A task of a study on Slurm: runs one shard, and goes on with its journal where an earlier attempt was stopped or killed.
-# submit.sh submits it; nobody else calls it.
+# A task of a study on Slurm: runs one shard, and goes on with its journal where an earlier attempt was stopped or
+# killed. submit.sh submits it; nobody else calls it.
 set -euo pipefail
 
 folder=$1

@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, and another with
-# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then another,
-# on folders that each node has for itself: one task is asked to stop, one is cancelled, what there is is merged, and the
-# rest is submitted again. Installs Debian's packages if they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen
-# on the loopback address alone, and none of them outlives the script.
+# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then
+# another, on folders that each node has for itself: one task is asked to stop, one is cancelled, what there is is
+# merged, and the rest is submitted again. Installs Debian's packages if they are missing. Configuration, key, logs and
+# state lie in a temporary folder; the daemons listen on the loopback address alone, and none of them outlives the
+# script.
 #
 #   scripts/cluster/test.sh SSCT     the command to test
 #
@@ -27,7 +28,8 @@ export SLURM_CONF=$folder/slurm.conf
 marked=(env "SSCT_CLUSTER_TEST=$folder")
 mkdir "$folder"/{log,state}
 
-# Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked at.
+# Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked
+# at.
 with_line() { { grep -lzxF "$1" /proc/[0-9]*/environ 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 with_file() { { find /proc/[0-9]*/fd -lname "$1" 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 # The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
@@ -162,8 +164,8 @@ scancel --signal=KILL "${array}_$killed.0"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run. Slurm's
-# processes on a node have its log open, and what they started has its name in the environment.
+# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
+# Slurm's processes on a node have its log open, and what they started has its name in the environment.
 daemons=$(with_file "$folder/log/slurmd.$lost_node.log")
 commands=$(comm -12 <(with_line "SLURMD_NODENAME=$lost_node") <(ours))
 # shellcheck disable=SC2086

@@ -1,5 +1,5 @@
-//! The workflow of the public CI service, and the scripts for clusters: what they name is there, and what may publish does
-//! so from the main branch alone.
+//! The workflow of the public CI service, and the scripts for clusters: what they name is there, and what may publish
+//! does so from the main branch alone.
 
 use crate::common::folder::Folder;
 use crate::common::repository;

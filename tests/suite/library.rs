@@ -1,5 +1,5 @@
-//! `ssct index`: the page of a library, made from runs whose figures are known, from the repository's own, and shown by a
-//! headless Chromium where there is one.
+//! `ssct index`: the page of a library, made from runs whose figures are known, from the repository's own, and shown by
+//! a headless Chromium where there is one.
 
 use crate::common::folder::Folder;
 use crate::common::html::{attributes, chromium};
@@ -227,14 +227,16 @@ function show(width, sandbox) {
   for (const width of [390, 1280]) {
     const d = (await show(width, false)).contentDocument, root = d.documentElement;
     const a = d.getElementById("run-a");
-    lines.push(`${width} overflow ${root.scrollWidth - root.clientWidth} first ${a.value} ${d.getElementById("run-b").value}`);
+    const overflow = root.scrollWidth - root.clientWidth;
+    lines.push(`${width} overflow ${overflow} first ${a.value} ${d.getElementById("run-b").value}`);
     a.value = 1;
     a.dispatchEvent(new Event("change"));
     lines.push(d.getElementById("compared-times").textContent);
     lines.push(d.querySelectorAll("#compared-errors tbody tr").length);
   }
   const d = (await show(390, true)).contentDocument;
-  lines.push(`no-script ${d.getElementById("choose-runs").getClientRects().length} ${d.querySelectorAll(".plot svg").length}`);
+  const shown = d.getElementById("choose-runs").getClientRects().length;
+  lines.push(`no-script ${shown} ${d.querySelectorAll(".plot svg").length}`);
   document.getElementById("found").textContent = lines.join("\n");
 })();
 </script>"##;

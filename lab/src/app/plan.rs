@@ -24,6 +24,9 @@ struct Planned {
     share: Share,
 }
 
+/// Cells by their places, each with the rays that a shard takes of it.
+type RaysOfShard = Vec<(usize, Range<u32>)>;
+
 /// The plan for a number of machines.
 #[derive(Debug, Serialize)]
 struct MachinePlan {
@@ -131,7 +134,7 @@ fn planned(plan: &Plan, model: &CostModel) -> Vec<Planned> {
 
 fn machine_plan(
     machines: u32,
-    (cells, kept, rays): (&[Planned], &[Planned], &[Vec<(usize, Range<u32>)>]),
+    (cells, kept, rays): (&[Planned], &[Planned], &[RaysOfShard]),
     costs: &CostsOf,
     simulate: bool,
 ) -> MachinePlan {
@@ -169,8 +172,8 @@ fn machine_plan(
 }
 
 /// The references first: each shard draws the cells whose rays it takes; and then the rest, which is divided as ever.
-fn two_steps(cells: &[Planned], divided_by: &[Share], rays: &[Vec<(usize, Range<u32>)>], machines: u32) -> TwoSteps {
-    let load = |shard: &Vec<(usize, Range<u32>)>| -> f64 {
+fn two_steps(cells: &[Planned], divided_by: &[Share], rays: &[RaysOfShard], machines: u32) -> TwoSteps {
+    let load = |shard: &RaysOfShard| -> f64 {
         let cost = |(n, rays): &(usize, Range<u32>)| {
             let of = &cells[*n].priced;
             of.parts.world_s * rays.len() as f64 / f64::from(of.rays.max(1)) + of.drawn_s

@@ -112,10 +112,10 @@ pub fn resume(
         if !state.append(next) {
             continue;
         }
-        if let (Some(floor), Some(sums)) = (floor.as_deref_mut(), sums) {
-            if !floor.sums.append(sums) {
-                return Err(Error::malformed(&kept.floor, None, "has other samples than the file beside it"));
-            }
+        if let (Some(floor), Some(sums)) = (floor.as_deref_mut(), sums)
+            && !floor.sums.append(sums)
+        {
+            return Err(Error::malformed(&kept.floor, None, "has other samples than the file beside it"));
         }
     }
     Ok(state)

@@ -90,16 +90,16 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
         }
         end = of.end;
         before = Some(part.clone());
-        match &mut merged {
-            None if of.start == 0 => merged = Some(part),
-            // What follows a gap has no place.
-            Some(whole) if missing.is_empty() => {
-                if !whole.kept.sums.append(part.kept.sums) {
-                    let message = "does not begin with a whole group of samples".to_owned();
-                    return Err(Error::malformed(&part.path, None, message));
-                }
-            }
-            _ => {}
+        // What follows a gap has no place.
+        if !missing.is_empty() {
+            continue;
+        }
+        let Some(whole) = &mut merged else {
+            merged = Some(part);
+            continue;
+        };
+        if !whole.kept.sums.append(part.kept.sums) {
+            return Err(Error::malformed(&part.path, None, "does not begin with a whole group of samples"));
         }
     }
     if end < samples {

@@ -122,8 +122,8 @@ enum Found {
     Nothing,
 }
 
-/// Reads a folder's files: every array of records among them, and the raw samples. `whole` is the folder's path from the
-/// root of the file system, whose names may say the date.
+/// Reads a folder's files: every array of records among them, and the raw samples. `whole` is the folder's path from
+/// the root of the file system, whose names may say the date.
 fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
     let mut all = Gathered::default();
     let (mut wrong, mut notes) = (Vec::new(), Vec::new());

@@ -1,6 +1,6 @@
-//! A library of results: many runs of the studies, of different dates, commits and devices, beside each other. Read from
-//! records as plain JSON ([`read`]), since older ones lack what newer ones say; followed over runs ([`trends`]); and
-//! compared with the run before ([`changes`]).
+//! A library of results: many runs of the studies, of different dates, commits and devices, beside each other. Read
+//! from records as plain JSON ([`read`]), since older ones lack what newer ones say; followed over runs ([`trends`]);
+//! and compared with the run before ([`changes`]).
 
 pub mod changes;
 pub mod read;

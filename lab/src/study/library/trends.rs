@@ -1,5 +1,6 @@
 //! Figures over runs. A time is given over that of a base method in the same run on the same device, never in
-//! milliseconds and never across devices. A line joins runs only where the same views were measured in the same setting.
+//! milliseconds and never across devices. A line joins runs only where the same views were measured in the same
+//! setting.
 
 use super::{LibraryRun, Quantity, Setting};
 use crate::gpu::DeviceInfo;
@@ -100,7 +101,8 @@ fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<Stri
     cells
 }
 
-/// The values as they are, or of a time those over the base's in the views that both have; `None` where there is nothing.
+/// The values as they are, or of a time those over the base's in the views that both have; `None` where there is
+/// nothing.
 fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
     if !quantity.is_time() {
         return Some(views.clone());

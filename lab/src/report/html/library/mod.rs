@@ -1,5 +1,5 @@
-//! The page of a library: its runs, what each changed, figures over runs, and two runs of the reader's choice beside each
-//! other, without a server.
+//! The page of a library: its runs, what each changed, figures over runs, and two runs of the reader's choice beside
+//! each other, without a server.
 
 mod data;
 
@@ -78,7 +78,10 @@ impl LibraryPage<'_> {
     fn runs(&self) -> Markup {
         let devices = devices(&self.library.runs);
         html! {
-            p { (counted(self.library.runs.len(), "run")) " on " (counted(devices.len(), "device")) ", by date, and on one day by name." }
+            p {
+                (counted(self.library.runs.len(), "run")) " on " (counted(devices.len(), "device"))
+                ", by date, and on one day by name."
+            }
             dl {
                 @for (n, d) in devices.iter().enumerate() {
                     dt { "D" (n + 1) } dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
