@@ -117,7 +117,12 @@ fn every_method_in_every_mode_is_valid() {
     // SAFETY: enumeration has no preconditions.
     let layers = unsafe { gpu.shared().entry.enumerate_instance_layer_properties() }.unwrap();
     let layer = layers.iter().find(|l| l.layer_name_as_c_str() == Ok(c"VK_LAYER_KHRONOS_validation")).unwrap();
-    for Allowed { id, since, .. } in ALLOWED.iter().filter(|allowed| allowed.since <= layer.spec_version) {
+    // Younger layers have no IDs that begin so, and nothing to say of timing mode.
+    let is_young = layer.spec_version >= vk::make_api_version(0, 1, 4, 0);
+    let is_known = |allowed: &&Allowed| {
+        allowed.since <= layer.spec_version && !(is_young && allowed.id.starts_with("UNASSIGNED-"))
+    };
+    for Allowed { id, since, .. } in ALLOWED.iter().filter(is_known) {
         assert!(said(id), "nothing says {id} any more (since {since}): take it off the allow-list");
     }
     for id in expected_failures("gpu-assisted", &gpu).iter().filter(|_| is_gpu_assisted()) {
