@@ -74,7 +74,16 @@ fn figures_show_what_their_captions_say() {
     folder.succeed(&["figures", "--only", "4.2,thesis-4.3,4.8,5.2,27", "--size", "192x108", "-o", "f"]);
     assert_eq!(
         folder.list("f"),
-        ["index.html", "schmidt-27.png", "thesis-4.2.svg", "thesis-4.3.svg", "thesis-4.8.png", "thesis-5.2.png"]
+        [
+            "cells.json",
+            "index.html",
+            "journal.jsonl",
+            "schmidt-27.png",
+            "thesis-4.2.svg",
+            "thesis-4.3.svg",
+            "thesis-4.8.png",
+            "thesis-5.2.png"
+        ]
     );
     // Without Eq. 4.1 more cells have lost their minimum than with it.
     let lost = |name: &str| folder.text(name).matches("font-weight=\"bold\"").count();
