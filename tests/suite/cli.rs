@@ -251,10 +251,8 @@ fn time_reports_every_pass_of_every_method_and_size() {
         );
         assert_eq!(names, r["recorded"].as_array().unwrap().iter().collect::<Vec<_>>());
     }
-    assert_eq!(
-        folder.list("times"),
-        ["cells.json", "journal.jsonl", "time-samples.csv", "time.json", "time.svg", "time.txt"]
-    );
+    let files = ["cells.json", "journal.jsonl", "time-samples.csv", "time.json", "time.svg", "time.txt"];
+    assert_eq!(folder.list("times"), files);
     assert_eq!(folder.text("times/time.json"), said);
     let rows = csv::Reader::from_path(folder.path("times/time-samples.csv")).unwrap().into_records().count();
     let passes: usize = records.iter().map(|r| r["passes"].as_array().unwrap().len()).sum();
