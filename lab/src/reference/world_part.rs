@@ -200,7 +200,8 @@ mod tests {
             assert_eq!(found.missing, [64..128, 200..300]);
             assert_eq!(found.merged.expect("the first").samples(), 0..64);
             let found = merge(vec![of(64..128)], 128).expect("with gaps");
-            assert!(found.merged.is_none() && found.missing == [0..64]);
+            assert!(found.merged.is_none());
+            assert_eq!(found.missing.first(), Some(&(0..64)));
             let refused = |parts| merge(parts, 300).expect_err("refused").to_string();
             assert!(refused(vec![of(0..128), of(64..128)]).contains("of two divisions"));
             assert!(refused(vec![of(0..64), part(other, folder, 64..128)]).contains("another reference"));
