@@ -12,7 +12,7 @@ shift $(($# < 2 ? $# : 2))
 [ -x "$program" ] || { echo "gpu-study: there is no program $program; cargo build --release makes it" >&2; exit 1; }
 
 beside=()
-for kept in "$root"/benches/runs/gpu-study/*/; do
+for kept in "$root"/benches/runs/*/gpu-study/*/; do
     [ -d "$kept/same" ] && beside+=(--beside "${kept%/}")
 done
 "$program" devices

@@ -93,6 +93,8 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         ("layers", "2"),
         ("layer-separation", "3"),
         ("layer-thickness", "20"),
+        ("trace-stage", "compute"),
+        ("resolve-stage", "compute"),
     ];
     let parameters: Vec<String> = parameters().iter().map(|(p, _)| p.typed_name()).collect();
     assert!(parameters.iter().all(|p| another.iter().any(|(name, _)| name == p)), "{parameters:?}");
@@ -118,8 +120,10 @@ fn rows_are_shown_of_the_options_that_a_method_reads() {
         assert!(if info.takes_captures { apart < 1e-4 } else { apart == 0.0 }, "{}: {apart}", info.name);
         for option in read {
             // In this scene, no quad is behind another one or behind anything else, and no ray of a mirror meets one.
-            // The version of the definitions is what the references judge by, and nothing reads the maximum of the Hi-Z.
-            if ["billboard", "ibr"].contains(&info.name) || ["definitions", "hi-z-maximum"].contains(&option.0) {
+            // The version of the definitions is what the references judge by, and nothing reads the maximum of the Hi-Z. Both
+            // stages of a shader make the same image.
+            let shows_nothing = ["definitions", "hi-z-maximum", "trace-stage", "resolve-stage"];
+            if ["billboard", "ibr"].contains(&info.name) || shows_nothing.contains(&option.0) {
                 continue;
             }
             // At rest, frames differ where they are drawn by chance.
