@@ -6,8 +6,8 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-faults test-gpu-av soak test-mitsuba \
-	test-cluster test-snakemake library fuzz lint bench view doc docs clean
+.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-faults test-gpu-av soak \
+	test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs clean
 
 all: build
 
@@ -25,7 +25,7 @@ package: setup
 study: build
 	"$(BIN)" study -o $(OUT)
 
-# All that a device does, in at most eight minutes on a GPU; the page is $(OUT)/gpu-study/index.html.
+# All measurements of a device, in at most eight minutes on a GPU; the page is $(OUT)/gpu-study/index.html.
 gpu-study: PROFILE = release
 gpu-study: build
 	scripts/gpu-study.sh "$(BIN)" $(OUT)/gpu-study
@@ -52,7 +52,7 @@ test-drivers: setup
 test-faults: setup
 	$(CARGO) test --test alone -- faults:: --include-ignored
 
-# Every method and unified's own tests with instrumented shaders; what a driver or layer is known to fail at is listed in
+# Every method and unified's own tests with instrumented shaders; known failures of drivers and layers are listed in
 # tests/expected_failures.toml. lavapipe optimises instrumented shaders for longer than it runs them, so it does not.
 test-gpu-av: setup
 	SSCT_GPU_AV=1 GALLIVM_PERF=nopt $(CARGO) test --test suite -- validation:: unified::
@@ -76,12 +76,12 @@ test-mitsuba: build $(MITSUBA)
 		.venv-mitsuba/bin/python scripts/mitsuba_compare.py "$$dir" --samples 256 --json "$$dir/report.json"; \
 	done
 
-# A study on a real Slurm of four nodes, all on this machine, with killed tasks and a lost node. Installs Debian's slurmctld,
-# slurmd, slurm-client and munge, and leaves no service behind.
+# A study on a real Slurm of four nodes, all on this machine, with killed tasks and a lost node. Installs Debian's
+# slurmctld, slurmd, slurm-client and munge, and leaves no service running.
 test-cluster: build
 	scripts/cluster/test.sh "$(BIN)"
 
-# The same shards by Snakemake, which is installed from PyPI into a folder of its own.
+# A study in shards by Snakemake, which is installed from PyPI into a folder of its own.
 SNAKEMAKE = .venv-snakemake/.snakemake-9.27.1
 
 $(SNAKEMAKE):

@@ -3,9 +3,9 @@
 
     python scripts/blender_passes.py MAP.toml FILE.exr…
 
-prints JSON: how far Depth is from the distance along the view and from that along the ray, how far from the pixels' centres
-the Position pass is, the lengths of normals, and what the background has. MAP.toml is the map of the files, whose
-camera is read. Needs OpenEXR and numpy.
+prints JSON: how far Depth is from the distance along the view and from the distance along the ray, how far the Position pass is
+from the centres of the pixels, the lengths of normals, and the depth of the background. The camera is that of MAP.toml, the map
+of the files. Needs the Python packages OpenEXR and numpy.
 """
 
 import json

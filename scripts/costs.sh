@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Measures what cells of the error study cost on this machine, each in a process of its own: two views of every built-in
-# scene, at two sizes; in the rooms every variant of the sweep, elsewhere one of each method. OUT/costs.json is what `ssct error --plan --costs OUT` reads; copied to
-# benches/runs/ and named in lab/src/study/cost_model.rs it is what `--shard` divides by.
+# Measures what cells of the error study cost on this machine, each cell in a process of its own: two views of every
+# built-in scene, at two sizes; in the rooms with every variant of the sweep, elsewhere with one variant of each method.
+# The result is OUT/costs.json, which `ssct error --plan --costs OUT` reads. `--shard` divides studies by the costs that
+# are part of the program: the copy under benches/runs/ that lab/src/study/cost_model.rs names.
 #
 #   scripts/costs.sh OUT
 #
-# Interrupted, the same command goes on where it was.
+# After an interruption, the same command goes on with the cells that are missing.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Fetches a second Vulkan driver on the CPU and a younger validation layer into .drivers/, for `make test-drivers`:
-# SwiftShader, which is written apart from Mesa, and the Khronos layer that Chromium is built with. Both lie in Debian's
-# package chromium-common, which is unpacked and not installed. It does nothing where they are, so it is safe to run again.
+# Fetches SwiftShader and a younger Khronos validation layer into .drivers/, for `make test-drivers`. SwiftShader is a
+# Vulkan driver on the CPU that was written independently of Mesa. Debian's package chromium-common holds both files; the
+# script unpacks it and installs nothing. It fetches only what is missing, so it is safe to run again.
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
 set -euo pipefail
@@ -15,7 +15,8 @@ layer=libVkLayer_khronos_validation.so
 say() { printf 'drivers: %s\n' "$*" >&2; }
 
 if [ "${1:-}" = --env ]; then
-    # The loader's own list of drivers stays as it is; that of the layers is replaced, since both layers have one name.
+    # The driver is added to those that the loader finds. The folder of layers is replaced, since both layers have the
+    # same name.
     printf 'export VK_ADD_DRIVER_FILES=%q VK_LAYER_PATH=%q\n' "$folder/swiftshader.json" "$folder/layers"
     exit 0
 fi
@@ -32,7 +33,9 @@ fetch() { (cd "$scratch" && apt-get download -q "$package" >"$scratch/log" 2>&1)
 if ! fetch; then
     # The lists of packages may be missing or old.
     say 'reading the lists of packages anew'
-    if [ "$(id -u)" -eq 0 ]; then apt-get update -q >&2; else sudo -n apt-get update -q >&2; fi || true
+    as_root=()
+    [ "$(id -u)" -eq 0 ] || as_root=(sudo -n)
+    "${as_root[@]}" apt-get update -q >&2 || true
     fetch || { say "the package $package cannot be fetched: $(tail -n 1 "$scratch/log")"; exit 1; }
 fi
 archive=$(find "$scratch" -name "$package*.deb")
@@ -44,7 +47,7 @@ mv "$scratch/usr/lib/chromium/$layer" "$folder/layers/"
 cat >"$folder/swiftshader.json" <<JSON
 {"file_format_version": "1.0.0", "ICD": {"library_path": "./$driver", "api_version": "1.3.0"}}
 JSON
-# The package has no manifest for the layer, which Chromium loads by itself.
+# The package has no manifest for the layer, since Chromium loads it without one.
 cat >"$folder/layers/VkLayer_khronos_validation.json" <<JSON
 {
     "file_format_version": "1.2.0",

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Measures a device in at most eight minutes, on a machine that needs nothing but its driver and the program:
+# Measures a device, on a machine that needs nothing but its driver and the program:
 #   scripts/gpu-study.sh [PROGRAM] [FOLDER] [OPTIONS of ssct gpu-study]
-# PROGRAM is ssct, built elsewhere if need be (target/release/ssct by default); the folder is made, and its page is
-# index.html. Where this script lies in the repository, the images that lavapipe and SwiftShader made are compared with.
+# PROGRAM is ssct, which may have been built elsewhere (default: target/release/ssct). FOLDER is made; its page is
+# index.html. In the repository, the device's images are also compared with the kept ones of lavapipe and SwiftShader.
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)

@@ -3,8 +3,8 @@
 #
 #   scripts/library.sh SSCT LIBRARY
 #
-# The run's folder is named by date, time and commit. Of older runs only the records stay, and of these the latest KEEP
-# (100) alone, so that the library remains small enough for a static site.
+# The run's folder is named by date, time and commit. The library keeps the latest KEEP (100) runs, and of all but the
+# newest only the records and samples, so that it stays small enough for a static site.
 set -euo pipefail
 
 ssct=$(realpath "${1:?usage: scripts/library.sh SSCT LIBRARY}")
@@ -17,7 +17,7 @@ library=$(realpath "$library")
 commit=$(git -C "$root" rev-parse --short=10 HEAD 2>/dev/null || echo unknown)
 run=$(date -u +%Y-%m-%dT%H-%M-%S)-$commit
 
-# Where it is interrupted, the library stays as it was.
+# The study is made elsewhere, so that an interruption leaves the library as it was.
 study=$(mktemp -d "${TMPDIR:-/tmp}/ssct-library.XXXXXX")
 trap 'rm -rf "$study"' EXIT
 "$ssct" study --quick -o "$study"

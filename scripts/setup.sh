@@ -5,6 +5,8 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/packages.sh
+source "$root/scripts/packages.sh"
 packages=(
     g++                     # nv-flip is C++
     libvulkan1              # the loader that ash opens at run time
@@ -41,30 +43,10 @@ EOF
 command -v dpkg-query >/dev/null && command -v apt-get >/dev/null || other_system
 command -v cargo >/dev/null || { say 'no cargo on the PATH: install Rust first (https://rustup.rs)'; exit 1; }
 
-missing=()
-for package in "${packages[@]}"; do
-    status=$(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true)
-    [ "$status" = 'install ok installed' ] || missing+=("$package")
-done
-
+mapfile -t missing < <(missing_of "${packages[@]}")
 if [ ${#missing[@]} -gt 0 ]; then
-    as_root=()
-    if [ "$(id -u)" -ne 0 ]; then
-        if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
-            as_root=(sudo)
-        elif command -v sudo >/dev/null && [ -t 0 ]; then
-            as_root=(sudo)
-        else
-            say 'these packages are missing, and installing them needs root. Type as root:'
-            printf '  apt-get update && apt-get install -y --no-install-recommends %s\n' "${missing[*]}" >&2
-            say 'then run scripts/setup.sh again.'
-            exit 1
-        fi
-    fi
-    say "installing ${missing[*]}"
-    "${as_root[@]}" apt-get update -q >&2
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
+    become_root "${missing[@]}"
+    install_packages "${missing[@]}"
 fi
 
 # Debian's libshaderc_combined.a leaves glslang and SPIRV-Tools undefined. One

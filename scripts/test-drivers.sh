@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The tests that hold for any driver, on two of them: lavapipe and SwiftShader, both under a validation layer three years
-# younger than Debian's (scripts/drivers.sh fetches both). What SwiftShader fails at through no fault of this program is
-# listed in tests/expected_failures.toml under "suite", with the reason: it must fail, and nothing else may.
+# Runs the tests that hold for any driver on lavapipe and on SwiftShader, under a validation layer that is three years
+# younger than Debian's (scripts/drivers.sh fetches both). tests/expected_failures.toml lists under "suite" the tests that
+# fail on SwiftShader for a reason outside this program. Each of them must fail, and no other test may.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -26,8 +26,8 @@ failed=$(sed -n 's/^test \([a-z_0-9:]*\) \.\.\. FAILED$/\1/p' "$log" | sort)
 expected=$(awk -F'"' '/^mode/ { mode = $2 } /^driver/ { driver = $2 } /^id/ { if (mode == "suite" && driver == "SwiftShader") print $2 }' \
     tests/expected_failures.toml | sort)
 if [ "$failed" != "$expected" ]; then
-    echo 'drivers: on SwiftShader these tests failed and are not expected to (<), or were expected to and passed (>):' >&2
+    echo 'drivers: on SwiftShader these tests failed unexpectedly (<), or passed although a failure is expected (>):' >&2
     diff <(echo "$failed") <(echo "$expected") >&2 || true
     exit 1
 fi
-echo "drivers: $(grep '^test result:' "$log" | tail -n 1); what failed was expected"
+echo "drivers: $(grep '^test result:' "$log" | tail -n 1); all failures were expected"

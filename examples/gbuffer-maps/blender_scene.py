@@ -18,7 +18,7 @@ PASSES = ["z", "position", "normal", "diffuse_direct", "diffuse_indirect", "diff
 
 
 def material(name, base, metallic, roughness):
-    """A Principled BSDF whose base color, metallic and roughness are AOVs, too."""
+    """A Principled BSDF whose base color, metallic and roughness are also written as AOVs."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     nodes, links = made.node_tree.nodes, made.node_tree.links
@@ -93,7 +93,7 @@ def main():
     image.color_depth = "16" if options.half else "32"
     image.exr_codec = options.codec
     image.use_exr_interleave = options.interleave
-    # An absolute path; others are beside the .blend file, which there is none of.
+    # An absolute path, since Blender resolves others against the folder of the .blend file, and there is no such file.
     scene.render.filepath = os.path.abspath(options.output)
     bpy.ops.render.render(write_still=True)
     lens = camera.data

@@ -89,10 +89,10 @@ pub fn gbuffer(data: &[u8]) -> bool {
     judged(gbuffer_file::decode(data, Path::new("a.exr")), sound_gbuffer)
 }
 
-/// A map, and behind a byte 0 the image `a.exr` that it is read with; without one, that is [`frame`]. Beside it are
-/// `x.png` of the same size and `m.exr`, which is [`frame`].
+/// A map of a G-buffer, and behind a byte 0 the main file `a.exr`; without that byte, the main file is [`frame`].
+/// Beside it lie `x.png` of the same size and `m.exr`, which is [`frame`].
 pub fn gbuffer_map(data: &[u8]) -> bool {
-    /// Greater images take more memory than one input may.
+    /// Larger images take more memory than one input may.
     const SIDE: usize = 256;
     let mut parts = data.splitn(2, |b| *b == 0);
     let (text, image) = (parts.next().unwrap_or_default(), parts.next());
@@ -103,10 +103,7 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
         return false;
     }
     in_folder(|folder| {
-        match image {
-            Some(image) => write(folder, "a.exr", image),
-            None => write(folder, "a.exr", &frame()),
-        }
+        write(folder, "a.exr", &image.map_or_else(frame, <[u8]>::to_vec));
         let read = GBufferMap::parse(text, Path::new("a.toml")).and_then(|map| map.read(&folder.join("a.exr")));
         judged(read, |g| {
             sound_gbuffer(g);
@@ -118,6 +115,7 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
     })
 }
 
+/// Panics unless a G-buffer has a value of every kind for each pixel, and a camera that can be used.
 fn sound_gbuffer(g: &GBufferData) {
     let pixels = g.width as usize * g.height as usize;
     assert!(pixels > 0);

@@ -126,14 +126,14 @@ fn textures() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// A map of the program's own G-buffers, with most of what is plain.
+/// A map of the program's own G-buffers, with the plain keys of most sections.
 const MAP: &str = "origin = \"bottom-left\"\n[camera]\nfov-y-rad = { attribute = \"fovYRadians\" }\nnear = 0.25\n\
     far = 50.0\n\
     world-to-view = { attribute = \"worldToCamera\" }\n[depth]\nchannel = \"depth\"\nkind = \"reversed\"\n[normal]\n\
     channels = [\"N.X\", \"N.Y\", \"N.Z\"]\nspace = \"view\"\n[roughness]\nchannel = \"roughness\"\nkind = \"lobe\"\n\
     [reflectivity]\nchannel = \"reflectivity\"\n[[color]]\nchannels = [\"R\", \"G\", \"B\"]\nscale = 0.5\n";
 
-/// A map with most of the rest, which takes something of every file.
+/// A map with most of the keys that [`MAP`] lacks, which takes something from every file.
 const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nmatrices = \"rows\"\nclip-y = \"down\"\n\
     metres-per-unit = 0.5\n[camera]\nfocal-length-mm = 50\nsensor-width-mm = 36.0\naspect = 1.5\n\
     shift-px = [0.5, -0.25]\nnear = 0.1\nfar = 1000\neye = [0, 1, 2]\nforward = [1, 0, 0]\nup = [0, 0, 1]\n[depth]\nchannel = \"Z\"\n\
@@ -143,7 +143,7 @@ const OTHER: &str = "[conventions]\nworld = \"right-z-up\"\nview = \"right\"\nma
     value = [1, 0.5, 0]\nencoding = \"srgb\"\n[f0]\nvalue = 0.04\n[[color]]\nvalue = 1.0\n[[color]]\nfile = \"x.png\"\nchannel = \"B\"\n\
     times = { file = \"m.exr\", channels = [\"R\", \"G\", \"B\"] }\n[sky]\nchannel = \"N.X\"\n";
 
-/// A matrix of OpenGL, and a buffer with planes of its own.
+/// A map with a projection of OpenGL, and with a depth buffer that has planes of its own.
 const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
     projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -1.002, -1, 0, 0, -0.2, 0]\n\
     view-to-world = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]\n[depth]\nfile = \"x.png\"\nchannel = \"R\"\n\
@@ -151,14 +151,14 @@ const MATRIX: &str = "[conventions]\nview = \"right\"\n[camera]\n\
     space = \"view\"\nencoding = \"octahedral-888\"\n[roughness]\nchannel = \"roughness\"\nkind = \"phong-exponent\"\n\
     [reflectivity]\nvalue = [1, 0.5, 0]\n[[color]]\nfile = \"m.exr\"\nchannel = \"R\"\n";
 
-/// Maps alone, and with an image of each kind, of one part and of two.
+/// The maps alone, and [`MAP`] with images of one part and of two.
 fn maps(gbuffers: &[Vec<u8>]) -> Vec<Vec<u8>> {
     let with = |map: &str, image: &[u8]| [map.as_bytes(), b"\0", image].concat();
     let alone = [MAP, OTHER, MATRIX].map(|map| map.as_bytes().to_vec());
     alone.into_iter().chain(gbuffers.iter().chain(&parts()).map(|image| with(MAP, image))).collect()
 }
 
-/// The channels of [`MAP`] in two parts, in the compressions that round.
+/// Images with the channels of [`MAP`] in two parts, the colours in a compression that rounds.
 fn parts() -> Vec<Vec<u8>> {
     let flat = |name: &str| AnyChannel::new(name, FlatSamples::F32((0..6).map(|i| i as f32 / 8.0).collect()));
     let layer = |part: &str, names: &[&str], compression, blocks| {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The job after the tasks of a study on Slurm: submits again what failed, as often as allowed, and then merges. It runs
-# however the tasks ended, so that a task that failed for good is named instead of leaving a job that waits forever.
-# submit.sh submits it; nobody else calls it.
+# The job after the tasks of a study on Slurm: submits failed tasks again, as often as allowed, and then merges. It runs
+# however the tasks ended, so that a task that failed for good is named, and no job waits for it forever. submit.sh
+# submits this script; nobody else calls it.
 set -euo pipefail
 
 folder=$1 round=$2
@@ -22,7 +22,7 @@ shards=()
 for ((n = 1; n <= TASKS; n++)); do
     [ ! -d "$folder/shards/$n" ] || shards+=("shards/$n")
 done
-# Beside an earlier result, which stays until this one is whole.
+# An earlier result stays in all/ until the new one is complete.
 cd "$folder"
 rm -rf all.part
 "$SSCT" merge "${shards[@]}" -o all.part ${PARTIAL:+--partial}

@@ -1,12 +1,9 @@
-# What the scripts of this folder share. It is sourced, not run.
-
-# Says what is wrong with the arguments, and ends with status 2.
-wrong() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 2; }
+# What submit.sh and the two jobs that it submits, task.sh and collect.sh, share. It is sourced, not run.
 
 # Says what failed, and ends with status 1.
 fail() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 1; }
 
-# The tasks of a study that are not done, by number. A task makes its mark when ssct ended well.
+# The numbers of the tasks of a study that are not done. A task makes the file done/N once ssct has succeeded.
 unfinished() { # folder, tasks
     local n
     for ((n = 1; n <= $2; n++)); do
@@ -14,27 +11,12 @@ unfinished() { # folder, tasks
     done
 }
 
-# Sets MINUTES and MEMORY_MIB where they are empty: from the cost model, if the command has one.
-plan_resources() {
-    local plan='' minutes mib
-    if [ -z "$MINUTES" ] || [ -z "$MEMORY_MIB" ]; then
-        # A command without a cost model has no such option.
-        plan=$("$SSCT" "${COMMAND[@]}" --plan "$TASKS" --json ${COSTS:+--costs "$COSTS"} 2>/dev/null) || plan=''
-    fi
-    if [ -n "$plan" ]; then
-        read -r minutes mib <<<"$(python3 "$here/plan.py" "$CPUS" <<<"$plan")"
-        MINUTES=${MINUTES:-$minutes} MEMORY_MIB=${MEMORY_MIB:-$mib}
-    fi
-    [ -n "$MINUTES" ] || fail "nothing predicts the time of ssct ${COMMAND[0]}: give --time MINUTES"
-    MEMORY_MIB=${MEMORY_MIB:-4096}
-}
-
-# Submits tasks as an array, and after it the job that looks at how they ended. A round after the first asks for twice
-# the memory of the one before, since too little of it is why a task with enough time fails.
+# Submits tasks as an array, and the job that looks at how they ended, which depends on the array. Each round asks for
+# twice the memory of the round before: a task that had enough time has most likely failed for lack of memory.
 submit_round() { # folder, round, tasks...
     local folder=$1 round=$2 array='' list variable
     shift 2
-    # In a job, these describe the job, and would be taken for wishes of the next.
+    # In a job, sbatch would take the variables that describe the job for options of the next one.
     for variable in "${!SLURM_@}"; do [ "$variable" = SLURM_CONF ] || unset "$variable"; done
     list=$(IFS=,; echo "$*")
     local options=("--chdir=$folder" --requeue --open-mode=append "${SBATCH[@]}")

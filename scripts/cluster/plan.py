@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""What a task asks Slurm for, from what `ssct COMMAND --plan TASKS --json` predicts, which it reads.
+"""Turns a plan into the time and memory that a task asks Slurm for.
 
-    scripts/cluster/plan.py CPUS     prints the time limit in minutes, and the memory in MiB, where they are predicted
+    ssct COMMAND --plan TASKS --json | scripts/cluster/plan.py CPUS
+
+Prints the time limit in minutes and the memory in MiB, each if the plan predicts it.
 """
 
 import json
@@ -9,15 +11,15 @@ import math
 import sys
 
 MIB = 1 << 20
-# A prediction may be off by half, and a node may be slower than what was measured. A task that is stopped at its limit goes
-# on with its journal, so that too little costs a turn in the queue, and too much a later begin.
+# A prediction may be half of the real time, and a node may be slower than the measured machine. A task that is stopped
+# at its limit goes on with its journal: too little time costs another turn in the queue, too much delays the start.
 TIME_FACTOR, TIME_MORE_S = 2, 600
 # The driver and the allocator round up.
 MEMORY_FACTOR, MEMORY_MORE_MIB = 1.5, 512
 
 
 def resources(plan, cpus):
-    """Minutes and MiB; None for what is not predicted. Where no cell was measured, nothing is."""
+    """Minutes and MiB; None for each that is not predicted. Without measured cells, neither is."""
     if plan["costs"]["cells"] == 0:
         return None, None
     seconds = plan["makespan_s"] * max(max(plan["costs"]["threads"]) / cpus, 1)
@@ -30,5 +32,5 @@ def resources(plan, cpus):
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
-    [of_the_tasks] = json.load(sys.stdin)
-    print(*(value for value in resources(of_the_tasks, int(sys.argv[1])) if value is not None))
+    [plan] = json.load(sys.stdin)
+    print(*(value for value in resources(plan, int(sys.argv[1])) if value is not None))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds the records of two runs of the error study against each other: all must be the same but for times.
+"""Checks that the records of two runs of the error study are equal except for their times.
 
     scripts/cluster/same.py A B     folders with an error.json each
 """
@@ -8,7 +8,7 @@ import json
 import sys
 from pathlib import Path
 
-# What a record says of the time that something took.
+# The fields of a record that hold times.
 TIMES = ("time_ms",)
 
 
@@ -27,9 +27,12 @@ def main(folders):
         sys.exit(f"same: {folders[0]} has no records")
     if a != b:
         differing = [n for n, (one, other) in enumerate(zip(a, b)) if one != other]
-        first = f"; the first that differs is record {differing[0]}:\n{a[differing[0]]}\n{b[differing[0]]}" if differing else ""
-        sys.exit(f"same: {folders[0]} has {len(a)} records, {folders[1]} {len(b)}; {len(differing)} differ{first}")
-    print(f"same: {len(a)} records, equal but for times")
+        message = f"same: {folders[0]} has {len(a)} records, {folders[1]} {len(b)}; {len(differing)} differ"
+        if differing:
+            first = differing[0]
+            message += f"; the first that differs is record {first}:\n{a[first]}\n{b[first]}"
+        sys.exit(message)
+    print(f"same: {len(a)} records, equal except for their times")
 
 
 if __name__ == "__main__":

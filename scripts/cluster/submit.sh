@@ -1,17 +1,20 @@
 #!/usr/bin/env bash
-# Submits a study to Slurm: an array of tasks, each a shard of it, and a job that merges them to one result. The same
-# command again goes on where tasks failed for good.
+# Submits a study to Slurm: an array of tasks, one for each shard, and a job that merges the shards to one result. The
+# same command again submits the tasks that failed for good.
 #
 #   scripts/cluster/submit.sh --tasks N -o DIR [options] -- error --scene rooms --rays 256 ...
 #
-# What follows the two dashes is a command of ssct with its options, without --shard, --resume and -o. In DIR, which
-# every node must see under the same path, are then shards/1 to shards/N, logs/ and, when all is done, the result in
+# The two dashes are followed by a command of ssct with its options, without --shard, --resume and -o. Every node must
+# see DIR under the same path. DIR then holds shards/1 to shards/N, logs/ and, once all tasks are done, the result in
 # all/. docs/many-machines.md explains what happens when a task is killed or a node is lost.
 set -euo pipefail
 
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+HERE=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source=scripts/cluster/common.sh
-source "$here/common.sh"
+source "$HERE/common.sh"
+
+# Says what is wrong with the arguments, and ends with status 2.
+wrong() { printf '%s: %s\n' "${0##*/}" "$*" >&2; exit 2; }
 
 usage() {
     cat <<'EOF'
@@ -23,7 +26,7 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
   --time MINUTES   time limit of a task [default: twice what ssct COMMAND --plan predicts, and ten minutes; a command
                    without a plan needs it]
   --memory MIB     memory of a task [default: what ssct COMMAND --plan predicts, else 4096]
-  --costs DIR      a run of ssct error on these machines, whose costs are taken for the prediction
+  --costs DIR      a run of ssct error on these machines; the prediction is made from its costs
   --cpus N         threads of a task [default: 2]
   --scratch DIR    work in a folder that each node has for itself, and copy back; variables such as $TMPDIR are
                    replaced on the node, if DIR is quoted here
@@ -31,7 +34,7 @@ usage: submit.sh --tasks N -o DIR [options] -- COMMAND [options of the command]
   --grace S        seconds before the time limit at which a task is asked to stop, to be queued again [default: 120]
   --restarts N     how often Slurm may queue a task again [default: 5]
   --retries N      how often tasks that failed are submitted again before merging [default: 1]
-  --partial        merge what there is, if tasks failed for good, and name what is missing
+  --partial        if tasks failed for good, merge the other shards, and name the cells that are missing
   --sbatch WORD    an option for sbatch, such as --partition=gpu; may be given more than once
 EOF
 }
@@ -66,7 +69,7 @@ while [ $# -gt 0 ]; do
     shift 2
 done
 COMMAND=("$@")
-[ ${#COMMAND[@]} -gt 0 ] || wrong 'no command: what follows -- is one of ssct, such as error'
+[ ${#COMMAND[@]} -gt 0 ] || wrong 'no command: after -- comes one of ssct, such as error'
 case ${COMMAND[0]} in
     error | stress | figures | time) ;;
     *) wrong "ssct ${COMMAND[0]} has no shards that are folders: error, stress, figures and time have" ;;
@@ -79,7 +82,7 @@ done
 [ -n "$OUTPUT" ] || wrong 'no folder: -o DIR'
 command -v sbatch >/dev/null || fail 'no sbatch on the PATH: this machine submits to no Slurm'
 
-root=$(cd "$here/../.." && pwd)
+root=$(cd "$HERE/../.." && pwd)
 for candidate in "$root/target/release/ssct" "$root/target/debug/ssct"; do
     if [ -z "$SSCT" ] && [ -x "$candidate" ]; then SSCT=$candidate; fi
 done
@@ -88,7 +91,7 @@ SSCT=$(realpath "$SSCT")
 mkdir -p "$OUTPUT/shards" "$OUTPUT/logs" "$OUTPUT/done"
 OUTPUT=$(realpath "$OUTPUT")
 
-# A folder belongs to one study in one number of shards. How tasks are run may change from one submission to the next.
+# A folder belongs to one study in one number of shards. The settings of its tasks may change with each submission.
 study=$(declare -p TASKS COMMAND)
 if [ -e "$OUTPUT/study" ] && [ "$(cat "$OUTPUT/study")" != "$study" ]; then
     fail "$OUTPUT holds another study, or another number of shards: take another folder"
@@ -105,10 +108,21 @@ if [ -s "$OUTPUT/jobs" ] && [ -n "$(squeue -h -j "$(paste -sd, "$OUTPUT/jobs")" 
     fail "jobs of $OUTPUT are still in the queue: $(paste -sd' ' "$OUTPUT/jobs")"
 fi
 
-plan_resources
+# What the user does not say of time and memory follows from the cost model, if the command has one.
+if [ -z "$MINUTES" ] || [ -z "$MEMORY_MIB" ]; then
+    # A command without a cost model has no option --plan, and fails.
+    plan=$("$SSCT" "${COMMAND[@]}" --plan "$TASKS" --json ${COSTS:+--costs "$COSTS"} 2>/dev/null) || plan=''
+    if [ -n "$plan" ]; then
+        read -r minutes mib <<<"$(python3 "$HERE/plan.py" "$CPUS" <<<"$plan")"
+        MINUTES=${MINUTES:-$minutes} MEMORY_MIB=${MEMORY_MIB:-$mib}
+    fi
+fi
+[ -n "$MINUTES" ] || fail "nothing predicts the time of ssct ${COMMAND[0]}: give --time MINUTES"
+MEMORY_MIB=${MEMORY_MIB:-4096}
+
 : >"$OUTPUT/jobs"
-HERE=$here
-declare -p HERE SSCT MINUTES MEMORY_MIB CPUS SCRATCH SAVE_EVERY GRACE RESTARTS RETRIES PARTIAL SBATCH >"$OUTPUT/settings.part"
+declare -p HERE SSCT MINUTES MEMORY_MIB CPUS SCRATCH SAVE_EVERY GRACE RESTARTS RETRIES PARTIAL SBATCH \
+    >"$OUTPUT/settings.part"
 mv "$OUTPUT/settings.part" "$OUTPUT/settings"
 
 submit_round "$OUTPUT" 0 "${missing[@]}"

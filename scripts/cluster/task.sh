@@ -9,13 +9,14 @@ source "$folder/settings"
 source "$HERE/common.sh"
 task=$SLURM_ARRAY_TASK_ID
 shard=$folder/shards/$task
-say() { printf '%s task %s on %s, attempt %s: %s\n' "$(date +%T)" "$task" "${SLURMD_NODENAME:-$(hostname)}" "$((${SLURM_RESTART_COUNT:-0} + 1))" "$*"; }
+attempt="task $task on ${SLURMD_NODENAME:-$(hostname)}, attempt $((${SLURM_RESTART_COUNT:-0} + 1))"
+say() { printf '%s %s: %s\n' "$(date +%T)" "$attempt" "$*"; }
 
 [ ! -e "$folder/done/$task" ] || { say 'is done already'; exit 0; }
 mkdir -p "$shard"
 
-# Copies what is newer in one folder than in another, each file whole or not at all. The journal says what need not be
-# done again, so it is read before all else and written after it.
+# Copies the files that are newer in one folder than in another, each whole or not at all. The journal says which cells
+# are done, so it is read before the other files and written after them: it never names a cell whose files are missing.
 bring() { # from, to
     local from=$1 to=$2 file
     mkdir -p "$to"
@@ -30,7 +31,7 @@ bring() { # from, to
 
 work=$shard
 if [ -n "$SCRATCH" ]; then
-    # The folder's name may hold variables that only the node knows.
+    # The name of the folder may hold variables, which have their values on the node alone.
     work=$(eval "printf '%s' \"$SCRATCH\"")/ssct-$SLURM_JOB_ID
     bring "$shard" "$work"
     trap 'rm -rf "$work"' EXIT
@@ -39,7 +40,7 @@ fi
 # Rendering on the CPU and tracing take as many threads as the task has.
 export RAYON_NUM_THREADS=${SLURM_CPUS_PER_TASK:-$CPUS} LP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-$CPUS}
 say "${COMMAND[*]} --shard $task/$TASKS"
-# As a step, so that the signals of Slurm reach ssct and not this script, which says afterwards what is to be done.
+# ssct runs as a step of the job: Slurm then sends signals to ssct alone, and this script decides what follows.
 srun --ntasks=1 "--cpus-per-task=$CPUS" "$SSCT" "${COMMAND[@]}" --shard "$task/$TASKS" --resume -o "$work" &
 step=$!
 if [ -n "$SCRATCH" ]; then
@@ -60,7 +61,7 @@ if [ "$status" -eq 0 ]; then
     exit 0
 fi
 say "ssct ended with status $status"
-# Above 128 it was a signal: of the time limit, of who needs the node, of too little memory, or somebody's.
+# A status above 128 means a signal: at the time limit, before preemption, for lack of memory, or sent by a user.
 if [ "$status" -gt 128 ] && [ "${SLURM_RESTART_COUNT:-0}" -lt "$RESTARTS" ]; then
     say 'goes back into the queue'
     scontrol requeue "$SLURM_JOB_ID" && sleep 60 # until Slurm ends this attempt

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, and another with
-# the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then
-# another, on folders that each node has for itself: one task is asked to stop, one is cancelled, what there is is
-# merged, and the rest is submitted again. Installs Debian's packages if they are missing. Configuration, key, logs and
-# state lie in a temporary folder; the daemons listen on the loopback address alone, and none of them outlives the
-# script.
+# Runs a study on a real Slurm of four nodes, all of them on this machine: kills a task in the middle, kills another
+# with the script around it, loses a node, and holds the merged result against the same study run without Slurm. Then
+# runs a second study, whose tasks work in folders that each node has for itself: one task is asked to stop and one is
+# cancelled, the finished shard is merged alone, and the missing one is submitted again. Installs Debian's packages if
+# they are missing. Configuration, key, logs and state lie in a temporary folder; the daemons listen on the loopback
+# address alone, and none of them outlives the script.
 #
 #   scripts/cluster/test.sh SSCT     the command to test
 #
@@ -12,11 +12,11 @@
 set -euo pipefail
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+# shellcheck source=scripts/cluster/testing.sh
+source "$here/testing.sh"
 ssct=$(realpath "${1:?usage: scripts/cluster/test.sh SSCT}")
 tasks=${TASKS:-8}
 nodes=4
-say() { printf '%s test-cluster: %s\n' "$(date +%T)" "$*" >&2; }
-fail() { say "FAILED: $*"; exit 1; }
 
 "$here/packages.sh"
 export PATH=$PATH:/usr/sbin:/sbin
@@ -24,15 +24,16 @@ export PATH=$PATH:/usr/sbin:/sbin
 folder=$(mktemp -d "${TMPDIR:-/tmp}/ssct-cluster.XXXXXX")
 chmod 755 "$folder"
 export SLURM_CONF=$folder/slurm.conf
-# Daemons, and whatever is submitted to them, have this in their environment, by which they are found again.
+# Daemons and submitted jobs have this variable in their environment, by which their processes are found again.
 marked=(env "SSCT_CLUSTER_TEST=$folder")
 mkdir "$folder"/{log,state}
 
-# Ids of processes with a line in their environment, and of those with a file open. Some are gone while they are looked
-# at.
+# Ids of the processes that have a variable in their environment, and of those that have a file open. A process may end
+# while it is looked at.
 with_line() { { grep -lzxF "$1" /proc/[0-9]*/environ 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
 with_file() { { find /proc/[0-9]*/fd -lname "$1" 2>/dev/null || true; } | cut -d/ -f3 | sort -u; }
-# The processes that this script started. A step's daemon writes its title over its environment, but its log lies here.
+# The processes that this script started. The daemon of a step writes its title over its environment, but has its log
+# open.
 ours() { { with_line "SSCT_CLUSTER_TEST=$folder" && with_file "$folder/log/*"; } | sort -u; }
 
 stop_all() {
@@ -54,16 +55,6 @@ trap stop_all EXIT
 trap 'exit 130' INT
 trap 'exit 143' TERM
 
-# Repeats a command until it succeeds; after so many seconds the test has failed.
-within() { # seconds, what is waited for, command...
-    local end=$((SECONDS + $1)) what=$2
-    shift 2
-    until "$@"; do
-        [ "$SECONDS" -lt "$end" ] || fail "waited too long until $what"
-        sleep 0.5
-    done
-}
-
 is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 first=$((20000 + RANDOM % 20000))
 for ((n = 0; n <= nodes; n++)); do
@@ -71,8 +62,9 @@ for ((n = 0; n <= nodes; n++)); do
 done
 
 user=$(id -un)
-# Every node is this machine under another port. A node that does not answer for 5 seconds is lost, and so soon that a
-# test can wait for it. A job that is queued again waits until its credential expires, else for two minutes.
+# Every node is this machine under another port. Two times are short so that the test is: a node counts as lost after 5
+# seconds without an answer, and a job that is queued again may start once its credential has expired, after 5 seconds
+# instead of two minutes.
 cat >"$SLURM_CONF" <<EOF
 ClusterName=ssct-test
 SlurmctldHost=localhost(127.0.0.1)
@@ -100,21 +92,23 @@ SlurmdPidFile=$folder/slurmd.%n.pid
 SlurmctldPidFile=$folder/slurmctld.pid
 SlurmctldLogFile=$folder/log/slurmctld.log
 SlurmdLogFile=$folder/log/slurmd.%n.log
-NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))] CPUs=1 RealMemory=16000
+NodeName=DEFAULT CPUs=1 RealMemory=16000
+NodeName=node[1-$nodes] NodeHostname=localhost NodeAddr=127.0.0.1 Port=[$((first + 1))-$((first + nodes))]
 PartitionName=main Nodes=ALL Default=YES State=UP MaxTime=INFINITE
 EOF
 
-# A key of its own: who has it may submit, and nobody else has it.
+# MUNGE's key is made for this test alone: whoever has it may submit jobs.
 (umask 077 && head -c 1024 /dev/urandom >"$folder/munge.key")
-"${marked[@]}" munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" --pid-file="$folder/munged.pid" \
-    --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
+"${marked[@]}" munged --force --key-file="$folder/munge.key" --socket="$folder/munge.socket" \
+    --pid-file="$folder/munged.pid" --log-file="$folder/log/munged.log" --seed-file="$folder/munge.seed"
 "${marked[@]}" slurmctld -c
 start_node() { mkdir -p "$folder/spool.$1" && "${marked[@]}" slurmd -N "$1"; }
 for ((n = 1; n <= nodes; n++)); do start_node "node$n"; done
 idle() { [ "$(sinfo -h -t idle -o %D 2>/dev/null)" = "$nodes" ]; }
-within 30 "$nodes nodes are idle" idle
+wait_until "$nodes nodes are idle" idle
 say "Slurm $(sinfo --version | cut -d' ' -f2) has $nodes nodes on this machine"
-if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($(seq -s'|' "$first" $((first + nodes))))\$" | grep -v '^127\.0\.0\.1:'; then
+ports=$(seq -s'|' "$first" $((first + nodes)))
+if ss -Htln 2>/dev/null | awk '{print $4}' | grep -E ":($ports)\$" | grep -v '^127\.0\.0\.1:'; then
     fail 'a daemon listens on more than the loopback address'
 fi
 
@@ -122,20 +116,18 @@ study=(error --scene corridor --method ssct,hzct,unified --size 192x108,176x99 -
     --samples 1 --rays 64 --no-sweep)
 result=$folder/study
 submit() { "${marked[@]}" "$here/submit.sh" -o "$result" --ssct "$ssct" --cpus 1 "$@" -- "${study[@]}"; }
-# What a task asks for follows from what small cells of the same methods took here.
-"$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 --no-sweep \
-    -o "$folder/costs" >"$folder/log/costs.log"
+# The time and memory that a task asks for are predicted from small cells of the same methods, measured here.
+"$ssct" error --scene corridor --method ssct,hzct,unified --size 64x36 --roughness 0,0.3 --samples 1 --rays 16 \
+    --no-sweep -o "$folder/costs" >"$folder/log/costs.log"
 submit --tasks "$tasks" --costs "$folder/costs"
 array=$(squeue -h -n ssct -o %F | head -n 1)
-raw() { squeue -h -r -j "$array" -o '%K %A' 2>/dev/null | awk -v n="$1" '$1 == n { print $2 }'; }
-restarts() { scontrol -o show job "$(raw "$1")" 2>/dev/null | grep -o 'Restarts=[0-9]*' | cut -d= -f2; }
-# Cells that are done, each with a line of its own among those of its samples.
+# The number of cells that a task has done. The journal has a line for each cell, and others for its samples.
 entries() { grep -c '^{"key":"error ' "$result/shards/$1/journal.jsonl" 2>/dev/null || true; }
 
-# A task in its middle: it runs, its journal has a cell, and it is none of those that were disturbed already.
+# Finds a task in its middle: a running one that was not disturbed yet, and has done at least one cell but not all.
 disturbed=' '
 find_running() {
-    local n node
+    local n node queued
     while read -r n node; do
         [[ $disturbed == *" $n "* ]] && continue
         if [ "$(entries "$n")" -ge 1 ] 2>/dev/null && [ ! -e "$result/done/$n" ]; then
@@ -143,17 +135,23 @@ find_running() {
             return 0
         fi
     done < <(squeue -h -r -t R -n ssct -o '%K %N')
+    queued=$(squeue -h -n ssct) || return 1
+    [ -n "$queued" ] || fail 'all tasks ended before one could be disturbed'
     return 1
 }
 disturb() { # what is done
-    within 120 "a task is in its middle, to $1" find_running
+    wait_until "a task is in its middle, to $1" find_running
     disturbed+="$found "
     cp "$result/shards/$found/journal.jsonl" "$folder/journal-of-$found"
     say "task $found on $found_on, with $(entries "$found") cells done: $1"
 }
-was_queued_again() { [ "$(restarts "$1")" -ge 1 ] 2>/dev/null; }
+# Slurm forgets a task five minutes after its end. The task's log tells for longer that there was a second attempt.
+was_queued_again() {
+    scontrol -o show job "${array}_$1" 2>/dev/null | grep -q 'Restarts=[1-9]' ||
+        grep -qs ', attempt [2-9]: ' "$result/logs/$1.log"
+}
 
-# At once, while the first tasks run: the rest may be done before a node counts as lost.
+# All three follow each other at once, while the first tasks run: all tasks may be done before a node counts as lost.
 disturb 'kill it with its script'
 dead=$found
 scancel --signal=KILL --batch "${array}_$dead"
@@ -164,41 +162,46 @@ scancel --signal=KILL "${array}_$killed.0"
 
 disturb 'lose its node'
 lost=$found lost_node=$found_on
-# As when the power fails: the daemons of the node and its steps, before they can tell anyone, and what they run.
-# Slurm's processes on a node have its log open, and what they started has its name in the environment.
+# As in a power failure, the daemons of the node and of its steps die before they can report, and so do the commands
+# that they run. The daemons have the log of the node open; the commands have its name in their environment.
 daemons=$(with_file "$folder/log/slurmd.$lost_node.log")
 commands=$(comm -12 <(with_line "SLURMD_NODENAME=$lost_node") <(ours))
 # shellcheck disable=SC2086
 kill -KILL $daemons $commands 2>/dev/null || true
-within 30 "task $killed is queued again" was_queued_again "$killed"
+wait_until "task $killed is queued again" was_queued_again "$killed"
 is_down() { sinfo -h -n "$lost_node" -o %T | grep -qE 'down'; }
-within 60 "$lost_node is down" is_down
-within 30 "task $lost is queued again" was_queued_again "$lost"
+wait_until "$lost_node is down" is_down
+wait_until "task $lost is queued again" was_queued_again "$lost"
 say "task $lost is queued again, without $lost_node"
 
 start_node "$lost_node"
 is_back() { sinfo -h -n "$lost_node" -o %T | grep -qxE 'idle|allocated|mixed'; }
-within 30 "$lost_node is back" is_back
+wait_until "$lost_node is back" is_back
 say "$lost_node is back"
 
-merged() { [ -e "$result/all/error.json" ] && [ -z "$(squeue -h)" ]; }
-within 300 'the tasks are merged' merged
-grep -q "^not done: tasks .*\b$dead\b" "$result/logs/merge.log" || fail "task $dead was not submitted again after all others"
+# The job that merges leaves the queue after it has merged, failed, or submitted tasks again.
+is_empty() { local queued; queued=$(squeue -h) && [ -z "$queued" ]; }
+merged() {
+    wait_until 'no job is left' is_empty
+    [ -e "$result/all/error.json" ] || fail 'the tasks were not merged'
+}
+merged
+grep -q "^not done: tasks .*\b$dead\b" "$result/logs/merge.log" ||
+    fail "task $dead was not submitted again after all others"
 say 'merged'
 
-# What a disturbed task had measured was not measured again: its journal goes on from the same lines.
 went_on() { # tasks
     local n
     for n in "$@"; do
-        head -n "$(grep -c '' "$folder/journal-of-$n")" "$result/shards/$n/journal.jsonl" |
-            cmp -s - "$folder/journal-of-$n" || fail "the journal of task $n does not go on where it was"
+        goes_on "$result/shards/$n/journal.jsonl" "$folder/journal-of-$n" ||
+            fail "the journal of task $n does not go on where it was"
     done
 }
 went_on "$killed" "$lost" "$dead"
 "$ssct" "${study[@]}" -o "$folder/alone" >"$folder/log/alone.log"
 python3 "$here/same.py" "$folder/alone" "$result/all"
 
-# Another study, whose shards are worked at in a folder of each node.
+# The second study. Each task works in a folder of its node.
 study=(error --scene corridor --method ssct,unified --size 192x108 --roughness 0,0.3 --samples 1 --rays 32 --no-sweep)
 result=$folder/scratched disturbed=' '
 # shellcheck disable=SC2016
@@ -211,15 +214,15 @@ scancel "${array}_2"
 disturb 'ask it to stop'
 [ "$found" = 1 ] || fail 'task 2 runs, though it was cancelled'
 scancel --signal=TERM "${array}_1.0"
-within 30 'task 1 is queued again' was_queued_again 1
-within 120 'what there is is merged' merged
+wait_until 'task 1 is queued again' was_queued_again 1
+merged
 went_on 1
 [ -e "$result/done/1" ] && [ ! -e "$result/done/2" ] || fail 'not task 1 alone is done'
 grep -q '^not done: tasks 2$' "$result/logs/merge.log" || fail 'the merge does not name task 2'
 [ -z "$(find "$folder"/scratch-of-* -mindepth 1)" ] || fail 'the folders of the nodes are not empty'
 submit --tasks 2 "${scratch[@]}" | grep '^tasks 2: ' || fail 'not task 2 alone was submitted again'
-is_whole() { [ -e "$result/done/2" ] && merged; }
-within 120 'all is merged' is_whole
+merged
+[ -e "$result/done/2" ] || fail 'task 2 is not done'
 submit --tasks 2 | grep '^all 2 tasks are done' || fail 'something is left to do'
 if submit --tasks 3 2>"$folder/log/refused"; then fail 'another number of shards was taken'; fi
 grep -q 'holds another study, or another number of shards' "$folder/log/refused" || fail 'no sentence says why'

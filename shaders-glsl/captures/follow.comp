@@ -30,7 +30,7 @@ layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflecti
 layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
 layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
 layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
-layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any of the format without HITS
+layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image of this format without HITS
 #elif defined(NARROW)
 layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
 #else

@@ -64,9 +64,9 @@ const int MIRROR_LIST = 0;        // The list of tiles with mirrors.
 const int NARROW_LIST = 1;        // The list of tiles with narrow lobes.
 const int WIDE_LIST = 2;          // The list of tiles with wide lobes.
 const int LISTS = 3;              // Lists that the classification writes.
-// Threads along a side of a workgroup of the compute programs over tiles, which divides a tile's side and half of it.
+// Threads along a side of a workgroup of the compute programs over tiles. It divides a tile's side and half of it.
 const int GROUP_SIDE = 8;
-// Tiles to a row of workgroups over a list. Every device takes 65535 rows: enough for images of 46000 pixels a side.
+// Tiles in a row of workgroups over a list. Every device takes 65535 rows, enough for images of 46000 pixels a side.
 const int TILES_TO_A_ROW = 128;
 // Pixels along a side of what a workgroup makes of the pyramid of `unified`.
 const int PYRAMID_TILE_SIDE = 64;

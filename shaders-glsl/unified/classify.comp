@@ -1,7 +1,7 @@
 #version 460
 #pragma program(Classify)
-// Which tiles hold mirrors, narrow lobes and wide ones, as lists with the arguments of indirect draws and dispatches.
-// A thread looks at a tile. `counts` has been cleared to 0.
+// Finds which tiles hold mirrors, narrow lobes and wide ones, and writes them as lists with the arguments of indirect
+// draws and dispatches over each. A thread looks at a tile. `counts` has been cleared to 0.
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
@@ -9,7 +9,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(binding = 1, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(std430, binding = 2) buffer Counts {
-    uint counts[]; // of draws: vertices (a point a tile), instances, first vertex, first instance; and of dispatches
+    uint counts[]; // at DrawArguments and DispatchArguments
 };
 layout(std430, binding = 3) writeonly buffer Tiles {
     uint tiles[]; // for each list, room for every tile
@@ -23,7 +23,7 @@ void main() {
         for (int list = 0; list < LISTS; ++list) {
             counts[DrawArguments(list) + 1] = 1;
             for (int halve = 0; halve < 2; ++halve) {
-                int parts = (TILE_SIDE >> halve) / GROUP_SIDE; // of a tile, along a side
+                int parts = GroupsToATile(halve);
                 counts[DispatchArguments(list, halve)] = uint(parts * parts);
             }
         }
@@ -45,7 +45,7 @@ void main() {
             continue;
         int index = int(atomicAdd(counts[DrawArguments(list)], 1u));
         tiles[list * room + index] = PackTile(uvec2(tile));
-        // Workgroups of a dispatch: parts of a tile, tiles in a row, rows. No axis has more than every device takes.
+        // A row grows up to TILES_TO_A_ROW tiles, and each multiple of that begins another row.
         for (int halve = 0; halve < 2; ++halve) {
             if (index < TILES_TO_A_ROW)
                 atomicAdd(counts[DispatchArguments(list, halve) + 1], 1u);

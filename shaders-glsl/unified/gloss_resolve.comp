@@ -11,15 +11,15 @@
 #if defined(NARROW) || defined(CELLS)
 
 #ifdef NARROW
-#define REACH 1 // texels from a texel to those that it gathers
+#define REACH 1 // texels, along each axis, from a texel to the farthest that it gathers
 #else
 #define REACH 2
 #endif
-#define ROOM (GROUP_SIDE + 2 * REACH) // along a side
+#define ROOM (GROUP_SIDE + 2 * REACH) // texels along a side of what a workgroup loads
 
 shared Gathered loaded[ROOM * ROOM];
 
-// The texel of the first of them.
+// The texel of loaded[0].
 ivec2 first;
 
 Gathered At(ivec2 texel) {
@@ -27,7 +27,7 @@ Gathered At(ivec2 texel) {
     return loaded[at.y * ROOM + at.x];
 }
 
-// Every thread of the workgroup must come here.
+// Loads what the workgroup gathers, by the texel of this thread. Every thread of the workgroup must call it.
 void LoadAll(ivec2 texel) {
     first = texel - ivec2(gl_LocalInvocationID.xy) - REACH;
     for (int i = int(gl_LocalInvocationIndex); i < ROOM * ROOM; i += GROUP_SIDE * GROUP_SIDE) {
@@ -42,7 +42,8 @@ void LoadAll(ivec2 texel) {
     barrier();
 }
 
-// What another texel of a block has, as it is handed on there: the difference is taken from a texel's own, and rounds.
+// What another texel of the block has, rounded as fragment programs hand it on (gloss_resolve.frag): a texel adds the
+// difference of the two to its own value, and that difference has been rounded.
 vec4 Handed(vec4 own, vec4 other, int outward) {
     precise vec4 difference = outward > 0 ? own - other : other - own;
     precise vec4 handed = own - float(outward) * difference;
@@ -60,7 +61,7 @@ Gathered Handed(Gathered own, Gathered other, int outward) {
 layout(binding = 11, rgba16f) uniform writeonly image2D reflection_image;
 layout(binding = 12, rgba16f) uniform writeonly image2D surface_image;
 
-// The row of a y, as the cells of this x have it.
+// Row for a cell at x and `outward`, along x, of the cells that lie at y.
 Gathered[5] RowAt(int x, int y, int outward) {
     Gathered inner = At(ivec2(x - 2 * outward, y)), middle = At(ivec2(x, y)), outer = At(ivec2(x + 2 * outward, y));
     Gathered before = At(ivec2(x - outward, y)), behind = At(ivec2(x + outward, y));
@@ -92,16 +93,13 @@ void main() {
 
 #else
 
-layout(constant_id = 7) const bool BESIDE = false; // the reflection is wanted beside what is shown
-
-layout(binding = 11, rgba16f) uniform writeonly image2D color_image;
-layout(binding = 12, rgba16f) uniform writeonly image2D reflection_image; // any image without BESIDE
+#include "unified/store.glsl"
 
 #ifdef NARROW
 
 #define LIST NARROW_LIST
 
-// A pixel of the block. One beyond the border of the image has no ray.
+// The ray of a pixel of the block. A pixel beyond the border of the image has none.
 Gathered Own(ivec2 pixel) {
     if (IsInside(pixel, 0))
         return At(pixel);
@@ -136,9 +134,7 @@ void main() {
     Shown shown;
     if (!IsInside(pixel, 0) || !Show(pixel, shown))
         return;
-    imageStore(color_image, pixel, shown.color);
-    if (BESIDE)
-        imageStore(reflection_image, pixel, shown.reflection);
+    Store(pixel, shown.color, shown.reflection);
 }
 
 #endif

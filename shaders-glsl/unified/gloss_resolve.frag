@@ -32,7 +32,7 @@ Gathered Load(ivec2 cell) {
     return Load(at, IsDrawn(at));
 }
 
-// Of every second cell, and of those between, as the block has them.
+// Loads the rays of every second cell. The other cell of the block along x hands on those between.
 Gathered[5] Row(ivec2 cell, ivec2 outward, int y) {
     Gathered inner = Load(cell + 2 * outward * ivec2(-1, y));
     Gathered middle = Load(cell + 2 * outward * ivec2(0, y));
@@ -62,7 +62,7 @@ layout(location = 1) out vec4 out_reflection; // where it is wanted beside it
 #ifdef NARROW
 
 Gathered[9] Around(ivec2 pixel) {
-    // A block at the edge of an odd size reaches beyond it.
+    // A block at the edge of an image of odd size reaches beyond the image.
     bool inside = all(lessThan(pixel, unified.size));
     Gathered own = Unpacked(inside ? imageLoad(seen_image, pixel) : NO_RECORD);
     ivec2 outward = Outward(pixel);

@@ -1,11 +1,12 @@
 // From the rays of gloss_trace.glsl to the image: the reflection of each pixel with a narrow lobe, from the rays around
 // it (NARROW); the reflection of each cell with a wide lobe, from the rays of the cells around it (CELLS); and that of
-// each pixel with a wide lobe, between the cells around it. As fragment programs (gloss_resolve.frag) and as compute
-// programs (gloss_resolve.comp), which say with WHOLE whether they run over the whole image, and bring the rays that are
-// gathered. CPU twins: reference::unified::gather and resolve.
+// each pixel with a wide lobe, between the cells around it. Fragment programs (gloss_resolve.frag) and compute programs
+// (gloss_resolve.comp) include it. Before that they declare WHOLE: whether they run over the whole image. After it they
+// define how rays come to the pixel or cell that gathers them: Around, Row and RowAcross. CPU twins:
+// reference::unified::gather and resolve.
 //
-// Over tiles, what is not of the list is left as it is: the images already hold what it shows. With WHOLE they hold
-// nothing, all that reflects is of the list, and the other pixels show their lit colour.
+// Over tiles, a pixel that is not of the list is left as it is: the images already hold what it shows. With WHOLE they
+// hold nothing, all that reflects is of the list, and the other pixels show their lit colour.
 
 #ifndef UNIFIED_GLOSS_RESOLVE_GLSL
 #define UNIFIED_GLOSS_RESOLVE_GLSL
@@ -42,8 +43,8 @@ ivec2 Outward(ivec2 at) {
 
 // What the pixels of a block of 2 x 2 hand each other. A device shades the pixels of a fragment program together, in
 // step, so that v +- dFdx(v) is what v is in the pixel beside: an exchange costs a subtraction and an addition, and what
-// the four have all loaded for themselves is loaded once. It is good to the last bits of the greater of the two, and a
-// compute program, whose threads share memory, rounds as it does.
+// the four have all loaded for themselves is loaded once. The result is good to the last bits of the greater of the two
+// values. The threads of a compute program share memory instead, and round their values in the same way.
 
 // A ray as it is gathered. All is 0 for no ray.
 struct Gathered {
@@ -119,7 +120,7 @@ void Gather(inout Sum sum, Gathered own, Gathered r) {
 }
 
 // The rays around a pixel: its own, the three of its block (beside it, above or below, and across the corner), the two
-// beside the block, the two above or below it, and the one at its corner. Of the stage.
+// beside the block, the two above or below it, and the one at its corner. The file that includes this one defines it.
 Gathered[9] Around(ivec2 pixel);
 
 // False for a pixel that is left as it is.
@@ -202,8 +203,8 @@ ivec2 Nearest(ivec2 cell) {
     return clamp(cell, ivec2(0), (unified.size - 1) >> 1);
 }
 
-// What the ray of a cell of the image saw, by its place and density (TraceWide). Where no tile is drawn the images hold
-// anything.
+// What the ray of a cell of the image saw, by its place and density (TraceWide). Of a cell that has not been drawn the
+// images hold anything.
 Gathered Load(ivec2 at, bool is_drawn) {
     return Gathered(is_drawn ? imageLoad(place_image, at) : vec4(0.0),
                     is_drawn ? imageLoad(seen_image, at) : vec4(0.0));
@@ -230,11 +231,12 @@ void Gather(inout Sum sum, Here here, Gathered ray) {
     Add(sum, weight, density > 0.0 && dot(to, here.lobe.normal) > 0.0, max(ray.color, 0.0));
 }
 
-// The five rays of a row around a cell, from the inside of its block outwards. `y` is -1, 0 or 1 for the rows that lie two
-// cells inwards, none, and two outwards. Of the stage.
+// The five rays of a row around a cell, from the inside of its block outwards. `y` is -1, 0 or 1: the row two cells
+// inwards, the cell's own, or the row two cells outwards. The file that includes this one defines it and RowAcross.
 Gathered[5] Row(ivec2 cell, ivec2 outward, int y);
 
-// Those of the row between, which the other cell of the block along y has for its row `y`. `row` is Row of this cell.
+// The five rays of a row between those: the row that the other cell of the block along y has as its Row for this `y`.
+// `row` is what Row gives for this cell and `y`.
 Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y);
 
 void Gather(inout Sum sum, Here here, Gathered row[5]) {

@@ -18,7 +18,7 @@ void main() {
 layout(location = 0) out vec4 out_place;
 layout(location = 1) out vec4 out_color;
 
-// A device shades the texels of a block in step.
+// A device shades the texels of a block in step, so that a derivative is the difference between two of them.
 void Turn(vec3 unit, out vec3 across, out vec3 along) {
     across = dFdxFine(unit);
     along = dFdyFine(unit);

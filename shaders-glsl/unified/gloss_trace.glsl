@@ -1,6 +1,6 @@
 // One ray of the pattern for each pixel with a narrow lobe (NARROW), or for each cell of 2 x 2 pixels with a wide one,
-// and what it saw, for neighbours to gather. As fragment programs (gloss_trace.frag) and as compute programs
-// (gloss_trace.comp). CPU twin: reference::unified::gloss_trace.
+// and what it saw, for neighbours to gather. Fragment programs (gloss_trace.frag) and compute programs
+// (gloss_trace.comp) include it. CPU twin: reference::unified::gloss_trace.
 
 #ifndef UNIFIED_GLOSS_TRACE_GLSL
 #define UNIFIED_GLOSS_TRACE_GLSL
@@ -72,7 +72,7 @@ uvec4 RecordOf(ivec2 pixel) {
 #else
 
 // How a unit vector turns from texel to texel: the differences along both axes within a block of 2 x 2, right less left
-// and lower less upper. Of the stage; every thread of a block must come here.
+// and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void Turn(vec3 unit, out vec3 across, out vec3 along);
 
 // The point that was hit (ViewPoint's scale), put far away if it is near, or the direction of a miss.
@@ -91,7 +91,7 @@ struct CellRay {
     vec4 color;
 };
 
-// A cell beyond the border has no ray, and is asked for what the cells beside it need.
+// The ray of a cell. A cell beyond the border has none, but its thread must call this as well: Turn takes part of it.
 CellRay RayOf(ivec2 cell) {
     CellRay traced = CellRay(vec4(0.0), vec4(0.0));
     float roughness;

@@ -1,5 +1,6 @@
-// The compute programs of `unified` that do what its fragment programs do (`--trace-stage`, `--resolve-stage`): their
-// workgroups stand over the tiles of a list, as many as classify.comp has counted, or over the whole image.
+// Which texel a thread has in those compute programs of `unified` that do what its fragment programs do
+// (`--trace-stage`, `--resolve-stage`). Their workgroups stand over the tiles of a list, as many as classify.comp has
+// counted, or over the whole image.
 
 #ifndef UNIFIED_GROUPS_GLSL
 #define UNIFIED_GROUPS_GLSL
@@ -14,11 +15,11 @@ layout(std430, binding = 9) readonly buffer Tiles {
     uint tiles[];
 };
 layout(std430, binding = 10) readonly buffer Counts {
-    uint counts[]; // of classify.comp
+    uint counts[]; // as classify.comp wrote them
 };
 
-// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is 1 where the images
-// that are written have a texel for 2 x 2 pixels, else 0. A thread may stand beyond the border of the image.
+// The texel of a thread; false for all threads of a workgroup beyond the end of the list. `halve` is that of
+// GroupsToATile. A thread may stand beyond the border of the image.
 bool ThreadTexel(int list, int halve, out ivec2 texel) {
     texel = ivec2(gl_GlobalInvocationID.xy);
     if (WHOLE)
@@ -28,9 +29,9 @@ bool ThreadTexel(int list, int halve, out ivec2 texel) {
         return false;
     ivec2 count = TileCount();
     ivec2 tile = UnpackTile(tiles[list * count.x * count.y + int(index)]);
-    int side = TILE_SIDE >> halve;
-    int part = int(gl_WorkGroupID.x), parts = side / GROUP_SIDE; // of the tile, along a side
-    texel = tile * side + ivec2(part % parts, part / parts) * GROUP_SIDE + ivec2(gl_LocalInvocationID.xy);
+    int part = int(gl_WorkGroupID.x), parts = GroupsToATile(halve);
+    ivec2 group = tile * parts + ivec2(part % parts, part / parts);
+    texel = group * GROUP_SIDE + ivec2(gl_LocalInvocationID.xy);
     return true;
 }
 

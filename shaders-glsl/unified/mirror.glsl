@@ -1,8 +1,9 @@
-// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite. As a fragment program
-// (mirror.frag) and as a compute program (mirror.comp), which say with WHOLE whether they run over the whole image.
+// What a mirror pixel shows: one ray, one sample of the lit colour at its hit, and the composite. A fragment program
+// (mirror.frag) and a compute program (mirror.comp) include it. Before that they declare WHOLE: whether they run over
+// the whole image.
 //
-// Over tiles, what is no mirror is left as it is: the images already hold what it shows. With WHOLE the images hold
-// nothing, all that reflects is a mirror, and the other pixels show their lit colour.
+// Over tiles, a pixel that is no mirror is left as it is: the images already hold what it shows. With WHOLE the images
+// hold nothing, all that reflects is a mirror, and the other pixels show their lit colour.
 
 #ifndef UNIFIED_MIRROR_GLSL
 #define UNIFIED_MIRROR_GLSL

@@ -50,12 +50,22 @@ ivec2 UnpackTile(uint word) {
     return ivec2(word & 0xffffu, word >> 16);
 }
 
-// The arguments of indirect draws and dispatches over the lists, in words of one buffer (passes::tiles): for each list
-// those of a draw, a point a tile; then for each list those of a dispatch over pixels, and of one over blocks of 2 x 2.
+// Workgroups of a compute program along a side of a tile. `halve` is 1 where the images that the program writes have a
+// texel for 2 x 2 pixels, else 0.
+int GroupsToATile(int halve) {
+    return (TILE_SIDE >> halve) / GROUP_SIDE;
+}
+
+// The arguments of indirect draws and dispatches over the lists stand in one buffer (passes::tiles): those of a draw
+// for each list, and then those of two dispatches for each list, one for each `halve`. Both functions give the first
+// word.
+
+// Vertices (a point a tile), instances, first vertex, first instance.
 int DrawArguments(int list) {
     return 4 * list;
 }
 
+// Workgroups along each axis, none of which has more than every device takes: those of a tile, tiles in a row, rows.
 int DispatchArguments(int list, int halve) {
     return 4 * LISTS + 3 * (2 * list + halve);
 }

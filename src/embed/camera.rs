@@ -1,7 +1,7 @@
 //! A camera from the matrices of another renderer.
 
 use crate::error::{Error, Result};
-use crate::scene::camera::ReadProjection;
+use crate::scene::camera::{ReadProjection, is_rotation};
 use crate::scene::{Camera, Lens};
 use glam::{Mat3, Mat4, Vec4};
 
@@ -38,9 +38,6 @@ pub(super) struct Taken {
     pub view_to_view: Mat3,
 }
 
-/// How far the numbers of a rotation may be from those of an exact one.
-const ROTATION_TOLERANCE: f32 = 1e-3;
-
 /// The far plane of an infinite projection for those of the published methods whose formulas have one, over the near
 /// plane.
 const INFINITE_FAR: f32 = 1e7;
@@ -62,10 +59,7 @@ impl CameraInput {
         let scale = projection.scale;
         let view_to_view = Mat3::from_diagonal(turn);
         let world = Mat4::from_cols_array(&self.world_to_view);
-        let rotation = Mat3::from_mat4(world);
-        let off = rotation.transpose() * rotation - Mat3::IDENTITY;
-        let is_rigid = off.to_cols_array().iter().all(|v| v.abs() < ROTATION_TOLERANCE);
-        if !is_rigid || world.row(3) != Vec4::W {
+        if !is_rotation(&Mat3::from_mat4(world).as_dmat3()) || world.row(3) != Vec4::W {
             return Err(wrong("world_to_view", "is no rotation and translation: scale belongs to the scene"));
         }
         let lens = Lens { fov_y_radians: 2.0 * (1.0 / scale[1]).atan(), near_m, far_m };

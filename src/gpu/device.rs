@@ -29,8 +29,8 @@ pub struct DeviceQuery {
     /// Whether the layers also instrument the shaders and watch them run (GPU-assisted validation); only
     /// with `validation`.
     pub gpu_assisted: bool,
-    /// Whether material maps are sampled without anisotropy. Where a driver puts the samples of an anisotropic filter is
-    /// its own affair, so that images of different drivers differ less without.
+    /// Whether material maps are sampled without anisotropy. Each driver places the samples of an anisotropic filter as
+    /// it likes, so that images of different drivers differ less without such a filter.
     pub isotropic: bool,
     /// Counts what lives on the device and makes calls fail, for tests.
     pub watch: Option<Arc<Watch>>,
@@ -52,14 +52,14 @@ pub struct DeviceInfo {
     pub kind: String,
 }
 
-/// How finely a device rasterises and filters: bits of its fixed-point numbers, as it states them.
+/// How finely a device rasterises and filters: the fractional bits of its fixed-point numbers, as it states them.
 #[derive(Debug, Clone, Copy, serde::Serialize, serde::Deserialize, PartialEq, Eq)]
 pub struct Precision {
-    /// Of the position of a vertex within a pixel.
+    /// Bits of a vertex's position within a pixel.
     pub sub_pixel_bits: u32,
-    /// Of the place between two texels.
+    /// Bits of a sample's place between two texels.
     pub sub_texel_bits: u32,
-    /// Of the place between two levels.
+    /// Bits of a sample's place between two levels.
     pub mipmap_bits: u32,
 }
 
@@ -140,6 +140,8 @@ pub struct Shared {
     #[cfg(feature = "reload")]
     pub replaced_shaders: super::shader::Replaced,
     info: DeviceInfo,
+    /// Its place in the loader's list; none where somebody else made it.
+    index: Option<usize>,
     pub(crate) limits: vk::PhysicalDeviceLimits,
     pub(crate) timestamp_mask: u64,
     pub(crate) has_pipeline_statistics: bool,
@@ -212,7 +214,7 @@ impl Gpu {
         self.shared.timestamp_mask != 0
     }
 
-    /// How finely it rasterises and filters.
+    /// How finely the device rasterises and filters.
     pub fn precision(&self) -> Precision {
         let limits = &self.shared.limits;
         Precision {
@@ -220,6 +222,11 @@ impl Gpu {
             sub_texel_bits: limits.sub_texel_precision_bits,
             mipmap_bits: limits.mipmap_precision_bits,
         }
+    }
+
+    /// The number that `ssct devices` gives it, and `--device` takes; none for a device that somebody else made.
+    pub fn index(&self) -> Option<usize> {
+        self.shared.index
     }
 
     /// What the device calls itself.

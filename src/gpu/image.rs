@@ -87,7 +87,8 @@ pub struct ImageSlice<'a> {
 }
 
 impl ImageDesc<'_> {
-    /// The longest side that the image may have: viewports bound what is drawn into, and nothing else.
+    /// The longest side that the image may have. The limits of viewports and framebuffers apply only to images that are
+    /// drawn into.
     fn largest(&self, gpu: &Gpu) -> u32 {
         use vk::ImageUsageFlags as U;
         let is_drawn = self.usage.intersects(U::COLOR_ATTACHMENT | U::DEPTH_STENCIL_ATTACHMENT);
@@ -401,7 +402,8 @@ impl Image {
             base_mip_level: base,
             level_count: count,
             base_array_layer: 0,
-            // Of a volume a count would mean slices to Vulkan with maintenance9; what remains is all in any case.
+            // In a volume's barriers, Vulkan with maintenance9 counts slices, and without it one layer. "Remaining" is
+            // all of the volume to both.
             layer_count: if self.depth > 1 { vk::REMAINING_ARRAY_LAYERS } else { self.layers },
         }
     }

@@ -2,32 +2,40 @@
 
 use ash::vk;
 use std::ffi::{CStr, c_void};
+use std::ops::Range;
 use std::sync::Mutex;
+
+/// The name of the layer whose messages these are.
+pub const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// A message that does not fail a run.
 #[derive(Debug)]
 pub struct Allowed {
     /// Its ID.
     pub id: &'static str,
-    /// The layer's version from which on it says so, as Vulkan encodes versions.
-    pub since: u32,
+    /// The versions of the layer that give this message, as Vulkan encodes versions: from the first one up to the one
+    /// that no longer does.
+    pub versions: Range<u32>,
     /// Why it does not fail a run.
     pub reason: &'static str,
 }
+
+/// The first layers for Vulkan 1.4.
+const LAYER_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
 
 /// The messages that do not fail a run.
 pub const ALLOWED: &[Allowed] = &[
     Allowed {
         id: "UNASSIGNED-BestPractices-pipeline-stage-flags",
-        since: vk::API_VERSION_1_0,
+        versions: 0..LAYER_1_4,
         reason: "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours \
                  cannot overlap",
     },
     Allowed {
         id: "Undefined-Value-ShaderOutputNotConsumed-DynamicRendering",
-        since: vk::make_api_version(0, 1, 4, 0),
-        reason: "a pass of which nobody wants the hits has no attachment for them; what its shader writes there is \
-                 discarded, as the specification says of outputs without an attachment",
+        versions: LAYER_1_4..u32::MAX,
+        reason: "where nobody wants the hits of a pass, it has no attachment for them; Vulkan discards what a shader \
+                 writes to an output without an attachment",
     },
 ];
 
@@ -150,8 +158,8 @@ mod tests {
 
     #[test]
     fn an_allowed_message_has_an_id_of_its_own_and_a_reason() {
-        for (n, super::Allowed { id, reason, .. }) in super::ALLOWED.iter().enumerate() {
-            assert!(!reason.is_empty() && !id.is_empty());
+        for (n, super::Allowed { id, versions, reason }) in super::ALLOWED.iter().enumerate() {
+            assert!(!reason.is_empty() && !id.is_empty() && !versions.is_empty());
             assert!(super::ALLOWED[..n].iter().all(|other| other.id != *id), "{id} twice");
         }
     }

@@ -231,7 +231,7 @@ impl CaptureImages {
     }
 }
 
-/// What makes of a face's G-buffer what a capture keeps of it.
+/// The passes that turn a face's depths and normals into the pyramid and the normals that a capture keeps.
 pub(crate) struct FaceKeeper {
     pyramid: PyramidPass,
     normal: KeepNormalPass,
@@ -245,7 +245,7 @@ impl FaceKeeper {
     }
 }
 
-/// What draws one face of a capture, and keeps it.
+/// The passes that draw one face of a capture and keep its images.
 struct FacePasses {
     scene: CaptureFacePass,
     keep: FaceKeeper,

@@ -57,17 +57,19 @@
 //! is no randomness. Over the frames of a history (`--history on`) the directions are dealt out anew. Over a fallback ([`Fallback`]) the share of the rays that miss is not
 //! black but not there: what is behind shows through it.
 //!
-//! **Two stages.** Each of these passes is there as a fragment program and as a compute program, of one source, and both
-//! make the same images to the bit on a device whose arithmetic is the same in both. Which of them is faster depends on the
-//! device: [`UnifiedParams`] chooses for the traces and for what gathers. Only the pipelines of the stage that is chosen are
-//! made. A fragment program is drawn over tiles as points; a compute program runs in workgroups of 8 × 8, as many as the
-//! classification has counted, and stores to the images that the other draws into.
+//! **Two stages.** Each pass that traces or gathers has a fragment program and a compute program, made from one source.
+//! The two make the same images to the bit on a device that computes alike in both stages; which is faster depends on
+//! the device. [`UnifiedParams`] chooses one stage for the traces and one for the passes that gather, and only the
+//! pipelines of the chosen stages are made. A fragment program is drawn over tiles as points. A compute program runs in
+//! as many workgroups of 8 × 8 as the classification has counted, and stores to the same images.
 //!
 //! **The shaders**, in reading order (`shaders-glsl/unified/`): `parameters.glsl`; `pyramid.glsl` and `pyramid.comp`;
-//! `classify.comp`, with `tile.vert` and `groups.glsl`, by which the programs of either stage stand over tiles;
-//! `traverse.glsl`; `mirror.glsl`; `gloss.glsl`, `gloss_trace.glsl` and `gloss_resolve.glsl`, each of the three beside a
-//! `.frag` and a `.comp` of its stem; for captures `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`,
-//! `follow.comp`. The pyramid, the traversal and the passes of gloss have plain twins in `reference::unified`.
+//! `classify.comp`; `tile.vert` and `groups.glsl`, which place fragment programs and compute programs over tiles;
+//! `traverse.glsl`; `mirror.glsl`; `gloss.glsl`; `gloss_trace.glsl` and `gloss_resolve.glsl`; for captures
+//! `shaders-glsl/captures/`: `lost.glsl`, `seen.glsl`, `faces.glsl`, `follow.comp`. Beside `mirror.glsl`,
+//! `gloss_trace.glsl` and `gloss_resolve.glsl` stand a `.frag` and a `.comp` of the same stem, which include them;
+//! `store.glsl` is what the `.comp` files that show pixels share. The pyramid, the traversal and the passes of gloss have
+//! plain twins in `reference::unified`.
 
 use super::{Fallback, Input, Making, Method, MethodInfo, Traced};
 use crate::error::Result;
@@ -83,7 +85,7 @@ use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
 use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
-use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors, stored_target};
+use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
 use crate::scene::Camera;
 
 /// The table's row.
@@ -100,12 +102,13 @@ pub const INFO: MethodInfo = MethodInfo {
 };
 
 parameters! {
-    /// Parameters of `unified`. They change no image.
+    /// The shader stages in which `unified` runs. They change no image.
     pub struct UnifiedParams {
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
-        /// same; on lavapipe fragment shaders are faster, and another device may have it otherwise (docs/unified.md).
+        /// same; on lavapipe fragment shaders are faster, on another device compute shaders may be (docs/unified.md).
         trace_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
-        /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide), the same.
+        /// The shaders that gather what those rays saw (passes resolve/narrow, cells and resolve/wide). The image is the
+        /// same.
         resolve_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
     }
 }
@@ -149,8 +152,7 @@ impl UnifiedMethod {
             trace,
             resolve,
         };
-        let target = if parts.followed || parts.stores() { stored_target } else { Image::target };
-        let image = |name| target(gpu, name, LIT_COLOR, extent);
+        let image = |name| parts.target(gpu, name, LIT_COLOR);
         let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
         let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
         Ok(Self {

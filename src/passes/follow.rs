@@ -2,7 +2,7 @@
 //! "Images"), over as many rays as there are.
 
 use super::lost::Beyond;
-use super::{Canvas, Captures, GBuffer, HITS, Hits, Reflection, stored_target};
+use super::{Canvas, Captures, GBuffer, Hits, Reflection, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
@@ -13,8 +13,7 @@ pub struct FollowPass {
     mirrors: ComputePipeline<programs::FollowMirrors<'static>>,
     narrow: ComputePipeline<programs::FollowNarrow<'static>>,
     wide: ComputePipeline<programs::FollowWide<'static>>,
-    /// Stands for the hits where they are not wanted: a binding's format must be the shader's even if nothing is written.
-    no_hits: Option<Image>,
+    unwanted_hits: Option<Image>,
 }
 
 /// What is written of the pixels of mirrors, and where rays begin.
@@ -55,7 +54,7 @@ impl FollowPass {
             mirrors: ComputePipeline::with(gpu, &mirrors)?,
             narrow: ComputePipeline::with(gpu, &programs::FollowNarrowConstants { strip, over })?,
             wide: ComputePipeline::with(gpu, &programs::FollowWideConstants { strip, over })?,
-            no_hits: (!hits).then(|| stored_target(gpu, "no hits", HITS, [1, 1])).transpose()?,
+            unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
 
@@ -93,8 +92,8 @@ impl FollowPass {
         hits: Option<Hits>,
     ) -> Result<()> {
         // What is not wanted is not written, and needs an image all the same.
-        let any = canvas.images().next().zip(hits.map(|h| h.0).or(self.no_hits.as_ref()));
-        let Some((any, hits)) = any else { return Ok(()) };
+        let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
+        let Some((any, hits)) = stored else { return Ok(()) };
         let program = programs::FollowMirrors {
             unified: captures.face,
             pyramid: captures.pyramid.all(),

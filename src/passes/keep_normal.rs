@@ -1,4 +1,5 @@
-//! Keeping the normals of a capture's face in its layer, in the format that the captures have them in.
+//! Keeps the normals of one face in its layer of the captures' normals (`keep_normal.comp`), which have a format of
+//! their own. A compute program converts them, since not every driver can blit into that format.
 
 use super::GBuffer;
 use crate::error::Result;

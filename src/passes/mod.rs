@@ -75,6 +75,12 @@ pub(crate) fn stored_target(gpu: &Gpu, name: &str, format: vk::Format, extent: [
     Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
 }
 
+/// An image of one texel that is bound as a program's hits where nobody wants them. The program writes nothing to it,
+/// and Vulkan wants the format that the shader names all the same.
+fn unwanted_hits(gpu: &Gpu) -> Result<Image> {
+    stored_target(gpu, "unwanted hits", HITS, [1, 1])
+}
+
 /// What the scene passes leave for the methods. All images have one size.
 #[derive(Clone, Copy)]
 pub struct GBuffer<'a> {
@@ -159,7 +165,7 @@ pub struct HiZ<'a>(pub &'a Image);
 #[derive(Clone, Copy)]
 pub struct Pyramid<'a>(pub &'a Image);
 
-/// What a method draws into that composites along the way: at least one of them, or nothing is drawn.
+/// The images that a method draws into which composites along the way. With neither of them nothing is drawn.
 #[derive(Clone, Copy)]
 pub struct Canvas<'a> {
     /// The finished image, linear, where it is wanted. RGBA16F.
@@ -180,8 +186,8 @@ impl<'a> Canvas<'a> {
         [(); 2].map(|()| images.next().map_or(Target::unwanted(), |image| tiles.target(image)))
     }
 
-    /// What compute programs store to, in the order of the shaders' images. Each program has two: where only one is
-    /// wanted, it stands for the other one as well, which is not written.
+    /// The two images that compute programs store to, in the order of their bindings; `None` if no image is wanted. If
+    /// one is, it is bound in both places, and the program stores to the first of them.
     fn stored(self) -> Option<[&'a Image; 2]> {
         let mut images = self.images();
         let first = images.next()?;

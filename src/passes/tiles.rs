@@ -1,8 +1,8 @@
 //! Work over tiles: the lists of them by kind of reflector that the classification writes, and programs that run over
-//! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each is there as a
-//! fragment program and as a compute program, which make the same images.
+//! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each program
+//! exists for fragment shaders and for compute shaders, and makes the same images in both.
 
-use super::LIT_COLOR;
+use super::{LIT_COLOR, stored_target};
 use crate::error::{Error, Result};
 use crate::gpu::program::{Compute, Fragment};
 use crate::gpu::programs::Tile;
@@ -50,9 +50,9 @@ pub struct UnifiedSetup {
     pub followed: bool,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
-    /// Where rays are traced.
+    /// The stage that traces rays.
     pub trace: TileStage,
-    /// Where they are gathered.
+    /// The stage that gathers what the rays saw.
     pub resolve: TileStage,
 }
 
@@ -67,14 +67,16 @@ impl UnifiedSetup {
         self.composite && self.reflection
     }
 
-    /// Whether what is shown is written by compute programs, so that its images are stored to.
-    pub fn stores(&self) -> bool {
-        self.trace == TileStage::Compute || self.resolve == TileStage::Compute
+    /// An image that the passes show something in. Compute programs can store to it where any of the passes is one.
+    pub(crate) fn target(&self, gpu: &Gpu, name: &str, format: vk::Format) -> Result<Image> {
+        let stores = self.followed || [self.trace, self.resolve].contains(&TileStage::Compute);
+        let make = if stores { stored_target } else { Image::target };
+        make(gpu, name, format, self.extent)
     }
 }
 
-/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): a draw for each, and two
-/// dispatches.
+/// Bytes of the arguments of indirect draws and dispatches over the lists (`parameters.glsl`): those of a draw and of
+/// two dispatches for each list.
 pub const ARGUMENT_BYTES: u64 = LISTS as u64 * (DRAW_BYTES + 2 * DISPATCH_BYTES);
 
 const DRAW_BYTES: u64 = size_of::<vk::DrawIndirectCommand>() as u64;
@@ -89,8 +91,8 @@ pub struct Tiles<'a> {
     pub lists: &'a Buffer,
     /// For each tile a bit for each list that it stands on.
     pub listed: &'a Image,
-    /// For each list those of a `VkDrawIndirectCommand`; then for each list those of two `VkDispatchIndirectCommand`, over
-    /// pixels and over blocks of 2 × 2.
+    /// A `VkDrawIndirectCommand` for each list; then for each list two `VkDispatchIndirectCommand`, the first over
+    /// pixels and the second over blocks of 2 × 2.
     pub arguments: &'a Buffer,
 }
 
@@ -106,7 +108,7 @@ impl Tiles<'_> {
     }
 }
 
-/// What a program over tiles works on.
+/// The list that a program runs over, and the size of the images that it writes.
 #[derive(Debug, Clone, Copy)]
 pub struct Over {
     /// `MIRROR_LIST`, `NARROW_LIST` or `WIDE_LIST`.
@@ -129,36 +131,8 @@ enum Made<F, C> {
 }
 
 impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
-    /// In fragment shaders, by the program's constants for the tiles (`false`) and for the whole image.
-    ///
-    /// # Errors
-    /// [`Error::NoDevice`] on a device that draws no points of a tile's size.
-    fn drawn(
-        gpu: &Gpu,
-        over: Over,
-        formats: impl Fn() -> F::Outputs<vk::Format>,
-        constants: impl Fn(bool) -> F::Constants,
-    ) -> Result<Self> {
-        if gpu.largest_point() < TILE as f32 {
-            let (name, largest) = (&gpu.info().name, gpu.largest_point());
-            return Err(Error::NoDevice(format!(
-                "`unified` draws points of {TILE} pixels; {name} has none above {largest}, but it may run compute \
-                 shaders instead: the parameters trace-stage and resolve-stage say so"
-            )));
-        }
-        let tiles = GraphicsPipeline::points(gpu, formats(), &constants(false))?;
-        let whole = GraphicsPipeline::fullscreen_with(gpu, formats(), &constants(true))?;
-        Ok(Self { over, made: Made::Fragment { tiles, whole } })
-    }
-
-    /// In compute shaders, the same.
-    fn dispatched(gpu: &Gpu, over: Over, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
-        let tiles = ComputePipeline::with(gpu, &constants(false))?;
-        let whole = ComputePipeline::with(gpu, &constants(true))?;
-        Ok(Self { over, made: Made::Compute { tiles, whole } })
-    }
-
-    /// In a stage. The constants are those for the tiles (`false`) and for the whole image.
+    /// Compiles the program of a stage, twice: `formats` are those of its targets in fragment shaders; `fragment` and
+    /// `compute` give its constants for the tiles (`false`) and for the whole image (`true`).
     ///
     /// # Errors
     /// [`Error::NoDevice`] for fragment shaders on a device that draws no points of a tile's size, and on one whose
@@ -170,21 +144,30 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         fragment: impl Fn(bool) -> F::Constants,
         compute: impl Fn(bool) -> C::Constants,
     ) -> Result<Self> {
-        match stage {
-            TileStage::Fragment => Self::drawn(gpu, over, formats, fragment),
-            TileStage::Compute => Self::dispatched(gpu, over, compute),
-        }
+        let made = match stage {
+            TileStage::Fragment => {
+                check_points(gpu)?;
+                Made::Fragment {
+                    tiles: GraphicsPipeline::points(gpu, formats(), &fragment(false))?,
+                    whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &fragment(true))?,
+                }
+            }
+            TileStage::Compute => Made::Compute {
+                tiles: ComputePipeline::with(gpu, &compute(false))?,
+                whole: ComputePipeline::with(gpu, &compute(true))?,
+            },
+        };
+        Ok(Self { over, made })
     }
 
-    /// One pass over the list's tiles, or over the whole image, where every texel is written: the program of the stage
-    /// that was chosen.
+    /// Records one pass over the list's tiles, or over the whole image, where every texel is written. Of the two
+    /// programs (`in_either_stage`) the one of the chosen stage is filled in and runs.
     pub fn run<'t>(
         &self,
         frame: &mut Frame,
         name: &str,
         (parameters, tiles): (&UnifiedBlock, Tiles),
-        fragment: impl FnOnce() -> (F::Outputs<Target<'t>>, F),
-        compute: impl FnOnce() -> C,
+        (fragment, compute): (impl FnOnce() -> (F::Outputs<Target<'t>>, F), impl FnOnce() -> C),
     ) -> Result<()> {
         let Over { list, halved } = self.over;
         match &self.made {
@@ -209,3 +192,32 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
         }
     }
 }
+
+/// Refuses a device that draws no points of a tile's size.
+fn check_points(gpu: &Gpu) -> Result<()> {
+    let (name, largest) = (&gpu.info().name, gpu.largest_point());
+    if largest < TILE as f32 {
+        return Err(Error::NoDevice(format!(
+            "`unified` draws points of {TILE} pixels in fragment shaders; {name} has none above {largest}: set \
+             trace-stage and resolve-stage to compute, and it needs none"
+        )));
+    }
+    Ok(())
+}
+
+/// The two programs of a pass, as [`TiledPipeline::run`] takes them: the fragment program with its targets, and the
+/// compute program with the [`Tiles`] that it runs over and the images that it stores to. The bindings that both have
+/// are written once, below them.
+macro_rules! in_either_stage {
+    (
+        $fragment:ident => $targets:expr,
+        $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },
+        $($field:ident: $value:expr),+ $(,)?
+    ) => {
+        (
+            || ($targets, $fragment { $($field: $value),+ }),
+            || $compute { Tiles: $tiles.lists, Counts: $tiles.arguments, $($stored: $image,)+ $($field: $value),+ },
+        )
+    };
+}
+pub(super) use in_either_stage;

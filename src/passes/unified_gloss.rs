@@ -3,7 +3,7 @@
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
 use super::lost::Beyond;
-use super::tiles::{Over, TiledPipeline, Tiles, UnifiedSetup};
+use super::tiles::{Over, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
@@ -129,7 +129,9 @@ impl UnifiedGlossPass {
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
         let records = &self.between.records;
-        let trace = TraceNarrow {
+        let programs = in_either_stage! {
+            TraceNarrow => [tiles.target(records)],
+            TraceNarrowCompute over tiles => { record_image: records.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
@@ -140,22 +142,7 @@ impl UnifiedGlossPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        let compute = || TraceNarrowCompute {
-            unified: trace.unified,
-            pyramid: trace.pyramid,
-            normal_buffer: trace.normal_buffer,
-            material_buffer: trace.material_buffer,
-            color_buffer: trace.color_buffer,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            record_image: records.all(),
-            captures: trace.captures,
-            environment: trace.environment,
-            lost_counts: trace.lost_counts,
-            lost: trace.lost,
-        };
-        let fragment = || ([tiles.target(records)], trace);
-        self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), fragment, compute)
+        self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), programs)
     }
 
     /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
@@ -166,33 +153,25 @@ impl UnifiedGlossPass {
         parameters: &UnifiedBlock,
     ) -> Result<()> {
         let UnifiedGlossInput { gbuffer, tiles, canvas, .. } = input;
-        let resolve = ResolveNarrow {
+        let Some([color, reflection]) = canvas.stored() else { return Ok(()) };
+        let programs = in_either_stage! {
+            ResolveNarrow => canvas.targets(*tiles),
+            ResolveNarrowCompute over tiles => { color_image: color.all(), reflection_image: reflection.all() },
             unified: parameters,
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             seen_image: self.between.records.all(),
         };
-        let Some(stored) = canvas.stored() else { return Ok(()) };
-        let [color_image, reflection_image] = stored.map(Image::all);
-        let compute = || ResolveNarrowCompute {
-            unified: resolve.unified,
-            material_buffer: resolve.material_buffer,
-            color_buffer: resolve.color_buffer,
-            seen_image: resolve.seen_image,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            color_image,
-            reflection_image,
-        };
-        let fragment = || (canvas.targets(*tiles), resolve);
-        self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), fragment, compute)
+        self.resolve_narrow.run(frame, "resolve/narrow", (parameters, *tiles), programs)
     }
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
         let BetweenPasses { place, seen, .. } = &self.between;
-        let trace = TraceWide {
+        let programs = in_either_stage! {
+            TraceWide => [place, seen].map(|image| tiles.target(image)),
+            TraceWideCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
@@ -203,23 +182,7 @@ impl UnifiedGlossPass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        let compute = || TraceWideCompute {
-            unified: trace.unified,
-            pyramid: trace.pyramid,
-            normal_buffer: trace.normal_buffer,
-            material_buffer: trace.material_buffer,
-            color_buffer: trace.color_buffer,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            place_image: place.all(),
-            seen_image: seen.all(),
-            captures: trace.captures,
-            environment: trace.environment,
-            lost_counts: trace.lost_counts,
-            lost: trace.lost,
-        };
-        let fragment = || ([place, seen].map(|image| tiles.target(image)), trace);
-        self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), fragment, compute)
+        self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), programs)
     }
 
     /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each
@@ -228,7 +191,10 @@ impl UnifiedGlossPass {
         self.cells(frame, input, parameters)?;
         let UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, .. } = input;
         let BetweenPasses { cell_reflection, cell_surface, .. } = &self.between;
-        let resolve = ResolveWide {
+        let Some([color, reflection]) = canvas.stored() else { return Ok(()) };
+        let programs = in_either_stage! {
+            ResolveWide => canvas.targets(*tiles),
+            ResolveWideCompute over tiles => { color_image: color.all(), reflection_image: reflection.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
@@ -238,30 +204,15 @@ impl UnifiedGlossPass {
             cell_surface: cell_surface.all(),
             listed_image: tiles.listed.all(),
         };
-        let Some(stored) = canvas.stored() else { return Ok(()) };
-        let [color_image, reflection_image] = stored.map(Image::all);
-        let compute = || ResolveWideCompute {
-            unified: resolve.unified,
-            pyramid: resolve.pyramid,
-            normal_buffer: resolve.normal_buffer,
-            material_buffer: resolve.material_buffer,
-            color_buffer: resolve.color_buffer,
-            cell_reflection: resolve.cell_reflection,
-            cell_surface: resolve.cell_surface,
-            listed_image: resolve.listed_image,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            color_image,
-            reflection_image,
-        };
-        let fragment = || (canvas.targets(*tiles), resolve);
-        self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), fragment, compute)
+        self.resolve_wide.run(frame, "resolve/wide", (parameters, *tiles), programs)
     }
 
     fn cells(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
         let UnifiedGlossInput { gbuffer, pyramid, tiles, .. } = input;
         let BetweenPasses { place, seen, cell_reflection, cell_surface, .. } = &self.between;
-        let cells = Cells {
+        let programs = in_either_stage! {
+            Cells => [cell_reflection, cell_surface].map(|image| tiles.target(image)),
+            CellsCompute over tiles => { reflection_image: cell_reflection.all(), surface_image: cell_surface.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
@@ -270,20 +221,6 @@ impl UnifiedGlossPass {
             seen_image: seen.all(),
             listed_image: tiles.listed.all(),
         };
-        let compute = || CellsCompute {
-            unified: cells.unified,
-            pyramid: cells.pyramid,
-            normal_buffer: cells.normal_buffer,
-            material_buffer: cells.material_buffer,
-            place_image: cells.place_image,
-            seen_image: cells.seen_image,
-            listed_image: cells.listed_image,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            reflection_image: cell_reflection.all(),
-            surface_image: cell_surface.all(),
-        };
-        let fragment = || ([cell_reflection, cell_surface].map(|image| tiles.target(image)), cells);
-        self.cells.run(frame, "cells", (parameters, *tiles), fragment, compute)
+        self.cells.run(frame, "cells", (parameters, *tiles), programs)
     }
 }

@@ -2,8 +2,8 @@
 //! same pass, over the tiles of a list or over the whole image.
 
 use super::lost::Beyond;
-use super::tiles::{Over, TileStage, TiledPipeline, Tiles, UnifiedSetup};
-use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid};
+use super::tiles::{Over, TileStage, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
 use crate::error::Result;
 use crate::gpu::programs::{Mirror, MirrorCompute, MirrorComputeConstants, MirrorConstants};
 use crate::gpu::shader::UnifiedBlock;
@@ -16,6 +16,7 @@ pub struct UnifiedTracePass {
     stage: TileStage,
     mirrors: TiledPipeline<Mirror<'static>, MirrorCompute<'static>>,
     hits: Option<Image>,
+    unwanted_hits: Option<Image>,
 }
 
 /// What the pass reads.
@@ -47,28 +48,39 @@ impl UnifiedTracePass {
         let fragment = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
         let beside = setup.beside();
         let compute = |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
-        let stored = followed || stage == TileStage::Compute;
-        let target = if stored { super::stored_target } else { Image::target };
         Ok(Self {
             stage,
             mirrors: TiledPipeline::new(gpu, (stage, over), formats, fragment, compute)?,
-            hits: hits.then(|| target(gpu, "hits", HITS, setup.extent)).transpose()?,
+            hits: hits.then(|| setup.target(gpu, "hits", HITS)).transpose()?,
+            unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
     }
 
-    /// Pass "trace/mirrors"; in compute shaders over tiles, with hits, after the pass "hits". Gives where each ray ended,
-    /// if that was asked for.
+    /// Pass "trace/mirrors". Gives where each ray ended, if that was asked for. In compute shaders over tiles the pass
+    /// "hits" goes before it then: no attachment is cleared along with the trace.
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
         UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
-        let hits = self.hits.as_ref();
+        let wanted = self.hits.as_ref();
         if self.stage == TileStage::Compute && !tiles.whole {
             self.no_hits(frame)?;
         }
-        let mirror = Mirror {
+        let stored = canvas.stored().zip(wanted.or(self.unwanted_hits.as_ref()));
+        let Some(([color, reflection], hits)) = stored else { return Ok(wanted.map(Hits)) };
+        let targets = || {
+            let [composite, reflection] = canvas.targets(*tiles);
+            [composite, reflection, wanted.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT))]
+        };
+        let programs = in_either_stage! {
+            Mirror => targets(),
+            MirrorCompute over tiles => {
+                color_image: color.all(),
+                reflection_image: reflection.all(),
+                hits_image: hits.all(),
+            },
             unified: parameters,
             pyramid: pyramid.0.all(),
             normal_buffer: gbuffer.normal.all(),
@@ -79,30 +91,8 @@ impl UnifiedTracePass {
             lost_counts: beyond.counts,
             lost: beyond.rays,
         };
-        let Some([color, reflection]) = canvas.stored() else { return Ok(hits.map(Hits)) };
-        let fragment = || {
-            let [composite, reflection] = canvas.targets(*tiles);
-            let hits = hits.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT));
-            ([composite, reflection, hits], mirror)
-        };
-        let compute = || MirrorCompute {
-            unified: mirror.unified,
-            pyramid: mirror.pyramid,
-            normal_buffer: mirror.normal_buffer,
-            material_buffer: mirror.material_buffer,
-            color_buffer: mirror.color_buffer,
-            Tiles: tiles.lists,
-            Counts: tiles.arguments,
-            color_image: color.all(),
-            reflection_image: reflection.all(),
-            hits_image: hits.unwrap_or(color).all(),
-            captures: mirror.captures,
-            environment: mirror.environment,
-            lost_counts: mirror.lost_counts,
-            lost: mirror.lost,
-        };
-        self.mirrors.run(frame, "trace/mirrors", (parameters, *tiles), fragment, compute)?;
-        Ok(hits.map(Hits))
+        self.mirrors.run(frame, "trace/mirrors", (parameters, *tiles), programs)?;
+        Ok(wanted.map(Hits))
     }
 
     /// Pass "hits", if they were asked for: without mirrors, no ray begins anywhere.

@@ -2,7 +2,7 @@
 
 use super::MaterialChange;
 use glam::camera::lh::{proj::directx::perspective, view::look_to_mat4};
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
+use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec3, Vec4};
 
 /// The parameters of a perspective projection, without the aspect ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -73,18 +73,18 @@ impl Projection {
     }
 }
 
-/// What a perspective matrix of any renderer says.
+/// What can be read off the perspective matrix of any renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadProjection {
     /// The same projection, in the conventions of this crate.
     pub projection: Projection,
-    /// What the axes of the renderer's view space are over those of ours, 1 or −1 each.
+    /// For each axis, 1 if the renderer's view space and ours have it in the same direction, −1 if in opposite ones.
     pub turn: Vec3,
     /// Whether the matrix gives reversed depth.
     pub is_reversed: bool,
-    /// The near plane in the units of the matrix.
+    /// The distance of the near plane, in the unit of length of the matrix.
     pub near: f32,
-    /// The far plane; infinite for a projection without one.
+    /// The distance of the far plane; infinite for a projection without one.
     pub far: f32,
 }
 
@@ -93,7 +93,7 @@ impl ReadProjection {
     /// the image is at y = w.
     ///
     /// # Errors
-    /// Why it is no perspective, as the rest of a sentence.
+    /// Why the matrix cannot be used, as the rest of a sentence that begins with its name.
     pub fn new(clip: &Mat4, y_is_up: bool) -> Result<Self, &'static str> {
         if !clip.is_finite() {
             return Err("has numbers that are not finite");
@@ -125,6 +125,15 @@ impl ReadProjection {
         let projection = Projection { scale: [x.x.abs(), y.y.abs()], shift, depth: [a, b] };
         Ok(Self { projection, turn, is_reversed, near, far })
     }
+}
+
+/// How far the numbers of a rotation may be from those of an exact one.
+const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// Whether a matrix is a rotation, with or without a mirroring.
+pub fn is_rotation(matrix: &DMat3) -> bool {
+    let off = matrix.transpose() * *matrix - DMat3::IDENTITY;
+    off.to_cols_array().iter().all(|v| v.abs() <= ROTATION_TOLERANCE)
 }
 
 /// Points closer to a mirror than this, in metres, do not appear in it, so that the mirror does not reflect

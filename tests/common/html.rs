@@ -1,5 +1,6 @@
 //! What tests of pages share: reading attributes off the text, and a browser that shows it.
 
+use super::folder::Folder;
 use std::path::Path;
 use std::process::Command;
 
@@ -22,4 +23,40 @@ pub fn chromium(profile: &Path) -> Option<Command> {
     command.args(["--allow-file-access-from-files", "--virtual-time-budget=4000"]);
     command.arg(format!("--user-data-dir={}", profile.display()));
     Some(command)
+}
+
+/// A page of a folder as Chromium has it once its scripts have run; `None` where there is no Chromium.
+pub fn dom(folder: &Folder, page: &str) -> Option<String> {
+    let profile = tempfile::tempdir().unwrap();
+    let url = format!("file://{}", folder.path(page).display());
+    let arguments = ["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url];
+    let output = chromium(profile.path())?.args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+/// Runs a script in a page of a folder, and returns the lines that the script pushed to its array `lines`; `None` where
+/// there is no Chromium. The script is the body of an async function. Its `show(page, width, sandbox)` shows another
+/// page of the folder in a frame, without that page's scripts if `sandbox` is set.
+pub fn probe(folder: &Folder, script: &str) -> Option<String> {
+    let page = format!(
+        r#"<!DOCTYPE html><body><pre id="found"></pre><script>
+const lines = [];
+function show(page, width, sandbox) {{
+  const frame = document.createElement("iframe");
+  frame.style = `width: ${{width}}px; height: 900px; border: 0`;
+  if (sandbox) frame.sandbox = "allow-same-origin";
+  frame.src = page;
+  return new Promise(done => {{ frame.onload = () => done(frame); document.body.append(frame); }});
+}}
+(async () => {{
+  {script}
+  document.getElementById("found").textContent = lines.join("\n");
+}})();
+</script>"#
+    );
+    folder.write("probe.html", page);
+    let dom = dom(folder, "probe.html")?;
+    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next());
+    Some(found.unwrap_or_default().to_owned())
 }

@@ -1,5 +1,5 @@
-//! The workflow of the public CI service, and the scripts for clusters: what they name is there, and what may publish
-//! does so from the main branch alone.
+//! The workflow of the public CI service, and the scripts for clusters: the targets that the workflow makes exist, it
+//! publishes from the main branch alone, and the scripts refuse wrong arguments.
 
 use crate::common::folder::Folder;
 use crate::common::repository;
@@ -58,7 +58,7 @@ fn the_workflow_makes_targets_that_exist() {
 #[test]
 fn only_the_main_branch_publishes_and_nothing_else_may_write() {
     let workflow = workflow();
-    // A pull request from anywhere runs the workflow, and with the rights of one that reads.
+    // A pull request from anywhere runs the workflow, and may only read.
     let events: Vec<_> = workflow["on"].as_object().unwrap().keys().map(String::as_str).collect();
     assert_eq!(events, ["pull_request", "push", "workflow_dispatch"], "not pull_request_target, which has secrets");
     assert_eq!(workflow["on"]["push"]["branches"], serde_json::json!(["main"]));
@@ -109,10 +109,10 @@ fn a_task_asks_for_what_the_plan_predicts() {
         serde_json::json!([{ "makespan_s": makespan_s, "memory_bytes": memory_bytes, "costs": costs }]).to_string()
     };
     assert_eq!(asks(&plan(3600.0, Some(1 << 30), 2)), [130.0, 2048.0]);
-    assert_eq!(asks(&plan(3600.0, None, 8)), [490.0], "a quarter of the threads");
-    assert_eq!(asks(&plan(3600.0, None, 1)), [130.0], "more threads are not trusted");
+    assert_eq!(asks(&plan(3600.0, None, 8)), [490.0], "a quarter of the threads, four times the time");
+    assert_eq!(asks(&plan(3600.0, None, 1)), [130.0], "more threads than measured are not counted on");
     assert_eq!(asks(&plan(0.0, None, 1).replace(":3", ":0")), [0.0; 0], "nothing was measured");
-    // And of the command itself, which learns from a run.
+    // Plans of the command itself, by the costs of a run.
     let folder = Folder::new();
     let study =
         ["error", "--scene", "corridor", "--method", "ssct", "--roughness", "0.3", "--samples", "1", "--no-sweep"];

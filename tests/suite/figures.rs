@@ -2,7 +2,7 @@
 //! Chromium where there is one.
 
 use crate::common::folder::Folder;
-use crate::common::html::{attributes, chromium};
+use crate::common::html::{attributes, probe};
 use image::RgbImage;
 use std::path::Path;
 
@@ -54,18 +54,13 @@ fn every_figure_is_made_or_says_what_it_lacks() {
 
 /// The page in a browser, on a phone: nothing wider than the screen, every picture there.
 fn shown(folder: &Folder) {
-    let profile = tempfile::tempdir().unwrap();
-    let Some(mut command) = chromium(profile.path()) else { return };
-    let probe = r#"<!DOCTYPE html><body><pre id="found"></pre><iframe src="index.html" style="width:390px;height:900px;border:0"
-        onload="const d = this.contentDocument, r = d.documentElement;
-        const bad = [...d.images].filter(i => i.naturalWidth == 0 || i.clientWidth == 0).length;
-        document.getElementById('found').textContent =
-            `overflow ${r.scrollWidth - r.clientWidth} bad ${bad} some ${d.images.length > 8}`"></iframe>"#;
-    folder.write("f/probe.html", probe);
-    let url = format!("file://{}", folder.path("f/probe.html").display());
-    let output = command.args(["--dump-dom", &url]).output().unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    assert!(dom.contains("overflow 0 bad 0 some true"), "{}", &dom[..dom.len().min(400)]);
+    let script = r#"
+  const d = (await show("f/index.html", 390, false)).contentDocument, r = d.documentElement;
+  const bad = [...d.images].filter(i => i.naturalWidth == 0 || i.clientWidth == 0).length;
+  lines.push(`overflow ${r.scrollWidth - r.clientWidth} bad ${bad} some ${d.images.length > 8}`);
+"#;
+    let Some(found) = probe(folder, script) else { return };
+    assert_eq!(found, "overflow 0 bad 0 some true");
 }
 
 #[test]

@@ -1,13 +1,14 @@
-//! G-buffers in the conventions of other renderers, read by maps. A G-buffer of this program is written in other
-//! conventions by code of its own, read back, and held against the original: to the bit where nothing was rounded, else
-//! within what the format rounds; and so is what methods make of it. The example maps read files of the layouts that
-//! they are for.
+//! G-buffers in the conventions of other renderers, read by maps. The tests write a G-buffer of this program in other
+//! conventions, read it back, and compare it and the images that methods make of it with the original: to the bit where
+//! nothing was rounded, else within what the format rounds. The example maps read files of the layouts that they are
+//! for.
 
 mod errors;
 mod examples;
 mod files;
 mod lenses;
 mod materials;
+mod page;
 
 use crate::common::folder::Folder;
 use crate::common::gpu;
@@ -26,12 +27,12 @@ use std::sync::OnceLock;
 
 const SIZE: [u32; 2] = [161, 119];
 
-/// Half the distance of 1 to the next number above, of 32-bit and of 16-bit floats: what rounding changes at most, as a
-/// share.
+/// Half the distance from 1 to the next larger float of 32 bits and of 16 bits: the largest share that rounding
+/// changes.
 const ROUNDS_32: f64 = 1.0 / (1 << 24) as f64;
 const ROUNDS_16: f64 = 1.0 / (1 << 11) as f64;
 
-/// The corridor of the rooms, with its own materials, and sky behind the windows.
+/// The corridor of the rooms with its own materials, and with sky in the uppermost rows.
 fn original() -> &'static GBufferData {
     static DATA: OnceLock<GBufferData> = OnceLock::new();
     DATA.get_or_init(|| {
@@ -45,7 +46,7 @@ fn original() -> &'static GBufferData {
         let shot = Shot::new(&mut stage, &METHODS[0], &setup, Wants::IMAGE, camera, materials).unwrap();
         stage.run(&shot, ssct::gpu::frame::Mode::Plain).unwrap();
         let mut data = gbuffer::read(&mut stage.context, &shot).unwrap();
-        // A strip of sky, of all kinds of rooms the one without.
+        // The view has no sky: a strip becomes sky.
         let sky = SIZE[0] as usize * 7;
         data.depth[..sky].fill(0.0);
         data.normal[..sky].fill(Vec3::ZERO);
@@ -85,8 +86,8 @@ fn view_z(depth: f32, data: &GBufferData) -> f64 {
     n * f / (n + f64::from(depth) * (f - n))
 }
 
-/// What methods make of two G-buffers: the root of the mean squared difference of their reflections, and the share of
-/// values that differ by more than a step of a display.
+/// The differences of the reflections that methods make of two G-buffers: for each method its name, the root mean
+/// square difference, and the share of values that differ by more than a step of a display.
 fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)> {
     let gpu = gpu();
     let made = ["unified", "ssct"].map(|name| {
@@ -103,9 +104,9 @@ fn reflections(a: &GBufferData, b: &GBufferData) -> Vec<(&'static str, f64, f64)
     made.to_vec()
 }
 
-/// Holds a G-buffer that was read against what the files hold, decoded by the test itself, and against the original:
-/// the images of the former two are the same but for rays that graze an edge, and those of the original as far off as
-/// the format's own rounding takes them.
+/// Checks the images of `read`, a G-buffer that a map read, against those of `held`, the content of the same files as
+/// the test itself decodes it. Both are the same but for rays that graze an edge: their difference is bounded by 0.005
+/// and half of the difference that the format's own rounding makes between `held` and the original.
 fn same_images(read: &GBufferData, held: &GBufferData) {
     let rounding = reflections(held, original());
     for ((name, rmse, differing), (_, of_format, _)) in reflections(read, held).into_iter().zip(rounding) {

@@ -2,17 +2,17 @@
 //! a headless Chromium where there is one.
 
 use crate::common::folder::Folder;
-use crate::common::html::{attributes, chromium};
+use crate::common::html::{attributes, dom, probe};
 use crate::common::repository;
 use serde_json::{Value, json};
 
-/// What a run of the library under test measured: the times of `ssct` and of `unified`, in frames that stray by a few
-/// hundredths, and the latter's error.
+/// What a run of the library under test measured: the times of `ssct` and of `unified`, and the latter's error.
 struct Measured<'a> {
     device: &'a str,
     ssct_ms: f64,
     unified_ms: f64,
     rmse: f64,
+    /// How far frames stray from each other, as a share of the time.
     noise: f64,
 }
 
@@ -40,7 +40,7 @@ fn write(folder: &Folder, name: &str, m: &Measured) {
     let mut rows = "scene,view,method,preset,width,height,roughness,sample,pass,counted,ms\n".to_owned();
     for (method, ms) in methods {
         for n in 0..9 {
-            // Spread, but the median of the nine is the middle one.
+            // The nine times are spread evenly around their median.
             let trace = ms * 0.8 * (1.0 + m.noise * f64::from((n * 5) % 9 - 4));
             for (pass, counted, ms) in
                 [("lighting", false, 30.0), ("trace", true, trace), ("composite", true, ms * 0.2)]
@@ -52,7 +52,7 @@ fn write(folder: &Folder, name: &str, m: &Measured) {
     folder.write(&format!("{name}/time-samples.csv"), rows);
 }
 
-/// Two devices, the first of which has two dates, with a change that is sure and one that is not.
+/// Three runs: two of one device, between which `unified` became slower and `ssct` stayed the same, and one of another.
 fn library() -> Folder {
     let folder = Folder::new();
     let (ssct_ms, noise) = (10.0, 0.01);
@@ -187,11 +187,7 @@ fn made_rows(dom: &str, id: &str) -> Vec<Vec<String>> {
 fn the_page_says_of_two_runs_what_compare_says() {
     let folder = library();
     folder.succeed(&["index", "all"]);
-    let profile = tempfile::tempdir().unwrap();
-    let Some(mut command) = chromium(profile.path()) else { return };
-    let url = format!("file://{}", folder.path("all/index.html").display());
-    let output = command.args(["--dump-dom", &url]).output().unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
+    let Some(dom) = dom(&folder, "all/index.html") else { return };
     let rows = made_rows(&dom, "compared-times");
     let records: Vec<Value> =
         serde_json::from_str(&folder.succeed(&["compare", "all/2026-11-20-a", "all/2026-11-22-c", "--json"])).unwrap();
@@ -213,19 +209,10 @@ fn the_page_says_of_two_runs_what_compare_says() {
     assert_eq!(error[1..], ["unified", "RMSE against the world reference", "0.020000", "0.030000", "1.5000"]);
 }
 
-/// Chooses two runs of different devices in frames of two widths, with and without a script.
-const PROBE: &str = r##"<!DOCTYPE html><body><pre id="found"></pre><script>
-const lines = [];
-function show(width, sandbox) {
-  const frame = document.createElement("iframe");
-  frame.style = `width: ${width}px; height: 900px; border: 0`;
-  if (sandbox) frame.sandbox = "allow-same-origin";
-  frame.src = "all/index.html";
-  return new Promise(done => { frame.onload = () => done(frame); document.body.append(frame); });
-}
-(async () => {
+/// Chooses two runs of different devices in frames of two widths, and shows the page without its script.
+const PROBE: &str = r##"
   for (const width of [390, 1280]) {
-    const d = (await show(width, false)).contentDocument, root = d.documentElement;
+    const d = (await show("all/index.html", width, false)).contentDocument, root = d.documentElement;
     const a = d.getElementById("run-a");
     const overflow = root.scrollWidth - root.clientWidth;
     lines.push(`${width} overflow ${overflow} first ${a.value} ${d.getElementById("run-b").value}`);
@@ -234,24 +221,16 @@ function show(width, sandbox) {
     lines.push(d.getElementById("compared-times").textContent);
     lines.push(d.querySelectorAll("#compared-errors tbody tr").length);
   }
-  const d = (await show(390, true)).contentDocument;
+  const d = (await show("all/index.html", 390, true)).contentDocument;
   const shown = d.getElementById("choose-runs").getClientRects().length;
   lines.push(`no-script ${shown} ${d.querySelectorAll(".plot svg").length}`);
-  document.getElementById("found").textContent = lines.join("\n");
-})();
-</script>"##;
+"##;
 
 #[test]
 fn times_of_two_devices_are_not_compared_and_the_page_fits_a_phone() {
     let folder = library();
     folder.succeed(&["index", "all"]);
-    folder.write("probe.html", PROBE);
-    let profile = tempfile::tempdir().unwrap();
-    let Some(mut command) = chromium(profile.path()) else { return };
-    let url = format!("file://{}", folder.path("probe.html").display());
-    let output = command.args(["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
+    let Some(found) = probe(&folder, PROBE) else { return };
     let of = |width: u32| format!("{width} overflow 0 first 0 2\nNot compared: times compare only on one device.\n1\n");
-    assert_eq!(found, of(390) + &of(1280) + "no-script 0 2", "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(found, of(390) + &of(1280) + "no-script 0 2");
 }

@@ -2,7 +2,7 @@
 //! shown by a headless Chromium where there is one.
 
 use crate::common::folder::Folder;
-use crate::common::html::{attributes, chromium};
+use crate::common::html::{attributes, chromium, probe};
 use ssct::gpu::DeviceInfo;
 use ssct::methods::{Prepared, Setup, find};
 use ssct::parameter::Preset;
@@ -233,8 +233,7 @@ fn a_missing_picture_is_named() {
 }
 
 /// Shows the page in frames of some widths, with and without its script, and writes down what is there.
-const PROBE: &str = r#"<!DOCTYPE html><body><pre id="found"></pre><script>
-const lines = [];
+const PROBE: &str = r#"
 const visible = (e) => e.getClientRects().length > 0;
 function probe(frame, what) {
   const d = frame.contentDocument, root = d.documentElement;
@@ -260,30 +259,14 @@ function probe(frame, what) {
   select.dispatchEvent(new Event("change"));
   lines.push(`${what} chosen ${right.src != before} ${range.getAttribute("aria-valuetext")}`);
 }
-function show(width, sandbox) {
-  const frame = document.createElement("iframe");
-  frame.style = `width: ${width}px; height: 900px; border: 0`;
-  if (sandbox) frame.sandbox = "allow-same-origin";
-  frame.src = "index.html";
-  return new Promise(done => { frame.onload = () => done(frame); document.body.append(frame); });
-}
-(async () => {
-  for (const width of [390, 1280]) probe(await show(width, false), `${width}`);
-  probe(await show(390, true), "no-script");
-  document.getElementById("found").textContent = lines.join("\n");
-})();
-</script>"#;
+for (const width of [390, 1280]) probe(await show("index.html", width, false), `${width}`);
+probe(await show("index.html", 390, true), "no-script");
+"#;
 
 #[test]
 fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     let page = Made::new();
-    let profile = tempfile::tempdir().unwrap();
-    let Some(mut command) = chromium(profile.path()) else { return };
-    page.folder.write("probe.html", PROBE);
-    let url = format!("file://{}", page.folder.path("probe.html").display());
-    let output = command.args(["--hide-scrollbars", "--dump-dom", "--window-size=1400,1000", &url]).output().unwrap();
-    let dom = String::from_utf8_lossy(&output.stdout);
-    let found = dom.split("<pre id=\"found\">").nth(1).and_then(|s| s.split("</pre>").next()).unwrap_or_default();
+    let Some(found) = probe(&page.folder, PROBE) else { return };
     let expected = |what: &str, columns: u32| {
         let wide = columns > 1;
         format!(
@@ -297,7 +280,7 @@ fn it_fits_a_phone_and_a_desktop_and_its_divider_moves() {
     let without = "no-script overflow 0\nno-script pictures true\nno-script dividers 0\nno-script columns 1\n\
                    no-script between false\nno-script above true";
     let expected = expected("390", 1) + &expected("1280", 3) + without;
-    assert_eq!(found, expected, "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(found, expected);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! Studies divided among machines: each shard is a run of its own, and merged they are what one machine would have
-//! measured.
+//! Studies divided among machines: each shard is a run of its own, and the merged shards are what one machine would
+//! have measured.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -11,7 +11,7 @@ const SSCT: &str = env!("CARGO_BIN_EXE_ssct");
 const ERROR: [&str; 11] =
     ["error", "--quick", "--method", "ssct,hzct", "--rays", "4", "--samples", "20", "--size", "96x54", "--scene=rooms"];
 
-/// Runs to the end: exit status, standard output and standard error, which holds no panic.
+/// Runs a command to its end, without a panic: its exit status, standard output and standard error.
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = Command::new(SSCT).args(arguments).output().unwrap();
     let [out, said] = [output.stdout, output.stderr].map(|text| String::from_utf8(text).unwrap());
@@ -19,13 +19,14 @@ fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
     (output.status.code(), out, said)
 }
 
+/// The output of a command that succeeds and prints nothing to standard error.
 fn done(arguments: &[&str]) -> String {
     let (status, out, said) = run(arguments);
     assert_eq!((status, said.as_str()), (Some(0), ""), "{arguments:?}");
     out
 }
 
-/// The sentence with which a run fails.
+/// The single line that a command prints to standard error when it fails.
 fn refused(arguments: &[&str]) -> String {
     let (status, _, said) = run(arguments);
     assert_eq!((status, said.lines().count()), (Some(1), 1), "{arguments:?}: {said}");
@@ -48,7 +49,7 @@ impl Folders {
         self.path(name).to_str().unwrap().to_owned()
     }
 
-    /// Runs a shard in the folder of its number.
+    /// Runs a shard into the folder that its number names.
     fn shard(&self, command: &[&str], index: u32, of: u32) {
         let (shard, folder) = (format!("{index}/{of}"), self.name(&index.to_string()));
         done(&[command, &["--shard", &shard, "-o", &folder]].concat());
@@ -88,7 +89,7 @@ fn figures(mut value: Value) -> Value {
     value
 }
 
-/// Names of the cells that a shard owns, and of all.
+/// The names of the cells that a shard owns, and those of all cells.
 fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     let of = |is_own: &dyn Fn(&Value) -> bool| {
         let cells = list["cells"].as_array().unwrap().iter().filter(|c| is_own(c));
@@ -97,7 +98,7 @@ fn cells(list: &Value) -> (BTreeSet<String>, BTreeSet<String>) {
     (of(&|c| c["own"] == true), of(&|_| true))
 }
 
-/// Kills a run where its journal has so many lines.
+/// Kills a run once its journal has some number of lines.
 fn killed(arguments: &[&str], folder: &Path, lines: usize) {
     let mut child = Command::new(SSCT).args(arguments).stdout(Stdio::null()).spawn().unwrap();
     let begun = Instant::now();
@@ -123,7 +124,7 @@ fn merged_shards_of_an_error_study_are_the_study() {
     for n in [2, 3] {
         folders.shard(&ERROR, n, 3);
     }
-    // What the killed shard has not measured is named.
+    // The cells that the killed shard has not measured are named.
     let [second, third_folder] = ["2", "3"].map(|name| folders.name(name));
     let merge = ["merge", &first, &second, &third_folder, "-o", &all];
     let said = refused(&merge);
@@ -137,7 +138,7 @@ fn merged_shards_of_an_error_study_are_the_study() {
     assert!(missing.iter().all(|name| lists[0].0.contains(*name)), "{said}");
     assert!(said.contains(&format!("{} of the 4 cells are missing", missing.len())), "{said}");
 
-    // They can be merged anyway, and the page says what they lack.
+    // The shards can be merged anyway, and the page names the missing cells.
     let partial = folders.name("partial");
     let out = done(&["merge", &first, &second, &third_folder, "-o", &partial, "--partial"]);
     let page = std::fs::read_to_string(folders.path("partial/index.html")).unwrap();
@@ -149,7 +150,7 @@ fn merged_shards_of_an_error_study_are_the_study() {
     let summary: Value = serde_json::from_str(&done_again).unwrap();
     assert_eq!((&summary["cells"], &summary["missing"]), (&4.into(), &Value::Array(vec![])));
 
-    // What was merged is the study, to the bit.
+    // The merged run has the figures of the whole study, to the bit.
     let [whole_records, merged_records] = ["whole", "all"].map(|f| folders.json(&format!("{f}/error.json")));
     assert_eq!(figures(whole_records), figures(merged_records));
     assert_eq!(folders.files("whole"), folders.files("all"));
@@ -157,7 +158,8 @@ fn merged_shards_of_an_error_study_are_the_study() {
         let [a, b] = ["whole", "all"].map(|f| std::fs::read(folders.path(f).join(file)).unwrap());
         assert!(a == b, "{file} differs");
     }
-    // A merged run is a run: nothing is left to do, and it merges with itself and with what completes it.
+    // A merged run is a run like any other: --resume measures nothing, and an incomplete one merges with a further
+    // shard.
     let measured = || std::fs::read_to_string(folders.path("all/journal.jsonl")).unwrap().lines().count();
     let before = (measured(), folders.json("all/error.json"));
     done(&[&ERROR[..], &["--resume", "-o", &all]].concat());
@@ -261,16 +263,13 @@ fn times_are_divided_by_size_and_roughness() {
     }
 }
 
-/// As if another device had measured a shard.
+/// Rewrites the folder of a shard as if another device had measured it.
 fn of_another_device(folder: &Path) {
     for file in ["cells.json", "journal.jsonl"] {
         let path = folder.join(file);
         let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(
-            &path,
-            text.replace("llvmpipe (", "another (").replace("\"name\":\"NVIDIA", "\"name\":\"another"),
-        )
-        .unwrap();
+        let text = text.replace("llvmpipe (", "another (").replace("\"name\":\"NVIDIA", "\"name\":\"another");
+        std::fs::write(&path, text).unwrap();
     }
 }
 
@@ -288,7 +287,7 @@ fn times_of_two_devices_stay_apart() {
     assert_eq!(folders.json("all/time.json").as_array().unwrap().len(), 4);
     let page = std::fs::read_to_string(folders.path("all/index.html")).unwrap();
     assert!(page.contains("another (") && page.matches("total ms").count() == 2, "a table for each device");
-    // The samples, which are compared, lie with their device.
+    // The samples, which `ssct compare` reads, lie in the folder of their device.
     assert!(!folders.path("all/time-samples.csv").exists());
     let is_other = |folder: &str| {
         folders.json(&format!("{folder}/time.json"))[0]["device"]["name"].to_string().contains("another")
@@ -367,7 +366,7 @@ fn a_reference_is_divided_by_its_rays() {
     assert!(state("all") == state("whole"));
     done(&[&render[..], &most, &["-o", &image("merged"), "--cache", &all]].concat());
     assert!(std::fs::read(image("merged")).unwrap() == std::fs::read(image("whole")).unwrap());
-    // Where there are more shards than groups of rays, some have none; other images are drawn at once.
+    // Where there are more shards than groups of rays, some shards have none. Images of other methods have no shards.
     let (status, _, said) = run(&[&render[..], &["--shard", "9/9", "-o", &image("x"), "--cache", &a]].concat());
     assert_eq!((status, said.as_str()), (Some(0), ""), "four groups of rays: the last shard has one");
     let (status, _, said) = run(&[&render[..], &["--shard", "1/9", "-o", &image("x"), "--cache", &a]].concat());
@@ -432,7 +431,7 @@ fn a_plan_says_how_long_a_study_takes_and_measures_nothing() {
         assert!(of(n, "makespan_s") <= simulated[0] * (1.0 + 1e-9) && simulated[0] <= simulated[1]);
         assert!(of(n, "memory_bytes") > 1e8);
     }
-    // The dearest cell alone remains, and the rays of the references can still be divided.
+    // A thousand machines wait for the dearest cell, unless the rays of its references are divided.
     assert!((of(2, "makespan_s") - of(2, "bound_s")).abs() < 1e-9 * of(2, "bound_s"));
     assert!(of(0, "enough") <= 18.0 && plans[2]["in_two_steps"]["makespan_s"].as_f64().unwrap() < of(2, "makespan_s"));
     let text = done(&[&study[..], &["--plan", "4"]].concat());
@@ -441,11 +440,10 @@ fn a_plan_says_how_long_a_study_takes_and_measures_nothing() {
         "{text}"
     );
 
-    // The plan is by the shards that there are: their cells are those of the plan.
     let (status, _, said) = run(&[&study[..], &["--plan", "0"]].concat());
     assert!(status == Some(2) && said.contains("--plan"), "{said}");
 
-    // The costs of another machine: those of a run there.
+    // The costs of another machine are taken from the folder of a run on it.
     let folders = Folders::new();
     let own = folders.name("own");
     let small = ["error", "--scene", "corridor", "--no-sweep", "--method", "ssct", "--size", "24x16", "--samples", "1"];

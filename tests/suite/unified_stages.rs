@@ -1,4 +1,4 @@
-//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`): the same images to the bit, by
+//! `unified` in fragment and in compute shaders (`--trace-stage`, `--resolve-stage`) makes the same images to the bit, in
 //! passes of the same names.
 
 use crate::common::engine::{Engine, NATIVE, Theirs, bits, info, view_of_rooms};
@@ -19,7 +19,7 @@ use ssct::{Reflections, ReflectionsInfo};
 use ssct_lab::scene::{Camera, Capture, GBufferData, Scene, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 
-/// The stages in which rays are traced and gathered, each of which must make what the first pair makes.
+/// The stages that trace rays and that gather what they saw. Each pair must make the images that the first pair makes.
 const STAGES: [[TileStage; 2]; 4] = [[Fragment; 2], [Compute; 2], [Compute, Fragment], [Fragment, Compute]];
 
 /// What a frame made: the bits of its images by their names, and the passes that it recorded.
@@ -29,10 +29,10 @@ fn in_stages(setup: &Setup, stages: [TileStage; 2]) -> Setup {
     setup.with(|p: &mut UnifiedParams| [p.trace_stage, p.resolve_stage] = stages)
 }
 
-/// Holds what each pair of stages makes against what fragment shaders make.
+/// Holds the images and the passes of each pair of stages against those of fragment shaders.
 fn check_same(what: &str, mut make: impl FnMut([TileStage; 2]) -> Made) {
     let (expected, passes) = make(STAGES[0]);
-    // Instrumented, each shader is compiled for half a minute.
+    // Compiling an instrumented shader takes half a minute.
     let tried = if is_gpu_assisted() { &STAGES[1..2] } else { &STAGES[1..] };
     for stages in tried {
         let (found, recorded) = make(*stages);
@@ -44,14 +44,14 @@ fn check_same(what: &str, mut make: impl FnMut([TileStage; 2]) -> Made) {
                 "{what}, {stages:?}, {name}: {differ} numbers differ"
             );
         }
-        // In compute shaders no attachment is cleared along with the pass.
+        // A compute program has no attachment that is cleared along with it: a pass of its own clears the hits.
         let is_clear = |pass: &&String| **pass == "hits" || pass.ends_with("/hits");
         let others = |passes: &[String]| passes.iter().filter(|p| !is_clear(p)).cloned().collect::<Vec<_>>();
         assert_eq!(others(&recorded), others(&passes), "{what}, {stages:?}");
     }
 }
 
-/// The method alone in a frame over a G-buffer.
+/// What a frame of the method alone makes of a G-buffer.
 fn alone(gpu: &Gpu, images: &GBufferImages, (camera, reflectors): (&Camera, Reflectors), of: (&Setup, Wants)) -> Made {
     let (setup, wants) = of;
     let method = unified::INFO.alone(gpu, setup, wants).unwrap();
@@ -71,13 +71,13 @@ fn alone(gpu: &Gpu, images: &GBufferImages, (camera, reflectors): (&Camera, Refl
     (images.into_iter().filter_map(read).collect(), report.recorded)
 }
 
-/// Sides of one texel, odd sides, and more tiles than a row of workgroups has.
+/// Sizes of images: with sides of one texel, with odd sides, and with more tiles than a row of workgroups has.
 fn sizes() -> Vec<[u32; 2]> {
     let all = [[1, 1], [1, 37], [53, 1], [2, 2], [5, 3], [16, 16], [66, 65], [161, 97], [641, 359]];
     all.into_iter().filter(|size| !is_gpu_assisted() || [[5, 3], [66, 65]].contains(size)).collect()
 }
 
-/// What is wanted, the version of the oracle, and what is behind.
+/// What is wanted of a frame, the version of the oracle, and the reflection behind the method's own.
 const WAYS: [(Wants, OracleVersion, Fallback); 3] = [
     (Wants::HITS, V1, Fallback::None),
     (Wants::REFLECTION, V2, Fallback::Environment),
@@ -102,7 +102,7 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
             let data = mixed(&cases[2].1, block);
             cases.push((format!("{extent:?} over tiles, mixed in blocks of {block}"), data, Reflectors::UNKNOWN));
         }
-        // The others are there for their tiles.
+        // The other sizes test how tiles and workgroups cover an image, for which one way is enough.
         let all_ways = [[5, 3], [66, 65], [161, 97]].contains(&extent) && !is_gpu_assisted();
         let ways = if all_ways { &WAYS } else { &WAYS[..1] };
         for (name, data, reflectors) in &cases {
@@ -123,7 +123,7 @@ fn over_any_gbuffer_both_stages_make_the_same_images() {
     assert!(shown.iter().all(|n| *n > 20 || is_gpu_assisted()), "{shown:?} images show something");
 }
 
-/// What the last of some frames of the whole effect shows.
+/// What the last of some frames of the whole effect makes.
 fn effect(gpu: &Gpu, scene: &Scene, view: &str, setup: &Setup, (roughness, frames): (Option<f32>, usize)) -> Made {
     let view = scene.view(view).unwrap();
     let mut stage = Stage::new(gpu, scene).unwrap();

@@ -8,7 +8,7 @@ use ssct::gpu::frame::Mode;
 use ssct::gpu::memory::MemoryPlace;
 use ssct::gpu::programs::Classify;
 use ssct::gpu::shader::UnifiedBlock;
-use ssct::gpu::validation::{ALLOWED, Allowed};
+use ssct::gpu::validation::{ALLOWED, LAYER};
 use ssct::gpu::{Buffer, ComputePipeline, Frame, FrameContext, Image, ImageDesc};
 use ssct::methods::linear::LinearParams;
 use ssct::methods::poster::PosterParams;
@@ -116,14 +116,9 @@ fn every_method_in_every_mode_is_valid() {
     let said = |id: &str| gpu.validation().iter().any(|m| m.id == id);
     // SAFETY: enumeration has no preconditions.
     let layers = unsafe { gpu.shared().entry.enumerate_instance_layer_properties() }.unwrap();
-    let layer = layers.iter().find(|l| l.layer_name_as_c_str() == Ok(c"VK_LAYER_KHRONOS_validation")).unwrap();
-    // Younger layers have no IDs that begin so, and nothing to say of timing mode.
-    let is_young = layer.spec_version >= vk::make_api_version(0, 1, 4, 0);
-    let is_known = |allowed: &&Allowed| {
-        allowed.since <= layer.spec_version && !(is_young && allowed.id.starts_with("UNASSIGNED-"))
-    };
-    for Allowed { id, since, .. } in ALLOWED.iter().filter(is_known) {
-        assert!(said(id), "nothing says {id} any more (since {since}): take it off the allow-list");
+    let version = layers.iter().find(|l| l.layer_name_as_c_str() == Ok(LAYER)).unwrap().spec_version;
+    for allowed in ALLOWED.iter().filter(|allowed| allowed.versions.contains(&version)) {
+        assert!(said(allowed.id), "the layer of version {version:#x} does not give this message: {allowed:?}");
     }
     for id in expected_failures("gpu-assisted", &gpu).iter().filter(|_| is_gpu_assisted()) {
         assert!(said(id), "nothing says {id} any more: take it off the expected failures");

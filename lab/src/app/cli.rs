@@ -79,6 +79,17 @@ pub struct DeviceOptions {
     pub validation: bool,
 }
 
+/// What a command that measures does with its records.
+#[derive(Debug, Clone, Copy, Args)]
+pub struct RunOptions {
+    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    #[arg(long, requires = "output")]
+    pub resume: bool,
+    /// Print the records as JSON, and nothing else.
+    #[arg(long)]
+    pub json: bool,
+}
+
 /// Which part of a study is run.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ShardOptions {
@@ -177,12 +188,8 @@ pub struct TimeOptions {
     /// path-frames.csv, path.svg and path.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
-    #[arg(long, requires = "output")]
-    pub resume: bool,
-    /// Print the records as JSON, and nothing else.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunOptions,
 }
 
 /// Options of `ssct merge`.
@@ -219,12 +226,8 @@ pub struct StressOptions {
     /// Write stress.json, stress.txt and index.html into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
-    #[arg(long, requires = "output")]
-    pub resume: bool,
-    /// Print the records as JSON, and nothing else.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
 }
@@ -249,12 +252,8 @@ pub struct MotionOptions {
     /// Write motion.json and motion.txt into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
-    #[arg(long, requires = "output")]
-    pub resume: bool,
-    /// Print the records as JSON, and nothing else.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunOptions,
 }
 
 /// The subcommands of `ssct gbuffer`.

@@ -9,7 +9,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Change that counts, unless the flag says otherwise.
-const THRESHOLD: f64 = 0.05;
+pub const THRESHOLD: f64 = 0.05;
 
 /// Options of `ssct compare`.
 #[derive(Debug, Args)]
@@ -66,9 +66,7 @@ fn sort(path: &Path) -> Result<Sort> {
 
 fn times(options: &CompareOptions) -> anyhow::Result<()> {
     let threshold = options.threshold.unwrap_or(THRESHOLD);
-    if !(0.0..1.0).contains(&threshold) {
-        return Err(Error::Usage(format!("--threshold {threshold}: must be at least 0 and below 1")).into());
-    }
+    check_threshold(threshold)?;
     let records = compare::times(&load(&options.a)?, &load(&options.b)?, threshold);
     if records.iter().all(|r| r.only_in.is_some()) {
         let differs = records.iter().find_map(|r| r.differs.as_ref()).map(|d| format!(": {d}")).unwrap_or_default();
@@ -81,6 +79,14 @@ fn times(options: &CompareOptions) -> anyhow::Result<()> {
     let slower = records.iter().filter(|r| r.pass == TOTAL && r.verdict == Some(Verdict::Slower)).count();
     if options.fail_on_slower && slower > 0 {
         anyhow::bail!("{slower} total(s) are slower");
+    }
+    Ok(())
+}
+
+/// Refuses a `--threshold` that is out of range.
+pub fn check_threshold(threshold: f64) -> Result<()> {
+    if !(0.0..1.0).contains(&threshold) {
+        return Err(Error::Usage(format!("--threshold {threshold}: must be at least 0 and below 1")));
     }
     Ok(())
 }

@@ -1,15 +1,12 @@
 //! `ssct drivers`: the same methods on every device here.
 
-use super::cli::CommonOptions;
-use super::cli::size;
+use super::cli::{CommonOptions, size};
 use super::{progress, resolve};
-use crate::error::{Error, Result};
-use crate::gpu::{DeviceInfo, DeviceQuery, Gpu, device};
-use crate::methods::{self, MethodInfo};
+use crate::error::Error;
+use crate::methods;
 use crate::report::{agreement_report, files};
-use crate::scene::{Scene, View};
-use crate::study::Globals;
-use crate::study::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
+use crate::study::agreement::AgreementSpec;
+use crate::study::{Globals, other_devices};
 use clap::Args;
 use serde_json::Value;
 use std::io::Write;
@@ -52,21 +49,26 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
     let setup = common.method_options.setup(options.size);
     let methods = methods::choose(&options.method, &setup)?;
     let base = resolve::gpu(&common.device)?;
-    let others = others(&base, common.device.validation)?;
+    let others = other_devices::others(&base, common.device.validation)?;
     if others.is_empty() {
         let message = format!("there is no device beside {} to compare with", base.info().name);
         return Err(Error::NoDevice(message).into());
     }
-    let bar = progress::bar("drivers", others.len() * (globals.len() + 1));
+    let spec = |globals: Globals| AgreementSpec {
+        scene: &scene,
+        view: &view,
+        globals,
+        methods: methods.clone(),
+        setup: setup.clone(),
+    };
+    let bar = progress::bar("drivers", globals.len() + others.len());
     let (mut records, mut drawn) = (Vec::new(), Vec::new());
+    for globals in &globals {
+        records.extend(other_devices::compare(&base, &others, &spec(*globals))?);
+        progress::step(&bar)?;
+    }
     for other in &others {
-        for globals in &globals {
-            let spec = spec(&scene, &view, *globals, &methods, &setup);
-            records.extend(compare(&base, other, &spec)?);
-            progress::step(&bar)?;
-        }
-        let spec = spec(&scene, &view, globals[0], &methods, &setup);
-        drawn.extend(compare_drawn([&base, other], common.device.validation, &spec)?);
+        drawn.extend(other_devices::compare_drawn([&base, other], common.device.validation, &spec(globals[0]))?);
         progress::step(&bar)?;
     }
     bar.finish_and_clear();
@@ -82,71 +84,4 @@ pub fn run(options: &DriversOptions) -> anyhow::Result<()> {
         gpu.check_validation()?;
     }
     Ok(())
-}
-
-fn spec<'a>(
-    scene: &'a Scene,
-    view: &'a View,
-    globals: Globals,
-    methods: &[&'static MethodInfo],
-    setup: &crate::methods::Setup,
-) -> AgreementSpec<'a> {
-    AgreementSpec { scene, view, globals, methods: methods.to_vec(), setup: setup.clone() }
-}
-
-/// Every other device that can be used.
-///
-/// # Errors
-/// Those of opening a device.
-pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
-    let is_other = |info: &DeviceInfo| info != base.info();
-    let listing = device::devices()?.into_iter().filter(|d| d.unsuitable.is_none() && is_other(&d.info));
-    listing.map(|d| open(d.index, validation, false)).collect()
-}
-
-fn open(index: usize, validation: bool, isotropic: bool) -> Result<Gpu> {
-    Gpu::open(&DeviceQuery { device: Some(index.to_string()), validation, isotropic, ..DeviceQuery::default() })
-}
-
-/// What `--device` takes for a device.
-///
-/// # Errors
-/// [`Error::NoDevice`] if it is no longer there.
-pub fn index(gpu: &Gpu) -> Result<usize> {
-    let found = device::devices()?.into_iter().find(|d| d.info == *gpu.info());
-    found.map(|d| d.index).ok_or_else(|| Error::NoDevice(format!("{} is gone", gpu.info().name)))
-}
-
-/// What a device makes of the G-buffer that `base` draws, against what `base` makes of it.
-///
-/// # Errors
-/// Those of the devices.
-pub fn compare(base: &Gpu, other: &Gpu, spec: &AgreementSpec) -> Result<Vec<AgreementRecord>> {
-    let data = agreement::draw(base, spec)?;
-    let [theirs, ours] = [base, other].map(|gpu| agreement::images(gpu, spec, &data));
-    Ok(agreement::compare(other, base.info(), spec, &data, [&theirs?, &ours?]))
-}
-
-/// The G-buffers that two devices draw: as methods see them, without anisotropy, and without normal maps, too.
-///
-/// # Errors
-/// Those of the devices.
-pub fn compare_drawn(devices: [&Gpu; 2], validation: bool, spec: &AgreementSpec) -> Result<Vec<DrawnRecord>> {
-    let again = |gpu| open(index(gpu)?, validation, true);
-    let isotropic = [again(devices[0])?, again(devices[1])?];
-    let plain = Globals { normal_deviation: Some(0.0), ..spec.globals };
-    let mut records = Vec::new();
-    for (gpus, globals, is_isotropic) in [
-        (devices, spec.globals, false),
-        (isotropic.each_ref(), spec.globals, true),
-        (isotropic.each_ref(), plain, true),
-    ] {
-        let spec = AgreementSpec { globals, methods: Vec::new(), setup: spec.setup.clone(), ..*spec };
-        let [base, drawn] = gpus.map(|gpu| agreement::draw(gpu, &spec));
-        records.push(agreement::compare_drawn(gpus, &spec, [&base?, &drawn?], is_isotropic));
-    }
-    for gpu in &isotropic {
-        gpu.check_validation()?;
-    }
-    Ok(records)
 }

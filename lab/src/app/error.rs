@@ -1,6 +1,6 @@
 //! `ssct error`: run time against error.
 
-use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS};
+use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS, reference_rays};
 use super::error_options::ErrorOptions;
 use super::run::{Run, command_line};
 use super::{error_age, error_video, precision, progress, resolve};
@@ -10,6 +10,7 @@ use crate::report::error_report::{self, IMAGES};
 use crate::report::files;
 use crate::scene::{Scene, View, library};
 use crate::study::cost::CellCost;
+use crate::study::cost_model::CostModel;
 use crate::study::error::ErrorRecord;
 use crate::study::shard::Shard;
 use crate::study::{Globals, sweep};
@@ -37,7 +38,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     }
     let list = plan.list(&gpu, options.shard.shard, command_line())?;
     let bar = progress::bar("error", list.owned());
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let pictures = options.output.as_ref().map(|folder| folder.join(IMAGES));
     let outcome = plan.measure(&gpu, &mut run.journal, Some(&list), pictures.as_deref(), &mut || bar.inc(1));
@@ -55,7 +56,8 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
 /// Takes this shard's rays of the world references, for runs with --references.
 fn sample_references(options: &ErrorOptions, gpu: &Gpu, plan: &Plan, folder: &Path) -> anyhow::Result<()> {
     let shard = options.shard.shard.unwrap_or(Shard { index: 1, of: 1 });
-    let rays = plan.reference_rays(shard.of).swap_remove(shard.index as usize - 1);
+    let cells = plan.priced(CostModel::kept());
+    let rays = reference_rays(&cells, shard.of).swap_remove(shard.index as usize - 1);
     let run = Run::begin(Some(folder), true)?;
     let bar = progress::bar("references", rays.len());
     let outcome = plan.sample_references(gpu, &rays, folder, &mut || bar.inc(1));
@@ -72,7 +74,7 @@ fn write(options: &ErrorOptions, records: &[ErrorRecord], costs: &[CellCost], co
     if let Some(folder) = &options.output {
         error_report::write(folder, records, costs, command, &[])?;
     }
-    let shown = if options.json { files::json(records) } else { error_report::text(records) };
+    let shown = if options.run.json { files::json(records) } else { error_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
 }

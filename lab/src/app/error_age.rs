@@ -1,8 +1,7 @@
 //! `ssct error --age`: error over the age of captures, while things move.
 
-use super::error_cells::list_head;
 use super::error_options::ErrorOptions;
-use super::run::{Run, go_on};
+use super::run::{Run, go_on, list_head};
 use super::{progress, resolve};
 use crate::error::Error;
 use crate::methods::{self, MethodInfo};
@@ -60,13 +59,13 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
     };
     let specs: Vec<AgeSpec> = cells.iter().map(spec).collect();
     let planned = specs.iter().map(planned).collect();
-    let list = CellList::new(list_head("age", options, &setup, &scene), gpu.info(), planned);
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let list = CellList::new(list_head("age", options.shard.shard, &setup, &scene), gpu.info(), planned);
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let bar = progress::bar("age", list.owned());
     let mut records: Vec<AgeRecord> = Vec::new();
     let mut outcome = Ok(());
-    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+    for spec in list.own(&specs) {
         let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
@@ -88,7 +87,7 @@ fn write(options: &ErrorOptions, records: &[AgeRecord]) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
         age_report::write(folder, records)?;
     }
-    let shown = if options.json { files::json(records) } else { age_report::text(records) };
+    let shown = if options.run.json { files::json(records) } else { age_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
 }

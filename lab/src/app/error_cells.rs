@@ -1,8 +1,7 @@
 //! The cells of the error study: scene, view, size and roughness. What `ssct error` and `ssct study`
 //! share. A cell that the journal has is not measured again.
 
-use super::error_options::ErrorOptions;
-use super::run::{command_line, go_on};
+use super::run::{Last, go_on};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::methods::{MethodInfo, Setup};
@@ -12,11 +11,10 @@ use crate::study::cell_list::{CellList, CellListHead, PlannedCell};
 use crate::study::cost::CellCost;
 use crate::study::cost_model::{CellShape, CostModel, CostParts};
 use crate::study::error::{ErrorRecord, ErrorSpec, Variant, definitions_of, measure, sample_worlds};
-use crate::study::journal::{Journal, scene_digest};
-use crate::study::shard::{RayShare, Shard, rays_of_shards};
+use crate::study::journal::{Journal, scene_digest, setup_digest};
+use crate::study::shard::{RayShare, RaysOfShard, Shard, Share, rays_of_shards};
 use crate::study::{Globals, Stage};
 use serde_json::{Value, json};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Pixels of a quick study.
@@ -40,21 +38,23 @@ pub struct Plan {
     pub samples: usize,
     /// Rays a pixel of the references.
     pub rays: u32,
-    /// Folders of samples of world references that other runs took.
+    /// Folders in which other runs left samples of the world references.
     pub references: Vec<PathBuf>,
 }
 
-/// A cell with what it is predicted to cost.
+/// A cell with its predicted cost.
 pub struct PricedCell {
-    /// The cell.
-    pub cell: PlannedCell,
-    /// The parts of its cost.
+    /// The name of the cell, for people.
+    pub name: String,
+    /// The digest of the cell's setup, with its whole cost.
+    pub share: Share,
+    /// The parts of the cost.
     pub parts: CostParts,
-    /// Bytes that the process holds, if that is known.
+    /// Bytes that the process holds, if they can be predicted.
     pub memory_bytes: Option<f64>,
-    /// Rays a pixel of its references.
+    /// Rays a pixel of the references.
     pub rays: u32,
-    /// Seconds to draw it for its references alone.
+    /// Seconds to draw the cell for its references alone.
     pub drawn_s: f64,
 }
 
@@ -62,13 +62,12 @@ impl Plan {
     /// The quick study of a scene: two views, a mirror and a glossy one, methods as published.
     pub fn quick(scene: Scene, methods: &[&'static MethodInfo], samples: usize, rays: u32) -> Self {
         let of = |r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: None };
-        let variant = |method: &&'static MethodInfo| Variant { method, setup: Setup::new(QUICK_SIZE) };
         let views = scene.views.iter().take(QUICK_VIEWS).cloned().collect();
         Self {
             scenes: vec![(scene, views)],
             sizes: vec![QUICK_SIZE],
             globals: QUICK_ROUGHNESS.map(of).to_vec(),
-            variants: methods.iter().map(variant).collect(),
+            variants: Variant::of(methods, &Setup::new(QUICK_SIZE)),
             samples,
             rays,
             references: Vec::new(),
@@ -80,47 +79,50 @@ impl Plan {
         self.scenes.iter().map(|(_, views)| views.len()).sum::<usize>() * self.sizes.len() * self.globals.len()
     }
 
-    /// The cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
+    /// The list of cells for a run on a device, of which a shard owns some; `command` is that of the whole study.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the variants are of several versions of the definitions.
+    /// [`Error::Usage`] if the variants follow several versions of the definitions.
     pub fn list(&self, gpu: &Gpu, shard: Option<Shard>, command: String) -> Result<CellList> {
         let scenes = self.scenes.iter().map(|(scene, _)| (scene.name.clone(), scene_digest(scene))).collect();
         let definitions = definitions_of(&self.variants)?;
         let head = CellListHead { kind: "error", definitions, command, shard, settings: Value::Null, scenes };
-        Ok(CellList::new(head, gpu.info(), self.planned(Some(gpu))))
-    }
-
-    /// The cells with what they are predicted to cost by the costs that are part of the program; without a device nobody
-    /// knows where a journal keeps them.
-    fn planned(&self, gpu: Option<&Gpu>) -> Vec<PlannedCell> {
+        // Every machine divides the study by the costs that are part of the program.
         let planned = |spec: ErrorSpec| {
-            let setup = json!([spec.settings(), spec.samples, spec.rays]);
-            let key = gpu.map(|gpu| key(gpu, &spec)).unwrap_or_default();
             let cost = CostModel::kept().predict(&CellShape::of(&spec)).total_s();
-            PlannedCell::new(stem_of(&spec), setup, cost, key)
+            PlannedCell::new(stem_of(&spec), setup_of(&spec), cost, key(gpu, &spec))
         };
-        self.specs().map(planned).collect()
+        Ok(CellList::new(head, gpu.info(), self.specs().map(planned).collect()))
     }
 
-    /// The cells with what they are predicted to cost by a model.
+    /// The cells with the costs that a model predicts.
     pub fn priced(&self, model: &CostModel) -> Vec<PricedCell> {
-        let price = |(cell, spec): (PlannedCell, ErrorSpec)| {
+        let price = |spec: ErrorSpec| {
             let shape = CellShape::of(&spec);
-            let (parts, memory_bytes) = (model.predict(&shape), model.memory_bytes(&shape));
-            PricedCell { cell, parts, memory_bytes, rays: spec.rays, drawn_s: model.drawn_s(spec.extent) }
+            let parts = model.predict(&shape);
+            PricedCell {
+                name: stem_of(&spec),
+                share: Share { setup: setup_digest(&setup_of(&spec)), cost: parts.total_s() },
+                parts,
+                memory_bytes: model.memory_bytes(&shape),
+                rays: spec.rays,
+                drawn_s: model.drawn_s(spec.extent),
+            }
         };
-        self.planned(None).into_iter().zip(self.specs()).map(price).collect()
+        self.specs().map(price).collect()
     }
 
-    /// How long the parts of every cell that the journal has took.
+    /// The costs of every cell that the journal has.
     pub fn costs(&self, gpu: &Gpu, journal: &Journal) -> Vec<CellCost> {
         self.specs().filter_map(|spec| journal.get(&cost_key(&key(gpu, &spec)))).collect()
     }
 
-    /// Measures every cell that the journal lacks, of a list those that are its own; pictures go into a folder, where
-    /// there is one. `progress` is called after each cell, `go_on` between the steps of one; the error of either ends the
-    /// study.
+    /// Measures every cell that the journal lacks; with a list, only those that this run owns. Pictures go into a
+    /// folder, if there is one. `progress` is called after each cell.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] for too few samples or rays, [`Error::Stopped`] once a signal asked for it, and those of the
+    /// device, of the journal and of files.
     pub fn measure(
         &self,
         gpu: &Gpu,
@@ -132,19 +134,14 @@ impl Plan {
         if self.samples == 0 || self.rays < 2 {
             return Err(Error::Usage("--samples must be at least 1, and --rays at least 2".into()));
         }
-        let mut stage: Option<(&str, Stage)> = None;
+        let mut last = Last::default();
         for (n, spec) in self.specs().enumerate() {
             if list.is_some_and(|list| !list.owns(n)) {
                 continue;
             }
             let key = key(gpu, &spec);
-            // Of one scene at a time.
-            stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
             journal.get_or(&key, |journal| {
-                let (_, stage) = match &mut stage {
-                    Some(stage) => stage,
-                    none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
-                };
+                let stage = last.of(&spec.scene.name, || Stage::new(gpu, spec.scene))?;
                 let cell = measure(gpu, &spec, stage, journal, &mut go_on)?;
                 if let Some(folder) = pictures {
                     error_report::write_strips(folder, &stem_of(&spec), &cell)?;
@@ -158,35 +155,26 @@ impl Plan {
         Ok(())
     }
 
-    /// Takes the rays of the world references that a shard has, and keeps them in a folder. `progress` is called after
-    /// each cell.
+    /// Takes a shard's rays of the world references, and keeps them in a folder. `progress` is called after each cell.
+    ///
+    /// # Errors
+    /// [`Error::Stopped`] once a signal asked for it, and those of the device and of files.
     pub fn sample_references(
         &self,
         gpu: &Gpu,
-        rays: &[(usize, Range<u32>)],
+        rays: &RaysOfShard,
         folder: &Path,
         progress: &mut dyn FnMut(),
     ) -> Result<()> {
         let specs: Vec<ErrorSpec> = self.specs().collect();
-        let mut stage: Option<(&str, Stage)> = None;
+        let mut last = Last::default();
         for (cell, samples) in rays {
             let spec = &specs[*cell];
-            stage = stage.filter(|(scene, _)| *scene == spec.scene.name);
-            let (_, stage) = match &mut stage {
-                Some(stage) => stage,
-                none => none.insert((&spec.scene.name, Stage::new(gpu, spec.scene)?)),
-            };
+            let stage = last.of(&spec.scene.name, || Stage::new(gpu, spec.scene))?;
             sample_worlds(spec, stage, samples, folder, &mut go_on)?;
             progress();
         }
         Ok(())
-    }
-
-    /// The rays of the world references of each of some shards.
-    pub fn reference_rays(&self, of: u32) -> Vec<Vec<(usize, Range<u32>)>> {
-        let priced = self.priced(CostModel::kept());
-        let share = |of: &PricedCell| RayShare { setup: of.cell.share().setup, cost: of.parts.world_s, rays: of.rays };
-        rays_of_shards(&priced.iter().map(share).collect::<Vec<_>>(), of)
     }
 
     /// The records of every cell that the journal has.
@@ -210,16 +198,16 @@ impl Plan {
     }
 }
 
-/// What the list of cells of a study of one scene is of: `ssct error` in one of its other kinds.
-pub fn list_head(kind: &'static str, options: &ErrorOptions, setup: &Setup, scene: &Scene) -> CellListHead {
-    CellListHead {
-        kind,
-        definitions: setup.effect().definitions.into(),
-        command: command_line(),
-        shard: options.shard.shard,
-        settings: Value::Null,
-        scenes: vec![(scene.name.clone(), scene_digest(scene))],
-    }
+/// The rays of the world references that each of some shards takes, of cells with the costs that are part of the
+/// program.
+pub fn reference_rays(cells: &[PricedCell], of: u32) -> Vec<RaysOfShard> {
+    let share = |of: &PricedCell| RayShare { setup: of.share.setup.clone(), cost: of.parts.world_s, rays: of.rays };
+    rays_of_shards(&cells.iter().map(share).collect::<Vec<_>>(), of)
+}
+
+/// Everything that a cell depends on but the device and the program.
+fn setup_of(spec: &ErrorSpec) -> Value {
+    json!([spec.settings(), spec.samples, spec.rays])
 }
 
 fn stem_of(spec: &ErrorSpec) -> String {
@@ -231,7 +219,7 @@ fn key(gpu: &Gpu, spec: &ErrorSpec) -> String {
     format!("error {} {} {} samples {} rays", stem_of(spec), spec.digest(gpu), spec.samples, spec.rays)
 }
 
-/// Where the journal keeps how long the parts of a cell took, by where it keeps the cell.
+/// The key of a cell's cost in the journal, by the key of the cell.
 pub fn cost_key(cell: &str) -> String {
     format!("cost of {cell}")
 }

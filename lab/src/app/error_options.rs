@@ -1,7 +1,7 @@
 //! The flags of `ssct error`, each declared once. What they mean together is decided in `error`, in `resolve`, and by the
 //! kinds of study that some of them choose.
 
-use super::cli::{CommonOptions, ShardOptions, point, size};
+use super::cli::{CommonOptions, RunOptions, ShardOptions, point, size};
 use super::parameters::{TypedVariant, typed_variant};
 use crate::scene::capture::MAX_CAPTURES;
 use clap::Args;
@@ -112,8 +112,8 @@ pub struct ErrorOptions {
     pub rays: u32,
     #[command(flatten)]
     pub shard: ShardOptions,
-    /// Measure nothing but take the rays of the world references, of which a shard takes its share whatever the cells are,
-    /// and keep them in the folder, for --references.
+    /// Only take the rays of the world references, and keep them in the folder, for --references. A shard takes its
+    /// share of all rays, which may be a part of a cell's.
     #[arg(long, requires = "output", conflicts_with_all = ["precision", "in_time", "json", "plan"])]
     pub only_references: bool,
     /// Folders of runs with --only-references, on devices of the same kind: their rays are not taken again.
@@ -139,10 +139,6 @@ pub struct ErrorOptions {
     /// Write records, plots and pictures into a folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
-    #[arg(long, requires = "output")]
-    pub resume: bool,
-    /// Print the records as JSON, and nothing else.
-    #[arg(long)]
-    pub json: bool,
+    #[command(flatten)]
+    pub run: RunOptions,
 }

@@ -1,15 +1,13 @@
 //! `ssct error --video`: films of methods beside the world's.
 
-use super::error_cells::list_head;
 use super::error_options::ErrorOptions;
-use super::run::{Run, go_on};
+use super::run::{Run, go_on, list_head};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::report::{error_report, files, video_report};
 use crate::scene::Scene;
 use crate::study::Globals;
 use crate::study::cell_list::{CellList, PlannedCell};
-use crate::study::error::Variant;
 use crate::study::journal::{digest, scene_digest};
 use crate::study::video::{VideoRecord, VideoSpec, Way, measure};
 use glam::Vec3;
@@ -44,8 +42,7 @@ pub fn run(options: &ErrorOptions, way: &Path) -> anyhow::Result<()> {
         VideoSpec { gpu, scene, way, extent, globals, variants, frames, frames_per_second, rays, moving, step_m }
     };
     let settings = |spec: &VideoSpec| {
-        let recorded = |v: &Variant| json!([v.method.name, v.setup.at(spec.extent).recorded(Some(v.method))]);
-        let set: Vec<_> = variants.iter().map(recorded).collect();
+        let set: Vec<_> = variants.iter().map(|v| v.settings(spec.extent)).collect();
         let moves = json!([format!("{way:?}"), moving, step_m.to_array(), frames, frames_per_second, rays]);
         json!([scene_digest, set, spec.globals, moves])
     };
@@ -56,13 +53,13 @@ pub fn run(options: &ErrorOptions, way: &Path) -> anyhow::Result<()> {
     };
     let specs: Vec<VideoSpec> = cells.iter().map(spec).collect();
     let planned = specs.iter().map(planned).collect();
-    let list = CellList::new(list_head("video", options, &base, &scene), gpu.info(), planned);
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let list = CellList::new(list_head("video", options.shard.shard, &base, &scene), gpu.info(), planned);
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let bar = progress::bar("video", list.owned());
     let mut records: Vec<VideoRecord> = Vec::new();
     let mut outcome = Ok(());
-    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+    for spec in list.own(&specs) {
         let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
@@ -109,7 +106,7 @@ fn write(options: &ErrorOptions, records: &[VideoRecord], command: &str) -> anyh
     if let Some(folder) = &options.output {
         video_report::write(folder, records, command)?;
     }
-    let shown = if options.json { files::json(records) } else { video_report::text(records) };
+    let shown = if options.run.json { files::json(records) } else { video_report::text(records) };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
 }

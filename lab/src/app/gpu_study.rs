@@ -1,33 +1,34 @@
-//! `ssct gpu-study`: what a device does with all of it, in minutes: times, their noise, work, rates, and whether its images
-//! are those of other devices.
+//! `ssct gpu-study`: what a device does, measured in minutes: times and their noise, work, rates, and whether its images are
+//! those of other devices.
 
 use super::cli::DeviceOptions;
 use super::run::Run;
-use super::{drivers, progress, resolve};
+use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::gpu::{DeviceQuery, Gpu};
+use crate::gpu::Gpu;
 use crate::methods::setup::CaptureCount;
 use crate::methods::unified::UnifiedParams;
 use crate::methods::{EffectParams, METHODS, MethodInfo, Setup, captures, unified};
 use crate::metrics::bootstrap::MIN_SAMPLES;
 use crate::passes::tiles::TileStage;
-use crate::report::gpu_study_report::{self as report, Findings, Silence};
+use crate::report::gpu_study_report::{self as report, DeviceTimes, Findings, LayerMessages};
 use crate::report::{files, kept_images};
 use crate::scene::{Scene, View, library};
 use crate::study::agreement::{self, AgreementRecord, AgreementSpec};
 use crate::study::error::Variant;
-use crate::study::journal::Journal;
-use crate::study::stages::{self, StagesSpec};
-use crate::study::table::TABLE_5_8;
+use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, TimeRecord, bandwidth, steps};
+use crate::study::{Globals, bandwidth, other_devices, steps};
 use clap::Args;
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The views that are timed: the scene and its view.
-const VIEWS: [[&str; 2]; 4] = [["rooms", "corridor"], ["atrium", "hall"], ["museum", "exit-sign"], ["street", "car"]];
+const VIEWS: [[&str; 2]; 4] = [["rooms", "corridor"], TABLE_VIEW, ["museum", "exit-sign"], ["street", "car"]];
+
+/// The view of table 5.8.
+const TABLE_VIEW: [&str; 2] = ["atrium", "hall"];
 
 /// Roughness values at which the passes of `unified` are compared, so that each is among them.
 const STAGES_ROUGHNESS: [f32; 3] = [0.0, 0.1, 0.6];
@@ -37,9 +38,9 @@ const COPIED: u32 = 4096;
 
 /// Pixels of the images that are kept for other machines: odd, so that every level of a chain rounds.
 const KEPT_SIZE: [u32; 2] = [97, 55];
-/// Their roughness values: hits of mirrors, and gloss.
+/// Their roughness values: a mirror, whose hits can be compared, and gloss.
 const KEPT_ROUGHNESS: [f32; 2] = [0.0, 0.1];
-/// Where they lie in the study's folder.
+/// The folder of these images in that of the study.
 const KEPT: &str = "same";
 
 /// Options of `ssct gpu-study`.
@@ -72,26 +73,68 @@ struct Plan {
 
 impl Plan {
     fn new(quick: bool) -> Self {
+        let table_sizes = table_5_8::sizes();
         if quick {
-            let table_sizes = vec![TABLE_5_8[0].size];
+            let table_sizes = table_sizes[..1].to_vec();
             return Self { size: [320, 180], samples: MIN_SAMPLES, table_sizes, views: 2 };
         }
-        let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
-        table_sizes.dedup();
         Self { size: [1920, 1080], samples: 15, table_sizes, views: VIEWS.len() }
     }
+
+    /// Variants in turn on a view, each against itself as well.
+    fn time<'a>(
+        &self,
+        gpu: &'a Gpu,
+        (scene, view): &'a Place,
+        variants: Vec<Variant>,
+        sizes: Vec<[u32; 2]>,
+        globals: Vec<Globals>,
+    ) -> TimeSpec<'a> {
+        let (warmup, samples, a_a, only) = (2, self.samples, true, None);
+        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup, samples, a_a, only }
+    }
+
+    /// Every method, and with captures those that look into them.
+    fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
+        let setup = Setup::new(self.size);
+        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+        // Without captures the method `captures` shows nothing.
+        let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
+        let plain = Variant::of(&plain, &setup).into_iter();
+        let variants = plain.chain(Variant::of(&[&unified::INFO, &captures::INFO], &captured)).collect();
+        self.time(gpu, place, variants, vec![self.size], vec![table_5_8::factors(0.1, 1.0)])
+    }
+
+    /// Table 5.8.
+    fn table<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
+        let variants = Variant::of(&table_5_8::methods(), &Setup::new(self.size));
+        let globals = table_5_8::ROUGHNESS.map(|roughness| table_5_8::factors(roughness, 1.0)).to_vec();
+        self.time(gpu, place, variants, self.table_sizes.clone(), globals)
+    }
+
+    /// `unified` with every pass as a fragment shader, and as a compute shader.
+    fn stages<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
+        let of = |stage| {
+            let setup = Setup::new(self.size);
+            let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
+            Variant { method: &unified::INFO, setup }
+        };
+        let variants = [TileStage::Fragment, TileStage::Compute].map(of).to_vec();
+        self.time(gpu, place, variants, vec![self.size], STAGES_ROUGHNESS.map(of_roughness).to_vec())
+    }
+}
+
+fn of_roughness(roughness: f32) -> Globals {
+    Globals { roughness: Some(roughness), ..Globals::default() }
 }
 
 /// A scene with one of its views.
 type Place = (Scene, View);
 
-fn places(count: usize) -> Result<Vec<Place>> {
-    let place = |[scene, view]: &[&str; 2]| {
-        let scene = library::scene(scene).ok_or_else(|| Error::Usage(format!("there is no scene {scene}")))?;
-        let view = scene.view(view)?.clone();
-        Ok((scene, view))
-    };
-    VIEWS[..count].iter().map(place).collect()
+fn place([scene, view]: [&str; 2]) -> Result<Place> {
+    let scene = library::scene(scene).ok_or_else(|| Error::Usage(format!("there is no scene {scene}")))?;
+    let view = scene.view(view)?.clone();
+    Ok((scene, view))
 }
 
 /// Measures, writes the folder and prints where the page is.
@@ -99,167 +142,99 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let (folder, plan) = (&options.output, Plan::new(options.quick));
     let gpu = resolve::gpu(&options.device)?;
     let mut run = Run::begin(Some(folder), options.resume)?;
-    let places = places(plan.views)?;
-    let table = (places[1].0.clone(), places[1].1.clone());
-    let specs = time_specs(&gpu, &plan, &places);
-    let table_spec = table_spec(&gpu, &plan, &table);
-    let bar = progress::bar("gpu-study", 0);
-    let frames = specs.iter().chain([&table_spec]).map(TimeSpec::frames).sum::<usize>();
-    bar.inc_length(frames as u64);
+    let places = VIEWS[..plan.views].iter().map(|view| place(*view)).collect::<Result<Vec<_>>>()?;
+    let table_place = place(TABLE_VIEW)?;
+    let table = plan.table(&gpu, &table_place);
+    let methods: Vec<_> = places.iter().map(|place| plan.methods(&gpu, place)).collect();
+    let stages = plan.stages(&gpu, &places[0]);
+    let timed = || methods.iter().chain([&table, &stages]);
+    let bar = progress::bar("gpu-study", timed().map(TimeSpec::frames).sum());
 
-    let outcome = specs
-        .iter()
-        .chain([&table_spec])
-        .try_for_each(|spec| timing::measure(spec, &mut run.journal, &mut || progress::step(&bar)))
-        .and_then(|()| findings(&gpu, options, &plan, &places, &mut run.journal, &bar));
+    let mut measure = || -> Result<Findings> {
+        for spec in timed() {
+            timing::measure(spec, &mut run.journal, &mut || progress::step(&bar))?;
+        }
+        findings(&gpu, options, &plan, &places, &bar)
+    };
+    let outcome = measure();
     bar.finish_and_clear();
-    let views: Vec<TimeRecord> = specs.iter().flat_map(|s| timing::records(s, &run.journal)).collect();
-    let of_table = timing::records(&table_spec, &run.journal);
+    let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
+    let methods = methods.iter().flat_map(records).collect();
+    let times = DeviceTimes { table: records(&table), methods, stages: records(&stages) };
     // What there is, whatever ended the measurement; and what ended it counts for more.
-    let all: Vec<TimeRecord> = of_table.iter().chain(&views).cloned().collect();
+    let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
         .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()));
-    let mut findings = run.ended(outcome)?;
+    let findings = run.ended(outcome)?;
     wrote?;
-    let rates = of_table.iter().chain(&views).flat_map(|r| bandwidth::of_passes(r, &findings.copy)).collect();
-    findings.rates = rates;
-    report::write(folder, gpu.info(), &command(options), &of_table, &views, &findings)?;
+    report::write(folder, gpu.info(), &command(options), &times, &findings)?;
     writeln!(std::io::stdout().lock(), "{}", folder.join("index.html").display())?;
     run.finish()?;
     gpu.check_validation()?;
     Ok(())
 }
 
+/// The command as the page shows it.
 fn command(options: &GpuStudyOptions) -> String {
-    format!("ssct gpu-study{}", if options.quick { " --quick" } else { "" })
+    let quick = if options.quick { " --quick" } else { "" };
+    let beside: String = options.beside.iter().map(|folder| format!(" --beside {}", folder.display())).collect();
+    format!("ssct gpu-study{quick}{beside}")
 }
 
-const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
-
-/// Every method, timed against itself, on each view; and what looks into captures, with captures.
-fn time_specs<'a>(gpu: &'a Gpu, plan: &Plan, places: &'a [Place]) -> Vec<TimeSpec<'a>> {
-    let plain = Setup::new(plan.size);
-    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
-    let spec = |(scene, view): &'a Place, methods: Vec<&'static MethodInfo>, setup: &Setup| {
-        let (sizes, globals, setup) = (vec![plan.size], vec![GLOSSY], setup.clone());
-        TimeSpec {
-            gpu,
-            scene,
-            view,
-            methods,
-            sizes,
-            globals,
-            setup,
-            warmup: 2,
-            samples: plan.samples,
-            a_a: true,
-            only: None,
-        }
-    };
-    let of = |place| {
-        let all = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
-        [spec(place, all, &plain), spec(place, vec![&unified::INFO, &captures::INFO], &captured)]
-    };
-    places.iter().flat_map(of).collect()
-}
-
-fn table_spec<'a>(gpu: &'a Gpu, plan: &Plan, (scene, view): &'a Place) -> TimeSpec<'a> {
-    TimeSpec {
-        gpu,
-        scene,
-        view,
-        methods: METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
-        sizes: plan.table_sizes.clone(),
-        globals: [0.0, 0.1]
-            .map(|r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: Some(r) })
-            .to_vec(),
-        setup: Setup::new(plan.size),
-        warmup: 2,
-        samples: plan.samples,
-        a_a: true,
-        only: None,
-    }
-}
-
-/// All that is no table of times.
+/// Measures what is found beside times, and keeps the device's images.
 fn findings(
     gpu: &Gpu,
     options: &GpuStudyOptions,
     plan: &Plan,
     places: &[Place],
-    journal: &mut Journal,
     bar: &ProgressBar,
 ) -> Result<Findings> {
-    let (scene, view) = &places[0];
-    let mut stages = Vec::new();
-    for roughness in STAGES_ROUGHNESS {
-        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-        let variants = stages_of_unified(&Setup::new(plan.size));
-        let spec = StagesSpec { gpu, scene, view, globals, variants, samples: plan.samples };
-        stages.extend(stages::measure(&spec, journal, &mut || progress::step(bar))?);
-    }
-    let spec = |roughness: f32, size, methods| AgreementSpec {
-        scene,
-        view,
-        globals: Globals { roughness: Some(roughness), ..Globals::default() },
-        methods,
-        setup: Setup::new(size),
-    };
     let mut steps = Vec::new();
     for (scene, view) in places {
-        let globals = Globals { roughness: Some(0.0), ..Globals::default() };
-        let spec = AgreementSpec { scene, view, globals, methods: Vec::new(), setup: Setup::new(plan.size) };
+        let (globals, methods, setup) = (of_roughness(0.0), Vec::new(), Setup::new(plan.size));
+        let spec = AgreementSpec { scene, view, globals, methods, setup };
         steps.push(steps::count(gpu, [&scene.name, &view.name], &agreement::draw(gpu, &spec)?));
         progress::step(bar)?;
     }
-    let screen: Vec<&'static MethodInfo> = METHODS.iter().filter(|m| m.is_screen_space()).collect();
-    let kept_specs = KEPT_ROUGHNESS.map(|r| spec(r, KEPT_SIZE, screen.clone()));
+    let (scene, view) = &places[0];
+    let kept_specs = KEPT_ROUGHNESS.map(|roughness| AgreementSpec {
+        scene,
+        view,
+        globals: of_roughness(roughness),
+        methods: METHODS.iter().collect(),
+        setup: Setup::new(KEPT_SIZE),
+    });
     keep(gpu, &options.output.join(KEPT), &kept_specs)?;
-    let mut same = Vec::new();
+    let (mut same, mut drawn) = (Vec::new(), Vec::new());
     for folder in &options.beside {
         same.extend(beside(gpu, &folder.join(KEPT), &kept_specs)?);
     }
-    let mut drawn = Vec::new();
-    for other in drivers::others(gpu, options.device.validation)? {
+    for other in other_devices::others(gpu, options.device.validation)? {
         for spec in &kept_specs {
-            same.extend(drivers::compare(
-                &other,
-                gpu,
-                &AgreementSpec { methods: METHODS.iter().collect(), ..spec.clone() },
-            )?);
+            same.extend(other_devices::compare(&other, [gpu], spec)?);
             progress::step(bar)?;
         }
-        drawn.extend(drivers::compare_drawn([&other, gpu], options.device.validation, &kept_specs[0])?);
+        drawn.extend(other_devices::compare_drawn([&other, gpu], options.device.validation, &kept_specs[0])?);
         progress::step(bar)?;
     }
-    Ok(Findings {
-        stages,
-        copy: bandwidth::copy(gpu, COPIED, plan.samples)?,
-        rates: Vec::new(),
-        steps,
-        same,
-        drawn,
-        validation: silence(gpu, &kept_specs)?,
-    })
+    let copy = bandwidth::copy(gpu, COPIED, plan.samples)?;
+    Ok(Findings { copy, steps, same, drawn, validation: layer_messages(gpu, &kept_specs)? })
 }
 
-/// `unified` with every pass as a fragment shader, and as a compute shader.
-fn stages_of_unified(setup: &Setup) -> Vec<Variant> {
-    let of = |stage| {
-        let setup = setup.with(|p: &mut UnifiedParams| (p.trace_stage, p.resolve_stage) = (stage, stage));
-        Variant { method: &unified::INFO, setup }
-    };
-    [TileStage::Fragment, TileStage::Compute].map(of).to_vec()
-}
-
-/// Keeps what the methods make, for studies on other machines.
+/// Keeps what the methods of the screen make, for studies on other machines.
 fn keep(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<()> {
     kept_images::write_device(folder, gpu.info())?;
-    for spec in specs {
-        let data = agreement::draw(gpu, spec)?;
-        kept_images::write(folder, &stem(spec), &data, &agreement::images(gpu, spec, &data)?)?;
+    for spec in specs.iter().map(of_the_screen) {
+        let data = agreement::draw(gpu, &spec)?;
+        kept_images::write(folder, &stem(&spec), &data, &agreement::images(gpu, &spec, &data)?)?;
     }
     Ok(())
+}
+
+/// The same of the methods that see the screen alone: a G-buffer is all that they need.
+fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
+    let methods: Vec<&'static MethodInfo> = spec.methods.iter().copied().filter(|m| m.is_screen_space()).collect();
+    AgreementSpec { methods, ..spec.clone() }
 }
 
 fn stem(spec: &AgreementSpec) -> String {
@@ -270,36 +245,24 @@ fn stem(spec: &AgreementSpec) -> String {
 fn beside(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<Vec<AgreementRecord>> {
     let base = kept_images::read_device(folder)?;
     let mut records = Vec::new();
-    for spec in specs {
-        let stem = stem(spec);
-        let data = kept_images::read_gbuffer(folder, &stem)?;
-        let kept = spec.methods.iter().map(|method| kept_images::read_image(folder, &stem, method));
-        let kept: Vec<_> = kept.collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
-        let size = [data.width, data.height];
-        if let Some(other) = kept.iter().find(|k| [k.reflection.width, k.reflection.height] != size) {
-            let [w, h] = size;
-            let what = format!("the image of {} has another size than its G-buffer of {w}x{h}", other.method.name);
-            return Err(Error::malformed(folder, None, what));
-        }
-        let methods = kept.iter().map(|k| k.method).collect();
-        let spec = AgreementSpec { methods, ..spec.clone() };
+    for spec in specs.iter().map(of_the_screen) {
+        let data = kept_images::read_gbuffer(folder, &stem(&spec))?;
+        let kept = kept_images::read(folder, &stem(&spec), &data, &spec.methods)?;
+        let spec = AgreementSpec { methods: kept.iter().map(|k| k.method).collect(), ..spec };
         let made = agreement::images(gpu, &spec, &data)?;
         records.extend(agreement::compare(gpu, &base, &spec, &data, [&kept, &made]));
     }
     Ok(records)
 }
 
-/// What the validation layers say of every method, where they are installed.
-fn silence(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<Silence> {
-    let query =
-        DeviceQuery { device: Some(drivers::index(gpu)?.to_string()), validation: true, ..DeviceQuery::default() };
-    let watched = match Gpu::open(&query) {
-        Err(Error::Usage(why)) => return Ok(Silence::Unknown(why)),
+/// The messages of the validation layers about every method, where the layers are installed.
+fn layer_messages(gpu: &Gpu, specs: &[AgreementSpec]) -> Result<LayerMessages> {
+    let watched = match other_devices::validated(gpu) {
+        Err(Error::Usage(why)) => return Ok(LayerMessages::Unknown(why)),
         opened => opened?,
     };
     for spec in specs {
-        let spec = AgreementSpec { methods: METHODS.iter().collect(), ..spec.clone() };
-        agreement::images(&watched, &spec, &agreement::draw(&watched, &spec)?)?;
+        agreement::images(&watched, spec, &agreement::draw(&watched, spec)?)?;
     }
-    Ok(Silence::Heard(watched.violations().into_iter().map(|m| (m.id, m.text)).collect()))
+    Ok(LayerMessages::Said(watched.violations().into_iter().map(|m| (m.id, m.text)).collect()))
 }

@@ -1,5 +1,6 @@
 //! `ssct index`: one page over many runs.
 
+use super::compare::{THRESHOLD, check_threshold};
 use crate::error::{Error, Result};
 use crate::methods;
 use crate::report::html::{LIBRARY_TITLE, LibraryPage};
@@ -26,15 +27,13 @@ pub struct IndexOptions {
     #[arg(long, value_name = "METHOD", default_value = "ssct")]
     base: String,
     /// Change of a time that counts, as a share.
-    #[arg(long, value_name = "T", default_value_t = 0.05)]
+    #[arg(long, value_name = "T", default_value_t = THRESHOLD)]
     threshold: f64,
 }
 
-/// Reads, writes and says what there is.
+/// Reads the library, writes its page, and says what the page has.
 pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
-    if !(0.0..1.0).contains(&options.threshold) {
-        return Err(Error::Usage(format!("--threshold {}: must be at least 0 and below 1", options.threshold)).into());
-    }
+    check_threshold(options.threshold)?;
     methods::find(&options.base)?;
     let output = options.output.as_deref().unwrap_or(&options.folder);
     let page = output.join(PAGE);
@@ -74,7 +73,7 @@ pub fn run(options: &IndexOptions) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Whether a page may be written: a study's own page, or any other, is not written over.
+/// Refuses to write over a page that is not of a library, such as the page of a study.
 fn may_be_written(page: &Path) -> Result<()> {
     match std::fs::read(page) {
         Err(e) if e.kind() == ErrorKind::NotFound => Ok(()),
@@ -86,8 +85,8 @@ fn may_be_written(page: &Path) -> Result<()> {
     }
 }
 
-/// From the page's folder to the library's, with a slash at its end where it is not empty; `None` if the library is not
-/// below it.
+/// The path from the page's folder to the library's: empty, or with a slash at its end. `None` if the library is not
+/// below the page's folder.
 fn way(output: &Path, library: &Path) -> Result<Option<String>> {
     std::fs::create_dir_all(output).map_err(|e| Error::io("create the folder", output, e))?;
     let whole = |path: &Path| std::fs::canonicalize(path).map_err(|e| Error::io("read", path, e));

@@ -1,4 +1,4 @@
-//! `ssct merge`: the shards of a study become the run of the whole study.
+//! `ssct merge`: makes the run of the whole study from its shards.
 
 use super::cli::MergeOptions;
 use super::error_cells::cost_key;
@@ -12,7 +12,7 @@ use crate::gpu::DeviceInfo;
 use crate::report::error_report::{self, IMAGES};
 use crate::report::html::Entry;
 use crate::report::merged::{MergedReport, copy_file, copy_files, device_folder};
-use crate::report::run_folder::{self, CELLS, RunRead};
+use crate::report::run_folder::{self, CELLS};
 use crate::report::video_report::{self, CLIPS};
 use crate::report::{age_report, precision_report, stress_report};
 use crate::study::age::AgeRecord;
@@ -33,20 +33,20 @@ use serde_json::{Value, json};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Merges, writes, and says what is missing.
+/// Merges the runs, writes the files of the whole study, and says which cells are missing.
 pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     let is_run = |folder: &PathBuf| folder.join(CELLS).exists();
     if !options.folders.iter().any(is_run) && options.folders.iter().any(|folder| reference_part::has_parts(folder)) {
         return reference_part::merge(options);
     }
-    let inputs = options.folders.iter().map(|folder| input(folder)).collect::<Result<Vec<_>>>()?;
-    check_program(&inputs)?;
+    let inputs = options.folders.iter().map(|folder| run_folder::read(folder)).collect::<Result<Vec<_>>>()?;
     let own = |input: &MergeInput| same_folder(&input.folder, &options.output);
     if let Some(input) = inputs.iter().find(|input| own(input)) {
         let message = format!("-o {}: the result must lie beside what is merged", input.folder.display());
         return Err(Error::Usage(message).into());
     }
     let merged = merge(&inputs, &read)?;
+    check_program(&inputs[0].folder, &merged.cells)?;
     let count = merged.cells.cells.len();
     if !merged.missing.is_empty() && !options.partial {
         anyhow::bail!(
@@ -60,7 +60,7 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     for line in &merged.lines {
         run.journal.keep_line(line)?;
     }
-    // What is missed is said last, once all is written.
+    // Cases of the stress study that are not passed are reported last, once everything is written.
     let wrote = write(&inputs, &merged, &options.output);
     if wrote.as_ref().is_err_and(|e| e.is::<Error>()) {
         return wrote;
@@ -70,37 +70,28 @@ pub fn run(options: &MergeOptions) -> anyhow::Result<()> {
     wrote
 }
 
-/// Refuses runs of another program than this one, whose name the page will have.
-fn check_program(inputs: &[MergeInput]) -> Result<()> {
+/// Refuses runs of another program than this one, which the page names as theirs. Merged runs are all of one program.
+fn check_program(folder: &Path, cells: &CellList) -> Result<()> {
     let (version, commit) = (Provenance::VERSION, Provenance::COMMIT);
-    let is_other = |input: &&MergeInput| input.cells.version != version || input.cells.commit != commit;
-    match inputs.iter().all(|input| is_other(&input)).then(|| inputs.first()).flatten() {
-        Some(MergeInput { folder, cells, .. }) => {
-            let of = format!("version {}, commit {}", cells.version, cells.commit);
-            let message = format!("was measured by {of}; this program is version {version}, commit {commit}");
-            Err(Error::malformed(folder, None, message))
-        }
-        None => Ok(()),
+    if cells.version == version && cells.commit == commit {
+        return Ok(());
     }
-}
-
-/// Reads a folder.
-fn input(folder: &Path) -> Result<MergeInput> {
-    let RunRead { cells, journal, lines } = run_folder::read(folder)?;
-    Ok(MergeInput { folder: folder.to_owned(), cells, journal, lines })
+    let of = format!("version {}, commit {}", cells.version, cells.commit);
+    let message = format!("was measured by {of}; this program is version {version}, commit {commit}");
+    Err(Error::malformed(folder, None, message))
 }
 
 fn same_folder(a: &Path, b: &Path) -> bool {
     a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
-/// The result of a cell, as its kind of run keeps it; of times, once all samples are there.
+/// The result of a cell, as its kind of study keeps it.
 fn read(cells: &CellList, of: &ListedResult, journal: &Journal) -> Option<Value> {
     if cells.kind != "time" {
         return journal.value(&of.key).cloned();
     }
     let TimeSettings { samples, a_a, .. } = TimeSettings::deserialize(&cells.settings).ok()?;
-    // Nothing of it is a figure that two runs must have alike.
+    // A cell of times has its result once all samples are there. No two runs must have the same times.
     timing::is_whole(&of.key, samples, a_a, journal).then_some(Value::Null)
 }
 
@@ -111,7 +102,7 @@ fn records<T: DeserializeOwned>(merged: &MergedRun) -> Result<Vec<T>> {
 }
 
 fn unreadable(e: serde_json::Error) -> Error {
-    Error::malformed(run_folder::JOURNAL, None, format!("holds a result that is none: {e}"))
+    Error::malformed(run_folder::JOURNAL, None, format!("holds a result that cannot be read: {e}"))
 }
 
 /// Writes the files of the run of the whole study.
@@ -126,12 +117,12 @@ fn write(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> anyhow::Re
         "age" => {
             let (write, text) = (age_report::write, age_report::text);
             let all = records::<AgeRecord>(merged)?;
-            report_of("age", merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
+            report_of(merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
         }
         "precision" => {
             let write = |folder: &Path, records: &[_]| precision_report::write(folder, records, command);
             let (all, text) = (records::<PrecisionRecord>(merged)?, precision_report::text);
-            report_of("precision", merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
+            report_of(merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
         }
         "video" => {
             let write = |folder: &Path, records: &[_]| {
@@ -139,7 +130,7 @@ fn write(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> anyhow::Re
                 video_report::write(folder, records, command)
             };
             let (all, text) = (records::<VideoRecord>(merged)?, video_report::text);
-            report_of("video", merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
+            report_of(merged, &all, |r| &r.head.program.device, &write, &text).write(folder)?;
         }
         "stress" => return stress(merged, folder),
         "time" => times(merged, folder)?,
@@ -152,23 +143,21 @@ fn write(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> anyhow::Re
     Ok(())
 }
 
-/// How long the parts of the cells took.
+/// The costs of the cells.
 fn costs(merged: &MergedRun) -> Vec<CellCost> {
-    let journal = Journal::resume(merged.lines.iter().map(String::as_str), None);
     let results = merged.cells.cells.iter().flat_map(|cell| &cell.results);
-    results.filter_map(|of| journal.get(&cost_key(&of.key))).collect()
+    results.filter_map(|of| merged.journal.get(&cost_key(&of.key))).collect()
 }
 
-/// How records of a kind are written, device by device.
+/// The report of the records, device by device.
 fn report_of<'a, T>(
-    kind: &'static str,
     merged: &'a MergedRun,
     records: &'a [T],
     device: fn(&T) -> &DeviceInfo,
     write: &'a dyn Fn(&Path, &[T]) -> Result<()>,
     text: &'a dyn Fn(&[T]) -> String,
 ) -> MergedReport<'a, T> {
-    let CellList { command, definitions, .. } = &merged.cells;
+    let CellList { kind, command, definitions, .. } = &merged.cells;
     MergedReport { kind, records, device, write, text, command, definitions: *definitions, missing: &merged.missing }
 }
 
@@ -210,17 +199,16 @@ fn stress(merged: &MergedRun, folder: &Path) -> anyhow::Result<()> {
         let (cases, motions) = Stress::apart(records);
         stress_report::text(&cases, &motions)
     };
-    report_of("stress", merged, &all, Stress::device, &write, &text).write(folder)?;
+    report_of(merged, &all, Stress::device, &write, &text).write(folder)?;
     all_passed(&Stress::apart(&all).0)
 }
 
 fn times(merged: &MergedRun, folder: &Path) -> Result<()> {
     let TimeSettings { samples, table, .. } = TimeSettings::deserialize(&merged.cells.settings).map_err(unreadable)?;
-    let journal = Journal::resume(merged.lines.iter().map(String::as_str), None);
     let results = merged.cells.cells.iter().flat_map(|cell| &cell.results);
     let record = |of: &ListedResult| {
         let head = Head::deserialize(&of.of).map_err(unreadable)?;
-        Ok(timing::record_of(head, &of.key, samples, &journal))
+        Ok(timing::record_of(head, &of.key, samples, &merged.journal))
     };
     let records: Vec<TimeRecord> = results.map(record).collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     let output = |folder: &Path, records: &[TimeRecord]| {
@@ -228,7 +216,7 @@ fn times(merged: &MergedRun, folder: &Path) -> Result<()> {
     };
     let write = |folder: &Path, records: &[TimeRecord]| output(folder, records)?.write(folder);
     let text = |records: &[TimeRecord]| time::text(records, table);
-    report_of("time", merged, &records, |r| &r.head.program.device, &write, &text).write(folder)
+    report_of(merged, &records, |r| &r.head.program.device, &write, &text).write(folder)
 }
 
 /// A figure with the device that drew it.
@@ -245,7 +233,7 @@ fn figures(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> Result<(
         Ok(Drawn { device: merged.cells.devices[of.device].clone(), entry })
     };
     let all = merged.results.iter().map(drawn).collect::<Result<Vec<_>>>()?;
-    // Runs on one device draw the same.
+    // Runs on one device must draw equal files.
     let same = merged.cells.devices.len() == 1;
     let write = |folder: &Path, records: &[Drawn]| {
         let Some(first) = records.first() else { return Ok(()) };
@@ -256,10 +244,10 @@ fn figures(inputs: &[MergeInput], merged: &MergedRun, folder: &Path) -> Result<(
         figures::write_page(folder, &entries, &first.device, &merged.cells.command)
     };
     let text = |records: &[Drawn]| records.iter().map(|r| format!("{}\n", r.entry.title)).collect();
-    report_of("figures", merged, &all, |r| &r.device, &write, &text).write(folder)
+    report_of(merged, &all, |r| &r.device, &write, &text).write(folder)
 }
 
-/// Where a figure of a device may lie in the runs that have the device.
+/// The paths where the runs on a device may have one of its figures.
 fn pictures_of(inputs: &[MergeInput], device: &DeviceInfo, file: &str) -> Vec<PathBuf> {
     let of = |input: &MergeInput| {
         let place = input.cells.devices.iter().position(|d| d == device)?;
@@ -270,7 +258,7 @@ fn pictures_of(inputs: &[MergeInput], device: &DeviceInfo, file: &str) -> Vec<Pa
     inputs.iter().filter_map(of).collect()
 }
 
-/// A folder of each run, or of each of its devices.
+/// The folders of one name in each run and in the folders of its devices.
 fn below(inputs: &[MergeInput], name: &str) -> Vec<PathBuf> {
     let of = |input: &MergeInput| {
         let devices = (0..input.cells.devices.len()).map(|n| input.folder.join(device_folder(n)).join(name));

@@ -42,7 +42,7 @@ pub fn run(options: &MotionOptions) -> anyhow::Result<()> {
     let of_view = |view| roughness.iter().flat_map(move |r| MOTIONS.map(|motion| (spec(view, *r), motion)));
     let all: Vec<(MotionSpec, Motion)> = views.iter().flat_map(of_view).collect();
 
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     let bar = progress::bar("motion", all.len());
     let set: Vec<_> = methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
     let looks = |view: &View| format!("{view:?}");
@@ -81,7 +81,7 @@ fn write(options: &MotionOptions, records: &[MotionRecord]) -> anyhow::Result<()
         files::write(&folder.join("motion.json"), files::json(records).as_bytes())?;
         files::write(&folder.join("motion.txt"), text.as_bytes())?;
     }
-    let shown = if options.json { files::json(records) } else { text };
+    let shown = if options.run.json { files::json(records) } else { text };
     std::io::stdout().lock().write_all(shown.as_bytes())?;
     Ok(())
 }

@@ -1,13 +1,15 @@
-//! `ssct error --plan`: how long a study takes on some machines, and what bounds it; nothing is measured.
+//! `ssct error --plan`: predicts how long a study takes on some machines, and what bounds that time; nothing is
+//! measured.
 
-use super::error_cells::{Plan, PricedCell};
+use super::error_cells::{Plan, PricedCell, reference_rays};
 use super::error_options::ErrorOptions;
 use crate::error::{Error, Result};
+use crate::report::error_report::COSTS;
 use crate::report::tables::aligned;
 use crate::study::cost::CellCost;
 use crate::study::cost_model::{CostModel, CostParts, kept_cells};
 use crate::study::schedule::{Schedule, Simulated, Trouble, enough, total_s};
-use crate::study::shard::Share;
+use crate::study::shard::{RaysOfShard, Share};
 use serde::Serialize;
 use std::io::Write;
 use std::ops::Range;
@@ -17,15 +19,6 @@ use std::path::Path;
 const RUNS: usize = 500;
 /// Its seed.
 const SEED: u64 = 24;
-
-/// A cell of a study as a plan sees it.
-struct Planned {
-    priced: PricedCell,
-    share: Share,
-}
-
-/// Cells by their places, each with the rays that a shard takes of it.
-type RaysOfShard = Vec<(usize, Range<u32>)>;
 
 /// The plan for a number of machines.
 #[derive(Debug, Serialize)]
@@ -49,12 +42,12 @@ struct MachinePlan {
     enough: u32,
     /// The study in two steps: first the rays of the world references, then the rest.
     in_two_steps: TwoSteps,
-    /// Bytes that the process holds at most, where measured cells say it.
+    /// The most bytes that a process holds, if they can be predicted.
     memory_bytes: Option<u64>,
-    /// Machines of which one of a hundred is slow, and attempts of which one of a hundred fails.
+    /// The makespan where some machines are slow and some attempts fail.
     #[serde(skip_serializing_if = "Option::is_none")]
     simulated: Option<SimulatedPlan>,
-    /// What the costs are of.
+    /// Where the costs were measured.
     costs: CostsOf,
 }
 
@@ -74,27 +67,27 @@ struct DearestCell {
     parts: CostParts,
 }
 
-/// The study with the rays of its world references divided first, whatever the cells are.
+/// The study in two steps, of which the first divides the rays of the world references whatever the cells are.
 #[derive(Debug, Clone, Copy, Serialize)]
 struct TwoSteps {
-    /// Seconds until the last ray is taken, `ssct error --only-references`.
+    /// Seconds of the first step, `ssct error --only-references`.
     references_s: f64,
-    /// Seconds of the rest from then on, `ssct error --references`.
+    /// Seconds of the second step, `ssct error --references`.
     rest_s: f64,
-    /// Of both.
+    /// Seconds of both steps.
     makespan_s: f64,
-    /// More machines than these do not help the rest.
+    /// More machines than these do not help the second step.
     enough: u32,
 }
 
-/// Where costs come from.
+/// Where costs were measured.
 #[derive(Debug, Clone, Serialize)]
 struct CostsOf {
     /// How many cells were measured.
     cells: usize,
-    /// On which devices.
+    /// The devices.
     devices: Vec<String>,
-    /// With how many threads of the host.
+    /// The numbers of threads of the hosts.
     threads: Vec<usize>,
 }
 
@@ -105,17 +98,16 @@ pub fn run(options: &ErrorOptions, plan: &Plan) -> anyhow::Result<()> {
         None => kept_cells(),
     };
     let model = CostModel::fit(&measured);
-    // Who runs which cell is by the kept costs, whatever the costs of the machines are.
-    let kept: Vec<Planned> = planned(plan, CostModel::kept());
-    let cells: Vec<Planned> = planned(plan, &model);
+    // The study is divided by the costs that are part of the program, whatever the costs of the machines are.
+    let (kept, cells) = (plan.priced(CostModel::kept()), plan.priced(&model));
     let costs = costs_of(&measured);
     let of = |machines: &u32| {
-        let rays = plan.reference_rays(*machines);
+        let rays = reference_rays(&kept, *machines);
         machine_plan(*machines, (&cells, &kept, &rays), &costs, options.simulate)
     };
     let plans: Vec<MachinePlan> = options.plan.iter().map(of).collect();
     let mut out = std::io::stdout().lock();
-    if options.json {
+    if options.run.json {
         let lines: Vec<String> = plans.iter().map(serde_json::to_string).collect::<std::result::Result<_, _>>()?;
         writeln!(out, "[{}]", lines.join(",\n "))?;
     } else {
@@ -124,17 +116,9 @@ pub fn run(options: &ErrorOptions, plan: &Plan) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn planned(plan: &Plan, model: &CostModel) -> Vec<Planned> {
-    let planned = |priced: PricedCell| {
-        let share = Share { cost: priced.parts.total_s(), ..priced.cell.share() };
-        Planned { priced, share }
-    };
-    plan.priced(model).into_iter().map(planned).collect()
-}
-
 fn machine_plan(
     machines: u32,
-    (cells, kept, rays): (&[Planned], &[Planned], &[RaysOfShard]),
+    (cells, kept, rays): (&[PricedCell], &[PricedCell], &[RaysOfShard]),
     costs: &CostsOf,
     simulate: bool,
 ) -> MachinePlan {
@@ -144,13 +128,10 @@ fn machine_plan(
     let dearest = cells.iter().max_by(|a, b| a.share.cost.total_cmp(&b.share.cost));
     let dearest = dearest.map_or_else(
         || DearestCell { cell: String::new(), total_s: 0.0, parts: CostParts::default() },
-        |c| DearestCell { cell: c.priced.cell.name.clone(), total_s: c.share.cost, parts: c.priced.parts },
+        |c| DearestCell { cell: c.name.clone(), total_s: c.share.cost, parts: c.parts },
     );
     let total_s = total_s(&shares);
-    let memory = cells
-        .iter()
-        .filter_map(|c| c.priced.memory_bytes)
-        .fold(None, |most: Option<f64>, b| Some(most.map_or(b, |m| m.max(b))));
+    let memory = cells.iter().filter_map(|c| c.memory_bytes).max_by(f64::total_cmp);
     MachinePlan {
         kind: "plan",
         machines,
@@ -171,17 +152,17 @@ fn machine_plan(
     }
 }
 
-/// The references first: each shard draws the cells whose rays it takes; and then the rest, which is divided as ever.
-fn two_steps(cells: &[Planned], divided_by: &[Share], rays: &[RaysOfShard], machines: u32) -> TwoSteps {
+/// In the first step each shard draws the cells whose rays it takes; the second is divided as the whole study would be.
+fn two_steps(cells: &[PricedCell], divided_by: &[Share], rays: &[RaysOfShard], machines: u32) -> TwoSteps {
     let load = |shard: &RaysOfShard| -> f64 {
         let cost = |(n, rays): &(usize, Range<u32>)| {
-            let of = &cells[*n].priced;
+            let of = &cells[*n];
             of.parts.world_s * rays.len() as f64 / f64::from(of.rays.max(1)) + of.drawn_s
         };
         shard.iter().map(cost).sum()
     };
     let references_s = rays.iter().map(load).fold(0.0, f64::max);
-    let without = |c: &Planned| Share { cost: c.share.cost - c.priced.parts.world_s, ..c.share.clone() };
+    let without = |c: &PricedCell| Share { cost: c.share.cost - c.parts.world_s, ..c.share.clone() };
     let rest: Vec<Share> = cells.iter().map(without).collect();
     let rest_s = Schedule::divided_by(&rest, divided_by, machines).makespan();
     TwoSteps { references_s, rest_s, makespan_s: references_s + rest_s, enough: enough(&rest) }
@@ -189,7 +170,7 @@ fn two_steps(cells: &[Planned], divided_by: &[Share], rays: &[RaysOfShard], mach
 
 /// The measured cells of a run.
 fn read_costs(folder: &Path) -> Result<Vec<CellCost>> {
-    let path = folder.join(crate::report::error_report::COSTS);
+    let path = folder.join(COSTS);
     let text = std::fs::read(&path).map_err(|e| Error::io("read", &path, e))?;
     let cells: Vec<CellCost> = serde_json::from_slice(&text)
         .map_err(|e| Error::malformed(&path, Some(e.line()), format!("holds no costs of cells: {e}")))?;
@@ -268,7 +249,7 @@ fn text(plans: &[MachinePlan]) -> String {
     text
 }
 
-/// Seconds as people say them.
+/// A duration in the unit that fits.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 1.0 => format!("{s:.2} s"),

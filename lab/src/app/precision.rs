@@ -1,8 +1,8 @@
 //! `ssct error --precision`: error against the bytes of a G-buffer's pixel.
 
-use super::error_cells::{QUICK_SIZE, QUICK_VIEWS, list_head};
+use super::error_cells::{QUICK_SIZE, QUICK_VIEWS};
 use super::error_options::ErrorOptions;
-use super::run::Run;
+use super::run::{Run, list_head};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
 use crate::methods;
@@ -70,13 +70,13 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
         PlannedCell::new(name, spec.settings(), 1.0, key(spec))
     };
     let cells = specs.iter().map(planned).collect();
-    let list = CellList::new(list_head("precision", options, &setup, &scene), gpu.info(), cells);
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let list = CellList::new(list_head("precision", options.shard.shard, &setup, &scene), gpu.info(), cells);
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let bar = progress::bar("precision", list.owned());
     let mut records: Vec<PrecisionRecord> = Vec::new();
     let mut outcome = Ok(());
-    for (_, spec) in specs.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+    for spec in list.own(&specs) {
         let key = key(spec);
         // What ended the measurement does not end the report of what the journal has.
         if outcome.is_ok() {
@@ -100,7 +100,7 @@ fn write(options: &ErrorOptions, records: &[PrecisionRecord], command: &str) -> 
         precision_report::write(folder, records, command)?;
     }
     let mut out = std::io::stdout().lock();
-    let text = if options.json { files::json(records) } else { precision_report::text(records) };
+    let text = if options.run.json { files::json(records) } else { precision_report::text(records) };
     out.write_all(text.as_bytes())?;
     Ok(())
 }

@@ -9,7 +9,7 @@ use crate::gpu::Pixels;
 use crate::math::DefinitionsVersion;
 use crate::methods::{EffectParams, Fallback};
 use crate::reference::first_hits::FirstHits;
-use crate::reference::kept_samples::short;
+use crate::reference::kept_samples::{short, whole_file};
 use crate::reference::surface::World;
 use crate::reference::world::{Escape, SamplingTarget, WorldReference};
 use crate::reference::world_state::WorldState;
@@ -153,7 +153,7 @@ fn pixels(color: &[Vec3], [width, height]: [u32; 2]) -> Pixels {
 
 /// The file that keeps a reference's state in a folder.
 pub fn kept_in(folder: &Path, reference: &WorldReference) -> PathBuf {
-    folder.join(format!("{}.world", short(&reference.fingerprint())))
+    whole_file(folder, &short(&reference.fingerprint()))
 }
 
 /// Where states are kept unless `--cache` says otherwise.

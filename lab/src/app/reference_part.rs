@@ -1,17 +1,18 @@
-//! Shares of the world reference's rays, each sampled by another machine: where they are kept, what lies beside them,
-//! and how `ssct merge` makes one reference of them.
+//! Shares of a world reference's rays, each sampled by another machine (docs/many-machines.md, "Rays"): the files of a
+//! share, and how `ssct merge` makes one reference of several shares.
 
 use super::cli::MergeOptions;
 use super::run::command_line;
 use crate::error::{Error, Result};
 use crate::math::DefinitionsVersion;
-use crate::reference::kept_samples::short;
+use crate::reference::kept_samples::{part_file, short, whole_file};
 use crate::reference::world::WorldReference;
 use crate::reference::world_part::{self, MergedParts, WorldPart, named, samples_of};
 use crate::reference::world_state::WorldState;
 use crate::report::files;
 use crate::report::run_folder::Claim;
 use crate::scene::{Scene, View};
+use crate::study::merge::difference_of_properties;
 use crate::study::record::Provenance;
 use crate::study::shard::Shard;
 use serde::{Deserialize, Serialize};
@@ -20,36 +21,36 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Rays a pixel between two times that they are kept.
+/// Rays a pixel after which the file of the sums is written again.
 const RAYS_AT_ONCE: u32 = 16;
 
-/// What the name of a file ends with that says what a share is of.
-const PART: &str = ".part.json";
+/// The ending of files that describe a share.
+const PART: &str = "part.json";
 
-/// What a share is of; it lies beside the file with its sums.
+/// The description of a share, which lies beside the file with the sums.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferencePart {
     /// The version of docs/definitions.md.
     pub definitions: u32,
-    /// Of the program.
+    /// The version of the program.
     pub version: String,
-    /// Of its source.
+    /// The commit of the program's source.
     pub commit: String,
     /// The command of the whole reference.
     pub command: String,
-    /// Scene.
+    /// The name of the scene.
     pub scene: String,
-    /// View.
+    /// The name of the view.
     pub view: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// A digest of all that a sample depends on.
+    /// A digest of everything that a sample depends on.
     pub fingerprint: String,
     /// Rays a pixel of the whole reference.
     pub rays: u32,
-    /// Which share it is.
+    /// The shard that this share is.
     pub shard: Shard,
-    /// The share's samples: the first, and the one after the last.
+    /// The numbers of the share's samples: the first, and the one after the last.
     pub samples: [u32; 2],
 }
 
@@ -78,18 +79,18 @@ impl ReferencePart {
         }
     }
 
-    /// File names without what they end with.
-    fn stem(&self) -> String {
-        format!("{}-{}-{}", self.fingerprint, self.samples[0], self.samples[1])
+    /// The file of the share's sums in a folder.
+    fn sums_in(&self, folder: &Path) -> PathBuf {
+        part_file(folder, &self.fingerprint, &(self.samples[0]..self.samples[1]))
     }
 
-    /// What people call the reference.
+    /// The name of the reference, for people.
     fn name(&self) -> String {
         let [width, height] = self.size;
         format!("{} {} {width}x{height}", self.scene, self.view)
     }
 
-    /// What parts of one reference have in common, each with its name.
+    /// The properties that shares of one reference have in common, each with its name.
     fn in_common(&self) -> [(&'static str, String); 4] {
         [
             ("version", self.version.clone()),
@@ -100,7 +101,8 @@ impl ReferencePart {
     }
 }
 
-/// Takes the samples of a share that its folder lacks, and keeps them there. `progress` is called after some of them.
+/// Takes the samples of a share that its folder lacks, and keeps them there. `progress` is called after every few
+/// samples.
 pub fn sample(
     reference: &WorldReference,
     part: &ReferencePart,
@@ -108,18 +110,18 @@ pub fn sample(
     progress: &mut dyn FnMut(&WorldState) -> Result<()>,
 ) -> Result<WorldState> {
     let [first, end] = part.samples;
-    let kept = folder.join(format!("{}.world", part.stem()));
+    let kept = part.sums_in(folder);
     if first == end {
         eprintln!("ssct: warning: shard {} has no rays: {} are too few for {}", part.shard, part.rays, part.shard.of);
         return Ok(reference.start_at(first));
     }
-    files::write(&folder.join(format!("{}{PART}", part.stem())), format!("{}\n", json!(part)).as_bytes())?;
+    files::write(&kept.with_extension(PART), format!("{}\n", json!(part)).as_bytes())?;
     let (mut state, unusable) = reference.resume_at(&kept, first);
     if let Some(why) = unusable {
         eprintln!("ssct: warning: {why}; sampling begins anew");
     }
-    while state.samples < end {
-        let rays = RAYS_AT_ONCE.min(end - state.samples);
+    while state.samples() < end {
+        let rays = RAYS_AT_ONCE.min(end - state.samples());
         reference.add(&mut state, rays);
         state.save(&kept)?;
         progress(&state)?;
@@ -127,16 +129,21 @@ pub fn sample(
     Ok(state)
 }
 
-/// The shares in a folder: what each is of, and its sums, once there are any.
-fn parts_in(folder: &Path) -> Result<Vec<(PathBuf, ReferencePart, Option<WorldPart>)>> {
+/// A share as files keep it: the file of its description, the description, and the sums, if there are some already.
+type KeptPart = (PathBuf, ReferencePart, Option<WorldPart>);
+
+/// The shares in a folder.
+fn parts_in(folder: &Path) -> Result<Vec<KeptPart>> {
     let mut parts = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(|e| Error::io("read", folder, e))? {
         let path = entry.map_err(|e| Error::io("read", folder, e))?.path();
-        let Some(stem) = path.file_name().and_then(|n| n.to_str()).and_then(|n| n.strip_suffix(PART)) else { continue };
+        if !path.file_name().and_then(|n| n.to_str()).is_some_and(|name| name.ends_with(&format!(".{PART}"))) {
+            continue;
+        }
         let text = std::fs::read(&path).map_err(|e| Error::io("read", &path, e))?;
-        let part = serde_json::from_slice(&text)
+        let part: ReferencePart = serde_json::from_slice(&text)
             .map_err(|e| Error::malformed(&path, Some(e.line()), format!("is no share of a reference: {e}")))?;
-        let kept = folder.join(format!("{stem}.world"));
+        let kept = part.sums_in(folder);
         let sums = kept.exists().then(|| WorldPart::read(&kept)).transpose()?;
         parts.push((path, part, sums));
     }
@@ -150,7 +157,7 @@ pub fn has_parts(folder: &Path) -> bool {
 
 /// Makes one reference of the shares in some folders, for each reference that they have.
 pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
-    let mut references: BTreeMap<String, Vec<(PathBuf, ReferencePart, Option<WorldPart>)>> = BTreeMap::new();
+    let mut references: BTreeMap<String, Vec<KeptPart>> = BTreeMap::new();
     for folder in &options.folders {
         for part in parts_in(folder)? {
             references.entry(part.1.fingerprint.clone()).or_default().push(part);
@@ -162,10 +169,8 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
         let (_, first, _) = &parts[0];
         let first = first.clone();
         for (path, part, _) in &parts[1..] {
-            let pairs = first.in_common().into_iter().zip(part.in_common());
-            if let Some(((what, a), (_, b))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
-                let message =
-                    format!("is of another reference than {}: its {what} is {b} and not {a}", parts[0].0.display());
+            if let Some(difference) = difference_of_properties(first.in_common(), part.in_common()) {
+                let message = format!("is of another reference than {}: {difference}", parts[0].0.display());
                 return Err(Error::malformed(path, None, message).into());
             }
         }
@@ -182,7 +187,7 @@ pub fn merge(options: &MergeOptions) -> anyhow::Result<()> {
     }
     let _claim = Claim::new(&options.output)?;
     for (part, whole) in &merged {
-        whole.save(&options.output.join(format!("{}.world", part.fingerprint)))?;
+        whole.save(&whole_file(&options.output, &part.fingerprint))?;
     }
     report(options, &merged, &missing)
 }

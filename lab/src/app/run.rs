@@ -1,9 +1,14 @@
-//! What a long run has around it: its folder and journal, and a way to stop it.
+//! What the commands with long runs share: a run's folder, its journal, the head of its list of cells, a way to stop
+//! it, and the command line as pages show it.
 
 use crate::error::{Error, Result};
+use crate::methods::Setup;
 use crate::report::run_folder::{Claim, JOURNAL};
-use crate::study::cell_list::CellList;
-use crate::study::journal::Journal;
+use crate::scene::Scene;
+use crate::study::cell_list::{CellList, CellListHead};
+use crate::study::journal::{Journal, scene_digest};
+use crate::study::shard::Shard;
+use serde_json::Value;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::path::{Path, PathBuf};
@@ -39,7 +44,7 @@ impl Run {
         Ok(Self { journal, claim })
     }
 
-    /// Writes which cells the run has into its folder, if there is one.
+    /// Writes the list of the run's cells into its folder, if there is one.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
@@ -66,15 +71,49 @@ impl Run {
     }
 }
 
-/// Flags that say how and where this run goes on, and nothing of what the whole study is.
-const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
-/// The same of flags with a value.
-const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
+/// The head of the list of cells of a study of one scene without further settings.
+pub fn list_head(kind: &'static str, shard: Option<Shard>, setup: &Setup, scene: &Scene) -> CellListHead {
+    CellListHead {
+        kind,
+        definitions: setup.effect().definitions.into(),
+        command: command_line(),
+        shard,
+        settings: Value::Null,
+        scenes: vec![(scene.name.clone(), scene_digest(scene))],
+    }
+}
 
-/// The same of flags with several values.
+/// What was made last, which is kept as long as the same is asked for.
+pub struct Last<K, T>(Option<(K, T)>);
+
+impl<K, T> Default for Last<K, T> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, T> Last<K, T> {
+    /// What was made last, if it was made for this key; otherwise it is dropped first, for its memory, and a new one is
+    /// made.
+    pub fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
+        let kept = self.0.take().filter(|(of, _)| *of == key);
+        let (key, made) = match kept {
+            Some(same) => same,
+            None => (key, make()?),
+        };
+        Ok(&mut self.0.insert((key, made)).1)
+    }
+}
+
+/// Flags without a value that change this run and not the whole study.
+const OF_THIS_RUN: [&str; 2] = ["--resume", "--json"];
+/// Flags with one value that change this run and not the whole study.
+const OF_THIS_RUN_WITH_VALUE: [&str; 5] = ["--shard", "--output", "-o", "--device", "--cache"];
+/// Flags with several values that change this run and not the whole study.
 const OF_THIS_RUN_WITH_VALUES: [&str; 1] = ["--references"];
 
-/// The command of this process as a page shows it: without what differs from one machine and shard to another.
+/// The command of this process as a page shows it: without the flags that differ from machine to machine and from shard
+/// to shard.
 pub fn command_line() -> String {
     of_the_study(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
@@ -96,7 +135,7 @@ fn of_the_study(arguments: impl Iterator<Item = String>) -> String {
             is_value = !argument.contains('=');
             continue;
         }
-        // What follows -o without a blank is its value.
+        // The value may follow -o without a blank.
         if argument.starts_with("-o") {
             continue;
         }

@@ -1,7 +1,7 @@
 //! `ssct stress`: numerical stability.
 
 use super::cli::StressOptions;
-use super::run::{Run, command_line};
+use super::run::{Last, Run, command_line};
 use super::{progress, resolve};
 use crate::error::Result;
 use crate::gpu::Gpu;
@@ -64,10 +64,9 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     let motion_names = motions.iter().map(|(scene, spec, motion)| motion_name(scene, spec, *motion));
     let all_names: Vec<String> = case_names.iter().cloned().chain(motion_names).collect();
     let list = list(options, &gpu, &methods, &scenes, all_names.iter().map(|name| (name.clone(), key(name))).collect());
-    // Names of cases are unique, and those of motions, too.
-    let own: HashSet<&String> =
-        all_names.iter().enumerate().filter(|(n, _)| list.owns(*n)).map(|(_, name)| name).collect();
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    // No two cases or motions have the same name.
+    let own: HashSet<&String> = list.own(&all_names).collect();
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let bar = progress::bar("stress", list.owned());
     let measure = |journal: &mut Journal| -> Result<()> {
@@ -125,7 +124,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     all_passed(&records)
 }
 
-/// Fails if a case is not passed that must be.
+/// Fails if a case that must be passed is not.
 pub fn all_passed(records: &[StressRecord]) -> anyhow::Result<()> {
     let violated: Vec<_> = records.iter().filter(|r| r.judged && !r.pass).collect();
     if let Some(first) = violated.first() {
@@ -150,7 +149,7 @@ fn write(
         stress_report::write(folder, records, motions, command)?;
     }
     let mut out = std::io::stdout().lock();
-    if options.json {
+    if options.run.json {
         let all = records.iter().map(serde_json::to_value).chain(motions.iter().map(serde_json::to_value));
         out.write_all(files::json(&all.collect::<std::result::Result<Vec<_>, _>>()?).as_bytes())?;
     } else {
@@ -159,8 +158,8 @@ fn write(
     Ok(())
 }
 
-/// The cells, each a case or a motion with its name and its key. What a case is made of is of the program, but for the
-/// scenes.
+/// The list of cells, each a case or a motion with its name and its key. The program's version and the digests of the
+/// scenes stand for everything that a case consists of.
 fn list(
     options: &StressOptions,
     gpu: &Gpu,
@@ -186,27 +185,6 @@ fn list(
         scenes,
     };
     CellList::new(head, gpu.info(), cells)
-}
-
-/// What was made last, for as long as the next asks for the same.
-struct Last<K, T>(Option<(K, T)>);
-
-impl<K, T> Default for Last<K, T> {
-    fn default() -> Self {
-        Self(None)
-    }
-}
-
-impl<K: PartialEq, T> Last<K, T> {
-    /// The last if it was made for this key, else a new one; the last goes first, for its memory.
-    fn of(&mut self, key: K, make: impl FnOnce() -> Result<T>) -> Result<&mut T> {
-        let kept = self.0.take().filter(|(of, _)| *of == key);
-        let (key, made) = match kept {
-            Some(same) => same,
-            None => (key, make()?),
-        };
-        Ok(&mut self.0.insert((key, made)).1)
-    }
 }
 
 /// Measures what the journal lacks, and keeps it there.

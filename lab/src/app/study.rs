@@ -3,7 +3,7 @@
 use super::cli::StudyOptions;
 use super::error_cells::{Plan as ErrorPlan, QUICK_ROUGHNESS, QUICK_SIZE};
 use super::run::Run;
-use super::{drivers, progress, reference, resolve};
+use super::{progress, reference, resolve};
 use crate::error::{Error, Result};
 use crate::gpu::{Gpu, Pixels};
 use crate::methods::setup::CaptureCount;
@@ -13,11 +13,11 @@ use crate::report::html::{Errors, Gallery, Page, Picture, Strip, Times};
 use crate::report::{error_report, files, images, plot, tables};
 use crate::scene::{Scene, View, library};
 use crate::study::agreement::{AgreementRecord, AgreementSpec};
-use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, WORLD_REFERENCE};
+use crate::study::error::{EXACT_HITS, ErrorRecord, SCREEN_REFERENCE, Variant, WORLD_REFERENCE};
 use crate::study::journal::Journal;
-use crate::study::table::{TABLE_5_8, compare};
+use crate::study::table::{self, compare};
 use crate::study::timing::{self, TimeSpec};
-use crate::study::{Globals, Shot, Stage, TimeRecord, gbuffer, image};
+use crate::study::{Globals, Shot, Stage, TimeRecord, gbuffer, image, other_devices};
 use indicatif::ProgressBar;
 use std::io::Write;
 use std::path::Path;
@@ -36,7 +36,7 @@ const CAPTURED: &str = "unified with captures";
 /// Where the error study lies.
 const ERROR_FOLDER: &str = "error";
 /// Roughness and normal deviation of the pictures: table 5.8's rougher rows.
-const GLOSSY: Globals = Globals { roughness: Some(0.1), reflectivity: 1.0, normal_deviation: Some(0.1) };
+const GLOSSY: Globals = table::factors(0.1, 1.0);
 
 /// The rooms and the atrium: the scenes of a quick study, and those whose views are timed unless all are.
 const THESIS_SCENES: usize = 2;
@@ -87,8 +87,7 @@ impl Plan {
         if samples == 0 {
             return Err(Error::Usage("--samples 0: at least one is needed".into()));
         }
-        let mut table_sizes: Vec<_> = TABLE_5_8.iter().map(|r| r.size).collect();
-        table_sizes.dedup();
+        let table_sizes = table::sizes();
         let (timed_scenes, views, full) =
             if options.full { (usize::MAX, usize::MAX, " --full") } else { (THESIS_SCENES, 1, "") };
         let command = format!("ssct study{full} --samples {samples}{more}");
@@ -104,8 +103,8 @@ impl Plan {
     /// What is timed of each view.
     fn view_specs<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Vec<TimeSpec<'a>> {
         let spec = |scene, view| {
-            let (methods, sizes, globals) = (self.methods.clone(), vec![self.size], vec![GLOSSY]);
-            self.time(gpu, scene, view, methods, sizes, globals)
+            let (sizes, globals) = (vec![self.size], vec![GLOSSY]);
+            self.time(gpu, scene, view, &self.methods, sizes, globals)
         };
         let timed = scenes.iter().take(self.timed_scenes);
         timed.flat_map(|s| self.shown(s).into_iter().map(move |v| spec(s, v))).collect()
@@ -114,10 +113,9 @@ impl Plan {
     /// Table 5.8 on the atrium's view `hall`.
     fn table_5_8<'a>(&self, gpu: &'a Gpu, scenes: &'a [Scene]) -> Result<Option<TimeSpec<'a>>> {
         let Some(atrium) = scenes.iter().find(|s| s.name == "atrium") else { return Ok(None) };
-        let globals = [0.0, 0.1].map(|r| Globals { roughness: Some(r), reflectivity: 1.0, normal_deviation: Some(r) });
-        let methods = METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect();
+        let globals = table::ROUGHNESS.map(|roughness| table::factors(roughness, 1.0)).to_vec();
         let sizes = self.table_sizes.clone();
-        Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, methods, sizes, globals.to_vec())))
+        Ok(Some(self.time(gpu, atrium, atrium.view("hall")?, &table::methods(), sizes, globals)))
     }
 
     /// The quick error study of the rooms.
@@ -132,13 +130,13 @@ impl Plan {
         gpu: &'a Gpu,
         scene: &'a Scene,
         view: &'a View,
-        methods: Vec<&'static MethodInfo>,
+        methods: &[&'static MethodInfo],
         sizes: Vec<[u32; 2]>,
         globals: Vec<Globals>,
     ) -> TimeSpec<'a> {
-        let setup = Setup::new(self.size);
+        let variants = Variant::of(methods, &Setup::new(self.size));
         let (samples, a_a, only) = (self.samples, false, None);
-        TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup: 1, samples, a_a, only }
+        TimeSpec { gpu, scene, view, variants, sizes, globals, warmup: 1, samples, a_a, only }
     }
 }
 
@@ -231,15 +229,14 @@ pub fn run(options: &StudyOptions) -> anyhow::Result<()> {
 fn same_elsewhere(gpu: &Gpu, scenes: &[Scene], plan: &Plan, validation: bool) -> Result<Vec<AgreementRecord>> {
     let mut records = Vec::new();
     let Some(scene) = scenes.first() else { return Ok(records) };
-    for other in drivers::others(gpu, validation)? {
-        for roughness in QUICK_ROUGHNESS {
-            let globals = Globals { roughness: Some(roughness), ..Globals::default() };
-            let (methods, setup) = (plan.methods.clone(), Setup::new(QUICK_SIZE));
-            let spec = AgreementSpec { scene, view: scene.view("corridor")?, globals, methods, setup };
-            records.extend(drivers::compare(gpu, &other, &spec)?);
-        }
-        other.check_validation()?;
+    let others = other_devices::others(gpu, validation)?;
+    for roughness in QUICK_ROUGHNESS.into_iter().filter(|_| !others.is_empty()) {
+        let globals = Globals { roughness: Some(roughness), ..Globals::default() };
+        let (methods, setup) = (plan.methods.clone(), Setup::new(QUICK_SIZE));
+        let spec = AgreementSpec { scene, view: scene.view("corridor")?, globals, methods, setup };
+        records.extend(other_devices::compare(gpu, &others, &spec)?);
     }
+    others.iter().try_for_each(Gpu::check_validation)?;
     Ok(records)
 }
 

@@ -1,15 +1,15 @@
 //! `ssct time`.
 
 use super::cli::{Table, TimeOptions};
-use super::run::{Run, command_line};
+use super::run::{Run, list_head};
 use super::time_output::{TimeOutput, device_line};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
-use crate::methods::{self, METHODS};
+use crate::methods;
 use crate::report::{files, plot, tables, trace};
 use crate::study::cell_list::{CellList, CellListHead};
-use crate::study::journal::scene_digest;
-use crate::study::table::{TABLE_5_8, compare};
+use crate::study::error::Variant;
+use crate::study::table as table_5_8;
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
 use serde::{Deserialize, Serialize};
@@ -18,9 +18,11 @@ use serde_json::json;
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let common = &options.common;
-    let undivided = options.path.is_some().then_some("--path, whose frames follow each other");
-    let undivided =
-        undivided.or((options.table == Some(Table::Captions)).then_some("--table captions, whose rows are few"));
+    let undivided = match (&options.path, options.table) {
+        (Some(_), _) => Some("--path, whose frames follow each other"),
+        (None, Some(Table::Captions)) => Some("--table captions, whose rows are few"),
+        _ => None,
+    };
     if let Some(what) = undivided.filter(|_| options.shard.shard.is_some()) {
         return Err(Error::Usage(format!("--shard is not for {what}")).into());
     }
@@ -39,7 +41,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let scene = resolve::scene(&common.place, if table { "atrium" } else { "rooms" })?;
     let view = resolve::view(&scene, &common.place, table.then_some("hall"))?;
     let methods = match &options.method[..] {
-        [] if table => METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect(),
+        [] if table => table_5_8::methods(),
         names => methods::choose(names, &common.method_options.setup([1, 1]))?,
     };
     let globals = if table { table_globals(options)? } else { resolve::globals(&common.place)? };
@@ -51,19 +53,14 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let setup = common.method_options.setup(sizes[0]);
     let (warmup, samples) = (options.warmup, options.samples);
     let a_a = options.a_a;
+    let variants = Variant::of(&methods, &setup);
     let (gpu, scene, view, only) = (&gpu, &scene, &view, None);
-    let mut spec = TimeSpec { gpu, scene, view, methods, sizes, globals, setup, warmup, samples, a_a, only };
-    let head = CellListHead {
-        kind: "time",
-        definitions: spec.setup.effect().definitions.into(),
-        command: command_line(),
-        shard: options.shard.shard,
-        settings: json!(TimeSettings { table, samples, a_a }),
-        scenes: vec![(scene.name.clone(), scene_digest(scene))],
-    };
+    let mut spec = TimeSpec { gpu, scene, view, variants, sizes, globals, warmup, samples, a_a, only };
+    let settings = json!(TimeSettings { table, samples, a_a });
+    let head = CellListHead { settings, ..list_head("time", options.shard.shard, &setup, scene) };
     let list = CellList::new(head, gpu.info(), spec.planned());
     spec.only = Some(list.cells.iter().map(|c| c.own).collect());
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     run.list(&list)?;
     let bar = progress::bar("timing", spec.frames());
     let outcome = timing::measure(&spec, &mut run.journal, &mut || progress::step(&bar));
@@ -77,10 +74,10 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     written.conclude(options, run, outcome, gpu)
 }
 
-/// What the files of a run need to know beside its cells.
+/// Settings that the files of a run depend on, beside its cells.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct TimeSettings {
-    /// Whether the thesis's table is compared with.
+    /// Whether the times are compared with the thesis's table.
     pub table: bool,
     /// Frames that count.
     pub samples: usize,
@@ -106,7 +103,7 @@ pub fn text(records: &[TimeRecord], table: bool) -> String {
         text += &device_line(&first.head.program.device);
     }
     if table {
-        text += &tables::table_5_8(&compare(records));
+        text += &tables::table_5_8(&table_5_8::compare(records));
         text += "\n";
     }
     text + &tables::times(records)
@@ -114,16 +111,14 @@ pub fn text(records: &[TimeRecord], table: bool) -> String {
 
 /// Sizes of the flags, else of the table, else 960×540.
 fn sizes(options: &TimeOptions, table: bool) -> Result<Vec<[u32; 2]>> {
-    let all: Vec<[u32; 2]> = TABLE_5_8.iter().map(|r| r.size).collect();
+    let all = table_5_8::sizes();
     if !options.size.is_empty() {
         if let Some([w, h]) = options.size.iter().find(|s| table && !all.contains(s)) {
             return Err(Error::Usage(format!("--table 5.8 has no row for {w}x{h}")));
         }
         return Ok(options.size.clone());
     }
-    let mut sizes = if table { all } else { vec![[960, 540]] };
-    sizes.dedup();
-    Ok(sizes)
+    Ok(if table { all } else { vec![[960, 540]] })
 }
 
 /// The table's roughness values, each also the normal deviation.
@@ -131,12 +126,12 @@ fn table_globals(options: &TimeOptions) -> Result<Vec<Globals>> {
     if options.common.place.normal_deviation.is_some() {
         return Err(Error::Usage("--table 5.8 sets the normal deviation to the roughness".into()));
     }
-    let known = [0.0, 0.1];
+    let known = table_5_8::ROUGHNESS;
     let wanted =
         if options.common.place.roughness.is_empty() { known.to_vec() } else { options.common.place.roughness.clone() };
     if let Some(r) = wanted.iter().find(|r| !known.contains(r)) {
         return Err(Error::Usage(format!("--table 5.8 has no row for roughness {r}; it has 0 and 0.1")));
     }
     let reflectivity = options.common.place.reflectivity;
-    Ok(wanted.iter().map(|r| Globals { roughness: Some(*r), reflectivity, normal_deviation: Some(*r) }).collect())
+    Ok(wanted.iter().map(|roughness| table_5_8::factors(*roughness, reflectivity)).collect())
 }

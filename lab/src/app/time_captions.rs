@@ -10,6 +10,7 @@ use crate::methods::{self, MethodInfo};
 use crate::report::{files, plot, tables};
 use crate::scene::{Scene, library};
 use crate::study::captions::{CAPTIONS, Caption, REFERENCE, ReferenceTime, compare, time_reference};
+use crate::study::error::Variant;
 use crate::study::journal::{digest, scene_digest};
 use crate::study::timing::{self, TimeSpec};
 use crate::study::{Globals, TimeRecord};
@@ -34,7 +35,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let globals = globals(options)?;
     let gpu = resolve::gpu(&options.common.device)?;
 
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     let bar = progress::bar("captions", 0);
     let (mut records, mut references, mut missing) = (Vec::<TimeRecord>::new(), Vec::<ReferenceTime>::new(), vec![]);
     let mut outcome = Ok(());
@@ -53,10 +54,9 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
             gpu: &gpu,
             scene,
             view: &view,
-            methods: compared,
+            variants: Variant::of(&compared, &options.common.method_options.setup(caption.size)),
             sizes: vec![caption.size],
             globals: globals.clone(),
-            setup: options.common.method_options.setup(caption.size),
             warmup: options.warmup,
             samples: options.samples,
         };

@@ -47,7 +47,7 @@ impl TimeOutput {
         if let Some(folder) = &options.output {
             self.write(folder)?;
         }
-        let shown = if options.json { &self.json } else { &self.text };
+        let shown = if options.run.json { &self.json } else { &self.text };
         std::io::stdout().lock().write_all(shown.as_bytes())?;
         Ok(())
     }

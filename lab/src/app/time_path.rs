@@ -30,7 +30,7 @@ pub fn run(options: &TimeOptions, path: &Path) -> anyhow::Result<()> {
         warmup: options.warmup,
         frames: options.frames as usize,
     };
-    let mut run = Run::begin(options.output.as_deref(), options.resume)?;
+    let mut run = Run::begin(options.output.as_deref(), options.run.resume)?;
     let bar = progress::bar("path", spec.submissions());
     let outcome = measure(&spec, &mut run.journal, &mut || progress::step(&bar));
     bar.finish_and_clear();

@@ -1,49 +1,31 @@
 //! A method from a folder, at one size on one device.
 
 use super::MANIFEST;
-use super::inputs::{self, Inputs};
-use super::manifest::{
-    Alpha, HitEncoding, ImageSection, InputKind, LevelOf, Manifest, Pass, PassReach, PassStage, format_of,
-};
-use super::shader::{self, CompiledPass};
+use super::bindings::{self, BoundInput, PassBindings};
+use super::finish::Finish;
+use super::inputs::Inputs;
+use super::manifest::{ImageSection, InputKind, LevelOf, Manifest, Pass, PassReach, PassStage, format_of};
+use super::shader;
 use super::source::ImageSource;
 use super::values::{Filled, FrameState};
 use crate::error::{Error, Result};
 use crate::gpu::loose::{LooseProgram, Reach};
 use crate::gpu::memory::{Buffer, MemoryPlace};
 use crate::gpu::program::Sampled;
-use crate::gpu::programs::{CustomHits, CustomReflection};
-use crate::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
-use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, ImageDesc, ImageSlice, Resource, Sampler, Target, image};
-use crate::math::constants::{
-    ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_DEPTH, HITS_UV_MASKED, HITS_VIEW,
-};
+use crate::gpu::{Frame, Gpu, Image, ImageDesc, ImageSlice, Resource, Target, image};
 use crate::methods::{Input, Intermediate, Making, Method, Setup, Traced};
 use crate::parameter::{Parameter, Values};
-use crate::passes::hi_z::HiZPass;
-use crate::passes::{Content, HITS, Hits, LIT_COLOR, Reflection};
+use crate::passes::{Content, Hits, LIT_COLOR, Reflection};
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec3;
 use std::cell::{Cell, OnceCell, RefCell};
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
 
 /// How often files are looked at, where they are.
 const PERIOD: Duration = Duration::from_millis(300);
-
-/// Compiles every shader and holds it against the manifest, without a device.
-///
-/// # Errors
-/// [`Error::Malformed`] with file and line.
-pub fn check(manifest: &Manifest) -> Result<()> {
-    manifest.passes.iter().try_for_each(|pass| {
-        let compiled = shader::compile(&manifest.name, &manifest.include, pass)?;
-        Plan::new(manifest, pass, &compiled).map(|_| ())
-    })
-}
 
 /// The method, as its files were when it was made, and as they were each time they changed since.
 pub struct CustomMethod {
@@ -172,156 +154,7 @@ struct OwnImage {
 struct Recorded {
     pass: Pass,
     program: LooseProgram,
-    plan: Plan,
-}
-
-/// What a pass's shader binds, in the order of its bindings.
-struct Plan {
-    bound: Vec<Bound>,
-    push: Vec<Filled>,
-    push_size: usize,
-}
-
-enum Bound {
-    Sampled(ImageSource, Sampler, LevelOf),
-    Stored(String, LevelOf, bool),
-    Buffer(String, bool),
-    Uniform(Vec<Filled>, usize),
-}
-
-/// What makes a reflection of what the method made, and hits, if they are wanted.
-struct Finish {
-    reflection: Option<(GraphicsPipeline<CustomReflection<'static>>, Image, i32)>,
-    hits: Option<(HiZPass, GraphicsPipeline<CustomHits<'static>>, Image, i32)>,
-}
-
-impl Plan {
-    fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
-        let file = pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let unfed = |what: &str, name: &str| {
-            let message = format!(
-                "pass {:?}: nothing feeds the {what} {name} of {file}; name it under [inputs] or [values]",
-                pass.name
-            );
-            manifest.error(&pass.at, message)
-        };
-        let mut read: Vec<&str> = Vec::new();
-        let mut bound = Vec::new();
-        let mut filled = |block: &str| -> Result<(Vec<Filled>, usize)> {
-            let Some(layout) = compiled.interface.blocks.get(block) else {
-                return Err(manifest
-                    .error(&pass.at, format!("pass {:?}: the block {block} of {file} is not understood", pass.name)));
-            };
-            let mut named = |field: &str| {
-                let full = format!("{block}.{field}");
-                let key = [full.as_str(), field].into_iter().find_map(|name| pass.values.get_key_value(name));
-                key.map(|(name, (given, _))| {
-                    read.push(name);
-                    given
-                })
-            };
-            let mut fields = Vec::new();
-            for (name, offset, rust, size) in &layout.fields {
-                let Some(given) = named(name) else { return Err(unfed("field", &format!("{block}.{name}"))) };
-                let at = pass.values.get(name).map_or(pass.at.clone(), |(_, at)| at.clone());
-                fields.push(Filled::new(*offset, rust, *size, given.clone()).map_err(|m| {
-                    manifest.error(&at, format!("pass {:?}: {block}.{name} of {file}: {m}", pass.name))
-                })?);
-            }
-            Ok((fields, layout.size as usize))
-        };
-        let mut inputs_read: Vec<&str> = Vec::new();
-        for b in &compiled.interface.bindings {
-            if b.count > 1 {
-                let message =
-                    format!("pass {:?}: {} of {file} is an array of images, which cannot be fed", pass.name, b.name);
-                return Err(manifest.error(&pass.at, message));
-            }
-            if b.kind == "UniformBuffer" {
-                let (fields, size) = filled(&b.block)?;
-                bound.push(Bound::Uniform(fields, size));
-                continue;
-            }
-            let kind = if b.kind == "StorageBuffer" { "buffer" } else { "image" };
-            let key = [b.name.as_str(), b.block.as_str()].into_iter().find_map(|name| pass.inputs.get_key_value(name));
-            let Some((name, input)) = key else { return Err(unfed(kind, &b.name)) };
-            inputs_read.push(name);
-            let mismatch = |what: &str| {
-                let message = format!("pass {:?}: {} of {file} is {what}", pass.name, b.name);
-                manifest.error(input.at(), message)
-            };
-            bound.push(match (b.kind, &input.what) {
-                ("StorageBuffer", InputKind::Buffer(buffer)) => Bound::Buffer(buffer.clone(), b.read_only),
-                ("StorageBuffer", _) => return Err(mismatch("a buffer, and is fed an image")),
-                (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer")),
-                ("StorageImage", InputKind::Image(ImageSource::Own(image))) => {
-                    let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
-                    Bound::Stored(image.clone(), level, b.read_only)
-                }
-                ("StorageImage", _) => {
-                    return Err(mismatch("stored to, and is fed an image that is not the method's own"));
-                }
-                (_, InputKind::Image(source)) => {
-                    Bound::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
-                }
-            });
-        }
-        let (push, push_size) = match &compiled.interface.push {
-            Some(push) => {
-                let (fields, _) = filled(&push.block)?;
-                (fields, push.size as usize)
-            }
-            None => (Vec::new(), 0),
-        };
-        Ok(Self { bound, push, push_size })
-    }
-}
-
-/// Id and bits of the specialization constants that the manifest gives.
-fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Vec<(u32, u32)> {
-    let given = |c: &crate::gpu::glsl::Constant| {
-        let (given, _) = pass.values.get(&c.name)?;
-        let number = given.numbers(state, 1).first().copied()?;
-        Some((
-            c.id,
-            match c.ty {
-                "f32" => (number as f32).to_bits(),
-                "i32" => (number as i32) as u32,
-                "bool" => u32::from(number != 0.0),
-                _ => number as u32,
-            },
-        ))
-    };
-    compiled.interface.constants.iter().filter_map(given).collect()
-}
-
-/// Names under `[inputs]` and `[values]` that no shader of the method reads.
-fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
-    let reads = |pass: usize, name: &str| {
-        let interface = &compiled[pass].interface;
-        let bound = interface.bindings.iter().any(|b| b.name == name || b.block == name);
-        let constant = interface.constants.iter().any(|c| c.name == name);
-        let field = |(block, layout): (&String, &crate::gpu::glsl::Block)| {
-            layout.fields.iter().any(|(field, ..)| field == name || format!("{block}.{field}") == name)
-        };
-        bound || constant || interface.blocks.iter().any(field)
-    };
-    let all = 0..manifest.passes.len();
-    let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {
-        let inputs = pass.inputs.iter().map(|(name, input)| (name.clone(), input.at().clone()));
-        inputs.chain(pass.values.iter().map(|(name, (_, at))| (name.clone(), at.clone()))).collect()
-    };
-    for pass in &manifest.passes {
-        for (name, at) in names(pass) {
-            // What stands at the top holds for every pass, and is read if one of them reads it.
-            let of =
-                all.clone().filter(|k| names(&manifest.passes[*k]).iter().any(|(n, place)| *n == name && *place == at));
-            if !of.clone().any(|k| reads(k, &name)) {
-                return Err(manifest.error(&at, format!("no shader reads {name}")));
-            }
-        }
-    }
-    Ok(())
+    bindings: PassBindings,
 }
 
 impl Running {
@@ -362,8 +195,8 @@ impl Running {
         let mut passes = Vec::new();
         for pass in &manifest.passes {
             let made = shader::compile(&manifest.name, &manifest.include, pass)?;
-            let plan = Plan::new(manifest, pass, &made)?;
-            let constants = constants(pass, &made, &still);
+            let bindings = PassBindings::new(manifest, pass, &made)?;
+            let constants = bindings::constants(pass, &made, &still);
             let program = match pass.stage {
                 PassStage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
                 PassStage::Fragment => {
@@ -384,13 +217,13 @@ impl Running {
                     LooseProgram::fragment(gpu, made.shader, &constants, &formats)?
                 }
             };
-            passes.push(Recorded { pass: pass.clone(), program, plan });
+            passes.push(Recorded { pass: pass.clone(), program, bindings });
             compiled.push(made);
         }
-        unread(manifest, &compiled)?;
+        bindings::unread(manifest, &compiled)?;
         let mut sources: Vec<ImageSource> = Vec::new();
-        for bound in passes.iter().flat_map(|p| &p.plan.bound) {
-            if let Bound::Sampled(source, ..) = bound {
+        for bound in passes.iter().flat_map(|p| &p.bindings.inputs) {
+            if let BoundInput::Sampled(source, ..) = bound {
                 sources.push(source.clone());
             }
         }
@@ -470,7 +303,18 @@ impl Running {
             }
         }
         self.inputs.keep(frame, input, turn)?;
-        self.finish(frame, input, turn, &state(extent, 0))
+        let output = &self.manifest.output;
+        let reflection = self.output.reflection(frame, input, self.own(&output.reflection, turn))?;
+        let hits = match &output.hits {
+            Some(name) => self.output.hits(frame, input, self.own(name, turn), &state(extent, 0))?,
+            None => None,
+        };
+        let shown = |(name, image): (&&'static str, &'a OwnImage)| {
+            let image = &image.images[turn % image.images.len()];
+            is_float(image.format()).then_some(Intermediate { name, content: Content::Color, image })
+        };
+        let intermediates = self.names.iter().zip(self.images.values()).filter_map(shown).collect();
+        Ok(Traced { hits: hits.map(Hits), intermediates, ..Traced::new(Reflection(reflection)) })
     }
 
     /// Records a pass for a level; whether the images have it.
@@ -478,7 +322,7 @@ impl Running {
         &'a self,
         frame: &mut Frame,
         input: &Input<'a, '_>,
-        Recorded { pass, program, plan }: &'a Recorded,
+        Recorded { pass, program, bindings }: &'a Recorded,
         (level, turn): (u32, usize),
         state: &impl Fn([u32; 2], u32) -> FrameState<'s>,
     ) -> Result<bool> {
@@ -517,22 +361,22 @@ impl Running {
             fields.iter().for_each(|f| f.write(&mut bytes, &state));
             bytes
         };
-        let blocks: Vec<Vec<u8>> = plan
-            .bound
+        let blocks: Vec<Vec<u8>> = bindings
+            .inputs
             .iter()
-            .map(|b| if let Bound::Uniform(fields, size) = b { block(fields, *size) } else { Vec::new() })
+            .map(|b| if let BoundInput::Uniform(fields, size) = b { block(fields, *size) } else { Vec::new() })
             .collect();
-        let mut resources = Vec::with_capacity(plan.bound.len());
-        for (bound, bytes) in plan.bound.iter().zip(&blocks) {
+        let mut resources = Vec::with_capacity(bindings.inputs.len());
+        for (bound, bytes) in bindings.inputs.iter().zip(&blocks) {
             resources.push(match bound {
-                Bound::Uniform(..) => Resource::Uniform(bytes),
-                Bound::Buffer(name, true) => Resource::ReadBuffer(&self.buffers[name].0),
-                Bound::Buffer(name, false) => Resource::Buffer(&self.buffers[name].0),
-                Bound::Stored(name, of, read_only) => {
+                BoundInput::Uniform(..) => Resource::Uniform(bytes),
+                BoundInput::Buffer(name, true) => Resource::ReadBuffer(&self.buffers[name].0),
+                BoundInput::Buffer(name, false) => Resource::Buffer(&self.buffers[name].0),
+                BoundInput::Stored(name, of, read_only) => {
                     let Some(slice) = slice(name, *of, turn) else { return self.has_no_level(pass, name) };
                     if *read_only { Resource::Loaded(slice) } else { Resource::Storage(slice) }
                 }
-                Bound::Sampled(source, sampler, of) => {
+                BoundInput::Sampled(source, sampler, of) => {
                     let slice = match source {
                         ImageSource::Own(name) => match slice(name, *of, turn) {
                             Some(slice) => slice,
@@ -557,7 +401,7 @@ impl Running {
                 }
             });
         }
-        let push = block(&plan.push, plan.push_size);
+        let push = block(&bindings.push, bindings.push_size);
         let name = if pass.levels.is_some() { format!("{}/{level}", pass.name) } else { pass.name.clone() };
         match reach {
             None => {
@@ -579,60 +423,6 @@ impl Running {
             return Ok(false);
         }
         Err(self.manifest.error(&pass.at, format!("pass {:?}: the image {image} has no such level", pass.name)))
-    }
-
-    fn finish<'a>(
-        &'a self,
-        frame: &mut Frame,
-        input: &Input<'a, '_>,
-        turn: usize,
-        state: &FrameState,
-    ) -> Result<Traced<'a>> {
-        let extent = input.gbuffer.depth.extent();
-        let resolution = extent.map(|v| v as f32);
-        let made = self.own(&self.manifest.output.reflection, turn);
-        let material = Sampled::nearest(input.gbuffer.material.all());
-        let reflection = match &self.output.reflection {
-            None => made,
-            Some((pipeline, image, alpha)) => {
-                let block = CustomOutputBlock { resolution, alpha: *alpha, ..CustomOutputBlock::default() };
-                let sampled = if made.extent() == extent {
-                    Sampled::nearest(made.level(0))
-                } else {
-                    Sampled::trilinear(made.level(0))
-                };
-                let program = CustomReflection { reflection_buffer: sampled, material_buffer: material, given: &block };
-                frame.fullscreen("reflection", pipeline, [Target::overwrite(image.all())], &program)?;
-                image
-            }
-        };
-        let hits = match (&self.output.hits, &self.manifest.output.hits) {
-            (Some((depth, pipeline, image, encoding)), Some(name)) => {
-                let standard = depth.record(frame, &input.gbuffer)?;
-                let to_clip = state.view_to_clip(input.camera);
-                let block = CustomHitsBlock {
-                    view_to_clip: to_clip.as_mat4().to_cols_array_2d(),
-                    resolution,
-                    encoding: *encoding,
-                    ..CustomHitsBlock::default()
-                };
-                let program = CustomHits {
-                    hit_buffer: Sampled::nearest(self.own(name, turn).level(0)),
-                    material_buffer: material,
-                    depth_buffer: Sampled::nearest(standard.0.level(0)),
-                    given: &block,
-                };
-                frame.fullscreen("hits", pipeline, [Target::overwrite(image.all())], &program)?;
-                Some(Hits(image))
-            }
-            _ => None,
-        };
-        let shown = |(name, image): (&&'static str, &'a OwnImage)| {
-            let image = &image.images[turn % image.images.len()];
-            is_float(image.format()).then_some(Intermediate { name, content: Content::Color, image })
-        };
-        let intermediates = self.names.iter().zip(self.images.values()).filter_map(shown).collect();
-        Ok(Traced { hits, intermediates, ..Traced::new(Reflection(reflection)) })
     }
 }
 
@@ -668,39 +458,5 @@ impl OwnImage {
         let count = if section.history { 2 } else { 1 };
         let images = (0..count).map(|_| Image::new(gpu, &desc)).collect::<Result<_>>()?;
         Ok(Self { images, clear: section.clear })
-    }
-}
-
-impl Finish {
-    fn new(gpu: &Gpu, manifest: &Manifest, extent: [u32; 2], hits: bool) -> Result<Self> {
-        let output = &manifest.output;
-        let section = &manifest.images[&output.reflection];
-        let is_ours =
-            output.alpha == Alpha::Fade && section.scale == 1.0 && format_of(&section.format) == Some(LIT_COLOR);
-        let alpha = match output.alpha {
-            Alpha::Fade => ALPHA_FADE,
-            Alpha::Premultiplied => ALPHA_PREMULTIPLIED,
-            Alpha::None => ALPHA_NONE,
-        };
-        let reflection = (!is_ours)
-            .then(|| -> Result<_> {
-                let image = Image::target(gpu, "reflection", LIT_COLOR, extent)?;
-                Ok((GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?, image, alpha))
-            })
-            .transpose()?;
-        let encoding = match output.hits_are {
-            HitEncoding::Uv => HITS_UV,
-            HitEncoding::UvMasked => HITS_UV_MASKED,
-            HitEncoding::UvDepth => HITS_UV_DEPTH,
-            HitEncoding::Pixel => HITS_PIXEL,
-            HitEncoding::ViewPosition => HITS_VIEW,
-        };
-        let hits = (hits && output.hits.is_some())
-            .then(|| -> Result<_> {
-                let image = Image::target(gpu, "hits", HITS, extent)?;
-                Ok((HiZPass::depth_alone(gpu, extent)?, GraphicsPipeline::fullscreen(gpu, [HITS])?, image, encoding))
-            })
-            .transpose()?;
-        Ok(Self { reflection, hits })
     }
 }

@@ -2,8 +2,11 @@
 //! (docs/custom-methods.md).
 //!
 //! `manifest` reads what the folder says, `shader` compiles and reflects the stages, `source` names what a shader may
-//! read, `inputs` makes it of the G-buffer, `values` fills uniform blocks, and `method` records the passes.
+//! read, `inputs` makes it of the G-buffer, `values` fills uniform blocks, `bindings` holds what a shader binds against the
+//! manifest, `method` records the passes, and `finish` makes a reflection of what they made.
 
+mod bindings;
+mod finish;
 mod inputs;
 mod manifest;
 mod method;
@@ -57,7 +60,7 @@ pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let manifest = Manifest::read(folder)?;
     let parameters = manifest.parameters()?;
     // CompiledPass once here, so that what is wrong is said before a device is opened.
-    method::check(&manifest)?;
+    bindings::check(&manifest)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));
     let (fades, takes_captures) = (manifest.reads_value("fade"), manifest.captures);

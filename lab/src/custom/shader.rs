@@ -1,11 +1,12 @@
 //! Compiles a user's shader and finds what it binds. GLSL for OpenGL is taken, too: names get bindings and locations, and
 //! uniforms that stand alone become a block.
 
-use super::manifest::{Pass, PassStage, read_text};
+use super::manifest::{Pass, PassStage};
 use crate::error::{Error, Result};
 use crate::gpu::glsl::{self, Interface};
 use crate::gpu::loose;
 use crate::gpu::shader::Shader;
+use crate::scene::source_text;
 use sha2::{Digest, Sha256};
 use shaderc::{CompileOptions, Compiler, OptimizationLevel, ResolvedInclude, ShaderKind, TargetEnv};
 use std::cell::RefCell;
@@ -67,7 +68,7 @@ fn binary(path: &Path) -> Result<Vec<u32>> {
 
 fn glsl(include: &Path, pass: &Pass) -> Result<(Vec<u32>, Vec<PathBuf>)> {
     let path = &pass.shader;
-    let source = hoisted(&read_text(path, "a shader", MAX_BYTES)?);
+    let source = hoisted(&source_text::read(path, "a shader", MAX_BYTES)?);
     let wrong = |message: String| Error::malformed(path, None, message);
     let compiler = Compiler::new().map_err(|e| wrong(format!("the compiler cannot be started: {e}")))?;
     let files = RefCell::new(vec![path.clone()]);

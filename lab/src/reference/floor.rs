@@ -25,12 +25,7 @@ impl<'a> ScreenFloor<'a> {
         Self { gbuffer, screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
     }
 
-    /// The same without samples, of which the first will be that of a number ([`WorldReference::start_at`]).
-    pub fn start_at(&mut self, first: u32) {
-        self.sums = PartialSums::new(first, self.sums.pixels());
-    }
-
-    /// A hash of what the sums depend on beside a reference.
+    /// A hash of everything that the sums depend on.
     pub(super) fn fingerprint(&self, reference: &WorldReference) -> Fingerprint {
         floor_fingerprint(&reference.fingerprint(), self.gbuffer)
     }
@@ -39,7 +34,7 @@ impl<'a> ScreenFloor<'a> {
     /// sums.
     pub fn add(&mut self, reference: &WorldReference, state: &mut WorldState, samples: u32) {
         let Self { screen, sums, .. } = self;
-        let last = state.samples.saturating_add(samples);
+        let last = state.samples().saturating_add(samples);
         while let Some(stop) = sums.next_stop(last) {
             reference.add_beside(state, stop, sums.open(), |sum, sample| {
                 let on_screen = sample.end.and_then(|end| screen.color(end, sample.direction));

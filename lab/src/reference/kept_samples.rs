@@ -1,6 +1,6 @@
-//! Samples of a world reference and of the screen's floor that lie in folders, where other runs left them: a reference
-//! takes up those of its own that follow each other, and samples the rest. The result is that of sampling all of them, to
-//! the bit.
+//! Samples of a world reference and of the screen's floor that other runs left in folders. A reference takes those of
+//! its own samples that follow each other, and the rest are sampled. The result is that of sampling all of them, to the
+//! bit.
 
 use super::floor::ScreenFloor;
 use super::partial_sums::PartialSums;
@@ -11,75 +11,76 @@ use glam::DVec3;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What the files of references end with, and those of floors.
-const ENDINGS: [&str; 2] = [".world", ".floor"];
+/// What the file names of references end with.
+const WORLD: &str = ".world";
+/// What the file names of floors end with.
+const FLOOR: &str = ".floor";
 
-/// Samples in a folder: the first, and the files.
-struct KeptFile {
+/// The files of some samples, whose numbers begin with `first`.
+struct KeptFiles {
     first: u32,
     world: PathBuf,
     floor: PathBuf,
 }
 
-/// Where some samples of a reference are kept in a folder, whose name says what they are of.
-fn file(folder: &Path, of: &Fingerprint, samples: &Range<u32>, ending: &str) -> PathBuf {
-    folder.join(format!("{}-{}-{}{ending}", short(of), samples.start, samples.end))
+/// The file in a folder that keeps all samples of a reference, by the [`short`] name of its fingerprint.
+pub fn whole_file(folder: &Path, short: &str) -> PathBuf {
+    folder.join(format!("{short}{WORLD}"))
 }
 
-/// A short name of what a reference is of.
+/// The file in a folder that keeps some samples of a reference, by the [`short`] name of its fingerprint.
+pub fn part_file(folder: &Path, short: &str, samples: &Range<u32>) -> PathBuf {
+    folder.join(format!("{short}-{}-{}{WORLD}", samples.start, samples.end))
+}
+
+/// A short name of a fingerprint, for file names.
 pub fn short(of: &Fingerprint) -> String {
     of.iter().take(16).map(|b| format!("{b:02x}")).collect()
 }
 
 /// Takes the samples of a range that a folder lacks, and keeps them there after each step. `go_on` is called between two
-/// steps, and its error ends it. The floor is sampled with the reference where it is wanted.
+/// steps, and its error ends the sampling. If there is a floor, it takes the same samples.
 ///
 /// # Errors
 /// Those of `go_on`, and [`Error::Io`] for files that cannot be written.
 pub fn sample(
     reference: &WorldReference,
-    floor: Option<&mut ScreenFloor>,
+    mut floor: Option<&mut ScreenFloor>,
     samples: &Range<u32>,
     folder: &Path,
     go_on: &mut dyn FnMut() -> Result<()>,
 ) -> Result<()> {
-    let of = reference.fingerprint();
-    let [world_file, floor_file] = ENDINGS.map(|ending| file(folder, &of, samples, ending));
-    let mut floor = floor;
-    let kept = KeptFile { first: samples.start, world: world_file.clone(), floor: floor_file.clone() };
-    let mut state = match load(reference, floor.as_deref_mut(), &kept) {
-        Ok((state, sums)) => {
-            if let (Some(floor), Some(sums)) = (floor.as_deref_mut(), sums) {
-                floor.sums = sums;
-            }
-            state
-        }
-        // What is not there, or not whole, is sampled.
-        Err(_) => {
-            if let Some(floor) = floor.as_deref_mut() {
-                floor.start_at(samples.start);
-            }
-            reference.start_at(samples.start)
-        }
-    };
+    let world = part_file(folder, &short(&reference.fingerprint()), samples);
+    let kept = KeptFiles { first: samples.start, floor: floor_beside(&world), world };
+    // Samples that the folder lacks, or that cannot be read, are taken anew.
+    let (mut state, sums) =
+        load(reference, floor.as_deref(), &kept).unwrap_or_else(|_| (reference.start_at(samples.start), None));
+    if let Some(floor) = floor.as_deref_mut() {
+        floor.sums = sums.unwrap_or_else(|| PartialSums::new(samples.start, floor.sums.pixels()));
+    }
     while let Some(stop) = state.sums.next_stop(samples.end) {
         go_on()?;
-        let more = stop - state.samples;
+        let more = stop - state.samples();
         match floor.as_deref_mut() {
             Some(floor) => {
                 floor.add(reference, &mut state, more);
                 let sums = floor.sums.map(|sum| Sums::of_color(*sum));
-                write_state(&floor_file, &floor.fingerprint(reference), state.extent, &sums)?;
+                write_state(&kept.floor, &floor.fingerprint(reference), state.extent, &sums)?;
             }
             None => reference.add(&mut state, more),
         }
-        state.save(&world_file)?;
+        state.save(&kept.world)?;
     }
     Ok(())
 }
 
-/// A reference's state with the samples that folders have of it, from the first on as far as they follow each other; and a
-/// floor with the same.
+/// The floor's file beside that of its reference.
+fn floor_beside(world: &Path) -> PathBuf {
+    world.with_extension(&FLOOR[1..])
+}
+
+/// The state of a reference with the samples that some folders have of it, from number 0 as far as they follow each
+/// other. If there is a floor, the same samples are added to it.
 ///
 /// # Errors
 /// [`Error::Io`] for a folder that cannot be read.
@@ -94,21 +95,20 @@ pub fn resume(
         for entry in std::fs::read_dir(folder).map_err(|e| Error::io("read", folder, e))? {
             let path = entry.map_err(|e| Error::io("read", folder, e))?.path();
             let text = path.file_name().and_then(|n| n.to_str()).unwrap_or_default();
-            let range = text.strip_prefix(&name).and_then(|rest| rest.strip_suffix(ENDINGS[0]));
+            let range = text.strip_prefix(&name).and_then(|rest| rest.strip_suffix(WORLD));
             if let Some(first) = range.and_then(|range| range.split_once('-')?.0.parse().ok()) {
-                let floor = path.with_extension(&ENDINGS[1][1..]);
-                files.push(KeptFile { first, world: path, floor });
+                files.push(KeptFiles { first, floor: floor_beside(&path), world: path });
             }
         }
     }
     files.sort_by(|a, b| (a.first, &a.world).cmp(&(b.first, &b.world)));
     let mut state = reference.start();
     for kept in files {
-        if kept.first != state.samples {
+        if kept.first != state.samples() {
             continue;
         }
-        // Files of another device's picture, or damaged ones, are no help; their samples are taken anew.
-        let Ok((next, sums)) = load(reference, floor.as_deref_mut(), &kept) else { continue };
+        // Files that belong to another device's picture or that are damaged are left out; their samples are taken anew.
+        let Ok((next, sums)) = load(reference, floor.as_deref(), &kept) else { continue };
         if !state.append(next) {
             continue;
         }
@@ -121,17 +121,17 @@ pub fn resume(
     Ok(state)
 }
 
-/// The samples in files, and with a floor the sums of its own: of as many samples.
+/// The samples in files: the state of the reference, and the sums of the floor if there is one.
 fn load(
     reference: &WorldReference,
-    floor: Option<&mut ScreenFloor>,
-    kept: &KeptFile,
+    floor: Option<&ScreenFloor>,
+    kept: &KeptFiles,
 ) -> Result<(WorldState, Option<PartialSums<DVec3>>)> {
     let state = reference.load(&kept.world)?;
     let Some(floor) = floor else { return Ok((state, None)) };
     let read = read_state(&kept.floor)?;
     let of_the_same = read.fingerprint == floor.fingerprint(reference) && read.extent == state.extent;
-    if !of_the_same || read.sums.first() != state.first() || read.sums.end() != state.samples {
+    if !of_the_same || read.sums.first() != state.first() || read.sums.end() != state.samples() {
         return Err(Error::malformed(&kept.floor, None, "is of another picture or of other samples"));
     }
     Ok((state, Some(read.sums.map(Sums::color))))
@@ -175,11 +175,11 @@ mod tests {
         assert!(sampled(0, 0..128, &mut stop_after(1)).is_err(), "it was stopped");
         sampled(0, 0..128, &mut stop_after(1)).expect("one step is left");
         sampled(1, 192..200, &mut || Ok(())).expect("sampled");
-        // What lies in between is missing: the rest is sampled.
+        // Samples 128 to 191 are missing: everything from there on is sampled.
         let mut found = floor();
         let mut state = resume(&reference, Some(&mut found), &folders).expect("read");
-        assert_eq!(state.samples, 128);
-        let more = 200 - state.samples;
+        assert_eq!(state.samples(), 128);
+        let more = 200 - state.samples();
         found.add(&reference, &mut state, more);
         assert_eq!((&state, found.image(&state)), (&whole, whole_floor.image(&whole)));
         sampled(1, 128..192, &mut || Ok(())).expect("sampled");
@@ -187,12 +187,12 @@ mod tests {
         let state = resume(&reference, Some(&mut found), &folders).expect("read");
         assert_eq!((&state, found.image(&state)), (&whole, whole_floor.image(&whole)));
 
-        // Another seed's samples are none of this, and nor is the floor of another picture.
-        assert_eq!(resume(&of(4), Some(&mut floor()), &folders).expect("read").samples, 0);
+        // The samples of another seed and the floor of another picture are not taken.
+        assert_eq!(resume(&of(4), Some(&mut floor()), &folders).expect("read").samples(), 0);
         let mut darker = data.clone();
         darker.color.iter_mut().for_each(|c| *c *= 0.5);
         let mut other = ScreenFloor::new(&darker, &first_hits);
-        assert_eq!(resume(&reference, Some(&mut other), &folders).expect("read").samples, 0);
+        assert_eq!(resume(&reference, Some(&mut other), &folders).expect("read").samples(), 0);
         assert_eq!(resume(&reference, None, &folders).expect("read"), whole);
     }
 }

@@ -2,12 +2,13 @@
 //! run and several runs that each took some of the samples give the same sums, to the bit.
 //!
 //! Floating-point sums depend on their grouping, so the grouping is fixed: [`LEAF`] samples are added up one after the
-//! other, and these sums in pairs, as the leaves of a binary tree over all samples (pairwise summation: Higham 1993). Of
-//! some samples there is a sum for each greatest part of the tree that they fill: at most two for each level of it.
+//! other, and these sums in pairs, as the leaves of a binary tree over all samples (pairwise summation: Higham 1993).
+//! For some of the samples, one sum is kept for each greatest part of the tree that they fill: at most two for each
+//! level.
 
 use std::ops::AddAssign;
 
-/// Samples that are added up one after the other. Where samples are divided, it is at a multiple of these.
+/// The number of samples that are added up one after the other. Samples are divided only at multiples of it.
 pub const LEAF: u32 = 64;
 
 /// Sums of each pixel over the samples from `first` to before `end`.
@@ -28,7 +29,7 @@ struct Part<S> {
 }
 
 impl<S: Copy + Default + AddAssign> PartialSums<S> {
-    /// No samples of some pixels; the first to come is `first`, a multiple of [`LEAF`].
+    /// Sums of some pixels without samples; the next sample is `first`, a multiple of [`LEAF`].
     pub fn new(first: u32, pixels: usize) -> Self {
         Self { first, end: first, pixels, parts: Vec::new() }
     }
@@ -48,12 +49,13 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         self.pixels
     }
 
-    /// Up to which sample the sums can be added to at once, on the way to some last one; `None` at the end of the way.
+    /// The end of the samples that can be added at once, on the way to before sample `last`; `None` once all are added.
     pub fn next_stop(&self, last: u32) -> Option<u32> {
         (self.end < last).then(|| (self.end / LEAF * LEAF).saturating_add(LEAF).min(last))
     }
 
-    /// The sums that samples up to a [`Self::next_stop`] are added to; [`Self::close`] ends it.
+    /// The sums, one a pixel, to which the samples up to [`Self::next_stop`] are to be added; then call
+    /// [`Self::close`].
     pub fn open(&mut self) -> &mut [S] {
         if self.end.is_multiple_of(LEAF) || self.parts.is_empty() {
             self.parts.push(Part { first: self.end, samples: 0, sums: vec![S::default(); self.pixels] });
@@ -62,7 +64,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         &mut self.parts[last].sums
     }
 
-    /// Samples up to a stop were added to the open sums.
+    /// Notes that the samples up to a stop were added to the open sums.
     pub fn close(&mut self, stop: u32) {
         if let Some(last) = self.parts.last_mut() {
             last.samples += stop - self.end;
@@ -85,7 +87,8 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
     }
 
-    /// Adds the samples that follow, which begin with a leaf; false, and nothing added, if others were given.
+    /// Adds the sums of the samples that follow. Returns false, and adds nothing, if `next` does not begin where these
+    /// sums end, does not begin with a leaf, or has another number of pixels.
     #[must_use]
     pub fn append(&mut self, next: Self) -> bool {
         if next.first != self.end || !next.first.is_multiple_of(LEAF) || next.pixels != self.pixels {
@@ -99,7 +102,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         true
     }
 
-    /// The same sums as something else, sum by sum.
+    /// Applies a function to each sum.
     pub fn map<T>(&self, of: impl Fn(&S) -> T) -> PartialSums<T> {
         let map = |p: &Part<S>| Part { first: p.first, samples: p.samples, sums: p.sums.iter().map(&of).collect() };
         PartialSums {
@@ -110,7 +113,7 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         }
     }
 
-    /// The sum of a pixel over all samples, the greatest parts first.
+    /// The sum of a pixel over all samples, in the order of the parts.
     pub fn total(&self, pixel: usize) -> S {
         let mut parts = self.parts.iter().map(|part| part.sums[pixel]);
         let first = parts.next().unwrap_or_default();
@@ -120,12 +123,13 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
         })
     }
 
-    /// The sums as they are kept: those of each part in turn.
+    /// The sums as files keep them: the sums of all pixels, part by part.
     pub fn kept(&self) -> impl Iterator<Item = &S> {
         self.parts.iter().flat_map(|part| &part.sums)
     }
 
-    /// The sums from `first` to before `end` as they were kept; `None` if there are too few or too many.
+    /// The sums of the samples from `first` to before `end`, from what [`Self::kept`] returned; `None` if there are too
+    /// few sums or too many.
     pub fn from_kept(first: u32, end: u32, pixels: usize, mut kept: impl Iterator<Item = S>) -> Option<Self> {
         let mut sums = Self::new(first, pixels);
         for (first, samples) in parts(first, end) {
@@ -140,7 +144,8 @@ impl<S: Copy + Default + AddAssign> PartialSums<S> {
     }
 }
 
-/// The parts of the samples from `first`, a multiple of [`LEAF`], to before `end`: where each begins, and its samples.
+/// The parts of the tree that the samples from `first`, a multiple of [`LEAF`], to before `end` fill: the first sample
+/// of each, and the number of its samples.
 pub fn parts(first: u32, end: u32) -> Vec<(u32, u32)> {
     let (mut at, end, leaf) = (u64::from(first), u64::from(end), u64::from(LEAF));
     let mut parts = Vec::new();

@@ -284,6 +284,12 @@ impl<'a> Traversal<'a> {
         3 * (self.parameters.size.x + self.parameters.size.y) + constants::FACE_LEVEL
     }
 
+    /// The steps that the mirror ray of a pixel takes; `None` for a pixel that does not reflect.
+    pub fn mirror_steps(&self, x: u32, y: u32) -> Option<u32> {
+        let (ray, _) = self.mirror_ray(x, y).filter(|_| self.gbuffer.reflects(self.gbuffer.index(x, y)))?;
+        Some(self.traverse(&ray).steps.max(0) as u32)
+    }
+
     /// `Traverse`.
     pub fn traverse(&self, ray: &Ray) -> Hit {
         self.walk(ray, |_| {})

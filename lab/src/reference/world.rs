@@ -135,8 +135,8 @@ impl<'a> WorldReference<'a> {
         self.start_at(0)
     }
 
-    /// A state without samples whose first will be that of a number, a multiple of
-    /// [`LEAF`](super::partial_sums::LEAF): a part of the samples, for who merges it with the others
+    /// A state without samples, of which the first will be number `first`, a multiple of
+    /// [`LEAF`](super::partial_sums::LEAF). It becomes a part of the samples, which is merged with the others
     /// ([`super::world_part`]).
     pub fn start_at(&self, first: u32) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
@@ -153,15 +153,15 @@ impl<'a> WorldReference<'a> {
     /// Adds samples to every pixel that takes more than one, and traces what is still missing of the others: a
     /// mirror's single ray, or the least rays of a mirror.
     pub fn add(&self, state: &mut WorldState, samples: u32) {
-        let last = state.samples.saturating_add(samples);
+        let last = state.samples().saturating_add(samples);
         let mut nothing = vec![(); state.sums.pixels()];
         while let Some(stop) = state.sums.next_stop(last) {
             self.add_beside(state, stop, &mut nothing, |(), _| ());
         }
     }
 
-    /// The same up to the next stop of the state's sums; `look` sees each sample, in the order of their numbers, with what
-    /// is kept for its pixel `beside` the state.
+    /// Adds the samples up to the next stop of the state's sums. `look` sees each sample, in the order of their
+    /// numbers, with the value that is kept for its pixel in `beside`.
     pub(super) fn add_beside<T: Send>(
         &self,
         state: &mut WorldState,
@@ -169,7 +169,7 @@ impl<'a> WorldReference<'a> {
         beside: &mut [T],
         look: impl Fn(&mut T, &WorldSample) + Sync,
     ) {
-        let first = state.samples;
+        let first = state.samples();
         let WorldState { sums, kinds, .. } = state;
         let of_receivers = self.first_hits.receivers.par_iter().zip(kinds.par_iter());
         sums.open().par_iter_mut().zip(beside).zip(of_receivers).enumerate().with_min_len(64).for_each(
@@ -183,7 +183,7 @@ impl<'a> WorldReference<'a> {
                 }
             },
         );
-        state.advance(stop);
+        state.sums.close(stop);
     }
 
     /// Adds passes until the target is met. `progress` is called after each pass and may save the state; an
@@ -194,10 +194,10 @@ impl<'a> WorldReference<'a> {
         target: &SamplingTarget,
         progress: &mut dyn FnMut(&WorldState) -> Result<()>,
     ) -> Result<()> {
-        while state.samples < target.samples_max
-            && (state.samples < target.samples_min || state.overall_standard_error() > target.standard_error)
+        while state.samples() < target.samples_max
+            && (state.samples() < target.samples_min || state.overall_standard_error() > target.standard_error)
         {
-            let pass = target.samples_per_pass.max(1).min(target.samples_max - state.samples);
+            let pass = target.samples_per_pass.max(1).min(target.samples_max - state.samples());
             self.add(state, pass);
             progress(state)?;
             if state.sampled_pixels() == 0 {

@@ -1,13 +1,13 @@
-//! Parts of a world reference's samples, each taken by another machine, become the reference that one machine would have
-//! sampled, to the bit. Neither the scene nor the camera is needed for it.
+//! Merges parts of a world reference's samples, each taken by another machine, into the reference that one machine
+//! would have sampled, to the bit. Merging needs neither the scene nor the camera.
 
 use super::partial_sums::LEAF;
-use super::world_state::{Fingerprint, KeptState, read_state, write_state};
+use super::world_state::{KeptState, read_state, write_state};
 use crate::error::{Error, Result};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// Some samples of a reference, as a file has them.
+/// Some samples of a reference, read from a file.
 #[derive(Debug, Clone)]
 pub struct WorldPart {
     /// The file.
@@ -15,8 +15,8 @@ pub struct WorldPart {
     kept: KeptState,
 }
 
-/// The samples of the shard with an index from 1, of so many, of so many samples in all: whole leaves of
-/// [`super::partial_sums`], as even as these allow. Empty where there are more shards than leaves.
+/// The share that shard `index`, from 1 to `of`, has of `samples`: whole leaves of [`super::partial_sums`], as even as
+/// these allow. Some shares are empty where there are more shards than leaves.
 pub fn samples_of(index: u32, of: u32, samples: u32) -> Range<u32> {
     let leaves = u64::from(samples.div_ceil(LEAF));
     let begin = |shard: u32| {
@@ -35,34 +35,37 @@ impl WorldPart {
         Ok(Self { path: path.to_owned(), kept: read_state(path)? })
     }
 
-    /// The samples that it has.
+    /// The numbers of the samples.
     pub fn samples(&self) -> Range<u32> {
         self.kept.sums.first()..self.kept.sums.end()
     }
 
-    /// What the reference is of.
-    pub fn fingerprint(&self) -> Fingerprint {
-        self.kept.fingerprint
+    /// Writes a state from which sampling goes on.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        write_state(path, &self.kept.fingerprint, self.kept.extent, &self.kept.sums)
     }
 }
 
-/// The samples that follow each other from the first on, and what of some number of samples is missing.
+/// Parts that were merged.
 #[derive(Debug)]
 pub struct MergedParts {
-    /// The samples, as one part.
+    /// The samples from number 0 to before the first missing one, as one part; `None` if number 0 is missing.
     pub merged: Option<WorldPart>,
-    /// What is missing.
+    /// The samples that no part has.
     pub missing: Vec<Range<u32>>,
 }
 
 /// Merges parts of one reference, of `samples` in all.
 ///
 /// # Errors
-/// [`Error::Malformed`] for parts of different references, for parts that have some samples in common, but not all, and
-/// for two parts with other sums of the same samples.
+/// [`Error::Malformed`] for parts of different references, for parts that have only some samples in common, and for two
+/// parts that have different sums of the same samples.
 pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     parts.retain(|part| !part.samples().is_empty());
-    // Of two that begin together, the one that has more comes first.
+    // Of two parts that begin with the same sample, the one that has more samples comes first.
     parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
     let mut merged: Option<WorldPart> = None;
     let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);
@@ -71,7 +74,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
         let of = part.samples();
         if let Some(before) = &before {
             let wrong = |message: String| Err(Error::malformed(&part.path, None, message));
-            if before.fingerprint() != part.fingerprint() || before.kept.extent != part.kept.extent {
+            if before.kept.fingerprint != part.kept.fingerprint || before.kept.extent != part.kept.extent {
                 return wrong(format!("is of another reference than {}", before.path.display()));
             }
             if before.samples() == of {
@@ -90,7 +93,7 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
         }
         end = of.end;
         before = Some(part.clone());
-        // What follows a gap has no place.
+        // Parts behind a gap cannot be merged.
         if !missing.is_empty() {
             continue;
         }
@@ -106,16 +109,6 @@ pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
         missing.push(end..samples);
     }
     Ok(MergedParts { merged, missing })
-}
-
-impl WorldPart {
-    /// Writes it as a state that sampling goes on from.
-    ///
-    /// # Errors
-    /// [`Error::Io`] if it cannot be written.
-    pub fn save(&self, path: &Path) -> Result<()> {
-        write_state(path, &self.kept.fingerprint, self.kept.extent, &self.kept.sums)
-    }
 }
 
 /// Samples in words.
@@ -142,7 +135,7 @@ mod tests {
         }
     }
 
-    /// Two seeds' references of a few pixels, and what takes their samples in parts.
+    /// Calls a check with the references of two seeds for a few pixels, and a temporary folder.
     fn with_references(check: impl Fn(&WorldReference, &WorldReference, &Path)) {
         let scene = library::scene("corridor").expect("built in");
         let view = &scene.views[0];
@@ -159,8 +152,8 @@ mod tests {
         let path = folder.join(format!("{}-{}-{}", reference.seed, samples.start, samples.end));
         let mut state = reference.start_at(samples.start);
         // In steps that fit nothing.
-        while state.samples < samples.end {
-            let more = 37.min(samples.end - state.samples);
+        while state.samples() < samples.end {
+            let more = 37.min(samples.end - state.samples());
             reference.add(&mut state, more);
         }
         state.save(&path).expect("a file");
@@ -186,7 +179,7 @@ mod tests {
             assert!(whole.overall_standard_error() > 0.0);
             // A part alone is an estimate of its own.
             let (last, why) = reference.resume_at(&folder.join("1-128-300"), 128);
-            assert!(why.is_none() && last.sample_counts().max() == Some(172) && last.samples == 300);
+            assert!(why.is_none() && last.sample_counts().max() == Some(172) && last.samples() == 300);
             assert!(last.overall_standard_error() > whole.overall_standard_error());
             assert!(reference.resume(&folder.join("1-128-300")).1.is_some(), "a part is not taken for all of it");
         });

@@ -13,15 +13,15 @@ use std::path::Path;
 
 /// The file's first bytes.
 const MAGIC: &[u8; 8] = b"ssctwrld";
-/// Must change whenever the meaning of samples does: the sampling, or the shading.
+/// The version of the samples. It must change whenever the sampling or the shading does.
 const SAMPLING: u32 = 1;
-/// Must change whenever the meaning of the numbers in a file does.
+/// The version of the file's layout. It must change whenever the meaning of the numbers in a file does.
 const LAYOUT: u32 = 2;
-/// The layout of files that have one sum a pixel, and do not say which sample is the first.
+/// The layout of older files, which have one sum a pixel and do not say which sample is the first.
 const LAYOUT_OF_ONE_SUM: u32 = 1;
 /// Magic, layout, fingerprint, width, height, the first sample, the one after the last.
 const HEAD_BYTES: usize = 8 + 4 + 32 + 4 + 4 + 4 + 4;
-/// Six f64 per pixel and part.
+/// Six f64 for each pixel of each part of the sums.
 const PIXEL_BYTES: usize = 48;
 /// The SHA-256 hash of all preceding bytes.
 const CHECK_BYTES: usize = 32;
@@ -35,8 +35,6 @@ pub struct WorldState {
     fingerprint: Fingerprint,
     /// Width and height in pixels.
     pub extent: [u32; 2],
-    /// Samples of every glossy pixel so far; of a part, the number after its last one.
-    pub samples: u32,
     pub(super) sums: PartialSums<Sums>,
     pub(super) kinds: Vec<Kind>,
 }
@@ -76,10 +74,8 @@ impl Sums {
         self.color += color;
         self.squares += color * color;
     }
-}
 
-impl Sums {
-    /// The sum of colours alone.
+    /// A sum of colours, without their squares.
     pub(super) fn of_color(color: DVec3) -> Self {
         Self { color, squares: DVec3::ZERO }
     }
@@ -98,28 +94,25 @@ impl AddAssign for Sums {
 }
 
 impl WorldState {
-    /// A state without samples.
+    /// A state without samples, of which the first will be number `first`.
     pub(super) fn new(fingerprint: Fingerprint, extent: [u32; 2], first: u32, kinds: Vec<Kind>) -> Self {
-        Self { fingerprint, extent, samples: first, sums: PartialSums::new(first, kinds.len()), kinds }
+        Self { fingerprint, extent, sums: PartialSums::new(first, kinds.len()), kinds }
     }
 
-    /// Samples up to a stop were added to the open sums.
-    pub(super) fn advance(&mut self, stop: u32) {
-        self.sums.close(stop);
-        self.samples = stop;
-    }
-
-    /// Adds the samples that follow; false, and nothing added, if others were given.
+    /// Adds the samples that follow. Returns false, and adds nothing, if `next` has others.
     #[must_use]
     pub(super) fn append(&mut self, next: Self) -> bool {
-        let same = next.fingerprint == self.fingerprint && self.sums.append(next.sums);
-        self.samples = self.sums.end();
-        same
+        next.fingerprint == self.fingerprint && self.sums.append(next.sums)
     }
 
-    /// The number of the first sample: 0, but for a part.
+    /// The number of the first sample: 0, except in a part of the samples.
     pub fn first(&self) -> u32 {
         self.sums.first()
+    }
+
+    /// Samples of every glossy pixel so far; in a part of the samples, the number after that of its last one.
+    pub fn samples(&self) -> u32 {
+        self.sums.end()
     }
 
     /// The number of pixels that need more than one sample.
@@ -132,9 +125,9 @@ impl WorldState {
         self.kinds.iter().map(|kind| self.count(*kind))
     }
 
-    /// The samples of a pixel of a kind.
+    /// The number of samples of a pixel of a kind.
     fn count(&self, kind: Kind) -> u32 {
-        kind.samples(self.samples) - kind.samples(self.first())
+        kind.samples(self.samples()) - kind.samples(self.first())
     }
 
     /// The sums of each pixel.
@@ -180,7 +173,7 @@ impl WorldState {
     }
 }
 
-/// A state as a file has it, of whichever reference.
+/// The content of a state's file, whatever the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct KeptState {
     pub(super) fingerprint: Fingerprint,
@@ -211,7 +204,7 @@ pub(super) fn write_state(path: &Path, of: &Fingerprint, extent: [u32; 2], sums:
     Ok(())
 }
 
-/// Reads a state of any reference.
+/// Reads a state, whatever its reference.
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read. [`Error::Malformed`] if it is not a state file, is damaged or truncated, or
@@ -226,14 +219,14 @@ pub(super) fn read_state(path: &Path) -> Result<KeptState> {
     let (extent, layout) = ([number(44), number(48)], number(8));
     let (first, end, head) = match layout {
         LAYOUT => (number(52), number(56), HEAD_BYTES),
-        // One sum is that of one part; of more, the sums of the parts are gone.
-        LAYOUT_OF_ONE_SUM if parts(0, number(52)).len() <= 1 && number(52) <= LEAF => (0, number(52), HEAD_BYTES - 4),
+        // The one sum of an older file has the fixed grouping only where it is that of one leaf.
+        LAYOUT_OF_ONE_SUM if number(52) <= LEAF => (0, number(52), HEAD_BYTES - 4),
         _ => return Err(wrong("the state was written by another version")),
     };
     let damaged = || wrong("the state is damaged or cut off");
     let pixels = extent[0] as usize * extent[1] as usize;
     let (content, check) = bytes.split_at(bytes.len().saturating_sub(CHECK_BYTES));
-    // The older layout has its sums even without samples.
+    // An older file has one sum a pixel even without samples.
     let count = if layout == LAYOUT { parts(first, end).len() } else { 1 };
     let expected = pixels.checked_mul(count * PIXEL_BYTES).and_then(|n| n.checked_add(head));
     let aligned = first.is_multiple_of(LEAF) && first <= end;
@@ -262,7 +255,7 @@ impl WorldReference<'_> {
             let message = "the state belongs to another scene, camera, size, seed or material";
             return Err(Error::malformed(path, None, message));
         }
-        Ok(WorldState { samples: kept.sums.end(), sums: kept.sums, ..state })
+        Ok(WorldState { sums: kept.sums, ..state })
     }
 
     /// Continues with a file if it fits; otherwise starts afresh. The error, if there is one, says why an
@@ -271,7 +264,7 @@ impl WorldReference<'_> {
         self.resume_at(path, 0)
     }
 
-    /// The same of a part of the samples, from `first` on.
+    /// As [`Self::resume`], but for a part of the samples that begins with number `first`.
     pub fn resume_at(&self, path: &Path, first: u32) -> (WorldState, Option<Error>) {
         match self.load(path) {
             Ok(state) if state.first() == first => (state, None),
@@ -345,7 +338,7 @@ impl WorldReference<'_> {
     }
 }
 
-/// What a floor is of, beside its reference: what the screen shows.
+/// A hash of what a floor depends on: its reference, and the G-buffer that the screen shows.
 pub(super) fn floor_fingerprint(of: &Fingerprint, shown: &GBufferData) -> Fingerprint {
     let mut hash = Hash(Sha256::new());
     hash.block(b"floor");

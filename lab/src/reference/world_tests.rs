@@ -138,7 +138,7 @@ fn the_standard_error_is_that_of_a_coin_and_falls_with_the_square_root() {
     // Each sample is either the colour or black, so its variance is colour² · p (1 − p).
     let rms_color = (colors.length_squared() / 3.0).sqrt();
     for n in [100, 400, 1600] {
-        let more = n - state.samples;
+        let more = n - state.samples();
         reference.add(&mut state, more);
         let expected = rms_color * (share * (1.0 - share) / f64::from(n)).sqrt();
         assert!((state.overall_standard_error() / expected - 1.0).abs() < 0.05, "{n}");
@@ -179,7 +179,7 @@ fn a_mirror_floor_shows_the_wall_upside_down() {
     let mut state = reference.start();
     reference.run(&mut state, &SamplingTarget::default(), &mut |_| Ok(())).expect("running writes no file");
     assert_eq!(state.overall_standard_error(), 0.0, "mirrors have no error");
-    assert_eq!(state.samples, 16, "one pass is enough for mirrors");
+    assert_eq!(state.samples(), 16, "one pass is enough for mirrors");
     let image = reference.image(&state);
     let mut mirrored = 0;
     for i in 0..(size * size) as usize {
@@ -272,7 +272,7 @@ fn threads_and_interruptions_change_nothing(reference: &WorldReference) {
     reference.add(&mut state, 7);
     state.save(&path).expect("a file");
     let (mut state, why) = reference.resume(&path);
-    assert!(why.is_none() && state.samples == 7);
+    assert!(why.is_none() && state.samples() == 7);
     reference.add(&mut state, 17);
     assert_eq!(state, straight);
 
@@ -302,7 +302,7 @@ fn a_file_is_refused_for_anything_else_or_if_damaged() {
             std::fs::write(&path, bad).expect("the file");
             assert!(matches!(reference.load(&path), Err(Error::Malformed { .. })), "{} bytes", bad.len());
             let (fresh, why) = reference.resume(&path);
-            assert!(fresh.samples == 0 && why.is_some());
+            assert!(fresh.samples() == 0 && why.is_some());
         }
         std::fs::write(&path, &good).expect("the file");
         assert_eq!(reference.load(&path).expect("whole again"), state);

@@ -5,18 +5,18 @@ use crate::gpu::Precision;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 
 /// What the table of [`cells`] says, in a paragraph.
-pub const ABOUT_METHODS: &str = "Every method on the very same G-buffer, which the first device drew: each device's hits and \
-    reflection colour against the first one's. A pixel is apart if only one of the two rays hits, or both hit more than a pixel \
-    from each other; a tie is one in which a ray ends at either place within the rounding of 32-bit floats. Methods that see \
-    more than the screen draw that with the device itself.";
+pub const ABOUT_METHODS: &str = "Every method runs on one G-buffer, which the device under “beside” drew; the hits and the \
+    reflection colour of each device are held against those of that device. The hits of a pixel are apart if only one of the two \
+    rays hits, or if both hit more than a pixel from each other. They are a tie if the rounding of 32-bit floats alone decides \
+    between them. A method that sees more than the screen also draws the scene, with the device that it runs on.";
 
 /// What the table of [`drawn_cells`] says, in a paragraph.
-pub const ABOUT_DRAWN: &str = "The G-buffers that the devices draw of one view. Another surface is shown by pixels at \
-    silhouettes, which a rasteriser with other sub-pixel precision puts on the other side of an edge. All else is of material \
-    maps: where a driver puts the samples of an anisotropic filter, how finely it interpolates between texels, and how it \
-    rounds the levels of a map's chain are its own affair by the specification. The rows without anisotropy and without normal \
-    maps say how much each is of it. The bits are those with which a device places vertices within pixels, and itself between \
-    texels and between levels.";
+pub const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the table gives the shares of pixels that differ. A \
+    pixel shows another surface where the two devices put it on different sides of an edge. Normals differ by more than 2 degrees \
+    and colours by more than 0.02 mostly because of the filter of material maps: the specification does not say where an \
+    anisotropic filter takes its samples. The rows without anisotropy and without normal maps show how much each of them \
+    contributes. The three numbers of bits are those of the position of a vertex within a pixel, of a position between two texels \
+    and of one between two levels.";
 
 /// Header and rows of what methods make of one G-buffer.
 pub fn cells(records: &[AgreementRecord]) -> Vec<Vec<String>> {

@@ -1,5 +1,5 @@
-//! Records of several devices: times of different devices are never compared, so that what shows times shows each
-//! device's apart (docs/many-machines.md, "Merging").
+//! Records of several devices. Times of different devices are never compared: every report shows the times of each
+//! device apart (docs/many-machines.md, "Merging").
 
 use crate::gpu::DeviceInfo;
 
@@ -15,7 +15,7 @@ pub fn by_device<T: Clone>(records: &[T], device: impl Fn(&T) -> &DeviceInfo) ->
     apart
 }
 
-/// What a device is called beside others.
+/// The name of a device in a report of several.
 pub fn device_name(device: &DeviceInfo) -> String {
     format!("{} ({}, {})", device.name, device.kind, device.driver)
 }

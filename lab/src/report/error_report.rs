@@ -73,14 +73,14 @@ fn bytes_against_error(points: &[Point]) -> std::result::Result<Option<String>, 
     plot::against(&named, ["MiB on the device, prepared", WORLD_AXIS]).map(Some)
 }
 
-/// The file of what the cells cost.
+/// The file with the costs of the cells.
 pub const COSTS: &str = "costs.json";
 
-/// Folder of a cell's pictures.
+/// The folder of the cells' pictures.
 pub const IMAGES: &str = "images";
 
-/// Writes error.json, error.txt, costs.json, for each device one plot a reference, and index.html. `command` is the
-/// study's, and `missing` names the cells that it has and the records lack.
+/// Writes error.json, error.txt, costs.json, one plot for each reference and device, and index.html. `command` is that
+/// of the whole study, and `missing` names the cells of the study that have no records.
 pub fn write(
     folder: &Path,
     records: &[ErrorRecord],
@@ -107,13 +107,13 @@ pub fn write(
     files::write(&folder.join("index.html"), page.render().as_bytes())
 }
 
-/// What was measured on one device.
+/// The part of the study that was measured on one device.
 pub struct DevicePart {
     /// The device.
     pub device: DeviceInfo,
-    /// How many cells.
+    /// The number of cells.
     pub cells: usize,
-    /// Run time against error on it.
+    /// Run time against error on the device.
     pub plots: Vec<ErrorPlot>,
 }
 
@@ -121,7 +121,7 @@ fn definitions(records: &[ErrorRecord]) -> u32 {
     records.first().map_or(DEFINITIONS, |r| r.head.program.definitions)
 }
 
-/// Where a record is of.
+/// The name of a record's cell.
 fn cell_of(r: &ErrorRecord) -> String {
     stem(&r.head.scene, &r.head.view, [r.head.width, r.head.height], r.head.roughness)
 }
@@ -131,7 +131,7 @@ fn cells(records: &[ErrorRecord]) -> usize {
     records.iter().map(cell_of).collect::<BTreeSet<_>>().len()
 }
 
-/// Of figures that several devices measured, the first: an error is the same on all of them.
+/// Of records of one figure by several devices, the first: an error is the same on all devices.
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let of = |r: &&ErrorRecord| {
@@ -179,7 +179,7 @@ fn heat(errors: &[f32], width: u32, height: u32) -> Vec<u8> {
     FlipMap { width, height, errors: errors.iter().map(|e| e.clamp(0.0, 1.0)).collect() }.picture()
 }
 
-/// For each device the points of every reference with the front; and where the error comes from.
+/// The points of every reference with the front, device by device, and the parts of the error.
 pub fn text(records: &[ErrorRecord]) -> String {
     let mut text = String::new();
     let apart = by_device(records, |r| &r.head.program.device);
@@ -193,7 +193,7 @@ pub fn text(records: &[ErrorRecord]) -> String {
     text + &tables::aligned(&source_cells(&one_of_each(records)))
 }
 
-/// Points of every reference with the front, of records of one device.
+/// The points of every reference with the front, for the records of one device.
 fn points_text(records: &[ErrorRecord]) -> String {
     let mut text = String::new();
     for (against, _, axis) in REFERENCES {

@@ -5,69 +5,80 @@ use crate::error::Result;
 use crate::gpu::DeviceInfo;
 use crate::study::TimeRecord;
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
-use crate::study::bandwidth::BandwidthRecord;
+use crate::study::bandwidth::{self, BandwidthRecord};
 use crate::study::record::Head;
-use crate::study::stages::StageRecord;
 use crate::study::steps::StepsRecord;
 use crate::study::table::compare;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// What the validation layers say.
-pub enum Silence {
-    /// They could not be asked, and why.
+/// The messages of the validation layers outside the allow-list.
+pub enum LayerMessages {
+    /// The layers could not be asked, for this reason.
     Unknown(String),
-    /// The IDs and texts of their messages outside the allow-list; none is what is wanted.
-    Heard(Vec<(String, String)>),
+    /// ID and text of each message; there should be none.
+    Said(Vec<(String, String)>),
 }
 
-/// All that is no table of times.
+/// DeviceTimes.
+pub struct DeviceTimes {
+    /// The cells of table 5.8.
+    pub table: Vec<TimeRecord>,
+    /// Every method on every view.
+    pub methods: Vec<TimeRecord>,
+    /// `unified` at each roughness, in fragment and then in compute shaders.
+    pub stages: Vec<TimeRecord>,
+}
+
+impl DeviceTimes {
+    /// All of them.
+    pub fn all(&self) -> Vec<TimeRecord> {
+        [&self.table[..], &self.methods, &self.stages].concat()
+    }
+}
+
+/// What the study finds beside times.
 pub struct Findings {
-    /// The passes of `unified` by the kind of shader that makes them.
-    pub stages: Vec<StageRecord>,
-    /// The rate of a copy.
+    /// The rate of a plain copy.
     pub copy: BandwidthRecord,
-    /// The rates of passes beside it.
-    pub rates: Vec<BandwidthRecord>,
-    /// Steps of rays.
+    /// Steps of the mirror rays of each view.
     pub steps: Vec<StepsRecord>,
-    /// The device's images against those of others.
+    /// The device's images against those of other devices, on one G-buffer.
     pub same: Vec<AgreementRecord>,
-    /// Its G-buffers against theirs.
+    /// The G-buffer that the device draws against those that other devices draw.
     pub drawn: Vec<DrawnRecord>,
-    /// What the validation layers say.
-    pub validation: Silence,
+    /// The messages of the validation layers.
+    pub validation: LayerMessages,
 }
 
 /// Writes `gpu-study.json` and `index.html`.
 ///
 /// # Errors
 /// Those of writing a file.
-pub fn write(
-    folder: &Path,
-    device: &DeviceInfo,
-    command: &str,
-    table: &[TimeRecord],
-    views: &[TimeRecord],
-    findings: &Findings,
-) -> Result<()> {
-    files::write(&folder.join("gpu-study.json"), files::json(&records(device, findings)).as_bytes())?;
-    files::write(&folder.join("index.html"), page(device, command, table, views, findings).as_bytes())
+pub fn write(folder: &Path, device: &DeviceInfo, command: &str, times: &DeviceTimes, found: &Findings) -> Result<()> {
+    let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
+    files::write(&folder.join("gpu-study.json"), files::json(&records(device, &rates, found)).as_bytes())?;
+    files::write(&folder.join("index.html"), page(device, command, times, &rates, found).as_bytes())
 }
 
-fn records(device: &DeviceInfo, found: &Findings) -> Vec<Value> {
+fn records(device: &DeviceInfo, rates: &[BandwidthRecord], found: &Findings) -> Vec<Value> {
     let validation = match &found.validation {
-        Silence::Unknown(why) => json!({ "kind": "validation", "device": device, "messages": null, "why": why }),
-        Silence::Heard(all) => json!({ "kind": "validation", "device": device, "messages": all }),
+        LayerMessages::Unknown(why) => json!({ "kind": "validation", "device": device, "messages": null, "why": why }),
+        LayerMessages::Said(all) => json!({ "kind": "validation", "device": device, "messages": all }),
     };
-    let stages = found.stages.iter().map(|r| json!(r));
-    let rates = [&found.copy].into_iter().chain(&found.rates).map(|r| json!(r));
+    let rates = [&found.copy].into_iter().chain(rates).map(|r| json!(r));
     let steps = found.steps.iter().map(|r| json!(r));
     let same = found.same.iter().map(|r| json!(r)).chain(found.drawn.iter().map(|r| json!(r)));
-    stages.chain(rates).chain(steps).chain(same).chain([validation]).collect()
+    rates.chain(steps).chain(same).chain([validation]).collect()
 }
 
-fn page(device: &DeviceInfo, command: &str, table: &[TimeRecord], views: &[TimeRecord], found: &Findings) -> String {
+fn page(
+    device: &DeviceInfo,
+    command: &str,
+    times: &DeviceTimes,
+    rates: &[BandwidthRecord],
+    found: &Findings,
+) -> String {
     html::tables_page(
         "A device",
         Some(device),
@@ -75,51 +86,53 @@ fn page(device: &DeviceInfo, command: &str, table: &[TimeRecord], views: &[TimeR
         &[
             (
                 "Table 5.8",
-                "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside this device's on the atrium, for the \
+                "The thesis's milliseconds (NVIDIA GeForce GTX 670, Sponza) beside those of this device on the atrium, for the \
                  effect without the scene passes.",
-                &tables::table_5_8_cells(&compare(table)),
+                &tables::table_5_8_cells(&compare(&times.table)),
             ),
             (
                 "Every method",
-                "Medians of the effect at roughness 0.1, methods in turn frame by frame. Each was timed against itself, \
-                 too: the floor is how far it strays from itself, and no smaller difference means anything.",
-                &method_cells(views),
+                "Median times of the effect at roughness 0.1; the methods were timed in turn, frame by frame. Each was also \
+                 timed against itself: the floor is how far its time strays from itself, and a smaller difference \
+                 means nothing.",
+                &method_cells(&times.methods),
             ),
             (
                 "Fragment and compute",
-                "The passes of unified, each as a fragment shader and as a compute shader that makes the same image to the \
-                 bit, frames in turn. Below 1, compute is the faster one.",
-                &stage_cells(&found.stages),
+                "Each pass of unified as a fragment shader and as a compute shader, timed in turn. Both make the same image. \
+                 Where the ratio is below 1, compute is faster.",
+                &stage_cells(&times.stages),
             ),
             (
                 "Rates",
-                "The passes that build a pyramid of depth: bytes that they read and write at least, over their time, \
-                 beside a plain copy of an image. A level of the Hi-Z buffer is a pass of its own, and small ones are \
-                 all overhead.",
-                &rate_cells(found),
+                "For the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its \
+                 time; first the same for a plain copy of an image. Each level of the Hi-Z buffer is a pass; the small \
+                 ones take their time for other things than bytes.",
+                &rate_cells(&found.copy, rates),
             ),
             (
                 "Steps",
-                "Cells that the mirror rays of unified look at, by its twin on the CPU, which takes the same steps.",
+                "How many cells a mirror ray of unified looks at, counted by its twin on the CPU, which takes the same steps.",
                 &step_cells(&found.steps),
             ),
             ("The same on other devices", agreement_report::ABOUT_METHODS, &some(agreement_report::cells(&found.same))),
             ("G-buffers", agreement_report::ABOUT_DRAWN, &some(agreement_report::drawn_cells(&found.drawn))),
             (
                 "Validation",
-                "What the Khronos validation layers say of every method, beyond the allow-list: nothing is right.",
+                "The messages of the Khronos validation layers about any method that the allow-list does not excuse; there \
+                 should be none.",
                 &validation_cells(&found.validation),
             ),
             (
                 "Every pass",
-                "Medians of each pass, with the invocations that the device counted in a frame of its own.",
-                &pass_cells(views),
+                "Median time of each pass, and the shader invocations that the device counted in another frame.",
+                &pass_cells(&times.methods),
             ),
         ],
     )
 }
 
-/// Nothing rather than a header alone.
+/// The cells, or nothing where they are a header alone.
 fn some(cells: Vec<Vec<String>>) -> Vec<Vec<String>> {
     if cells.len() > 1 { cells } else { Vec::new() }
 }
@@ -163,31 +176,29 @@ fn pass_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-/// Each pass of the first setting beside the same pass of the others.
-fn stage_cells(records: &[StageRecord]) -> Vec<Vec<String>> {
+/// Each pass in fragment shaders beside the same pass in compute shaders.
+fn stage_cells(records: &[TimeRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "size", "roughness", "pass", "fragment ms", "compute ms", "compute / fragment"]);
-    for pair in records.chunks_exact(2) {
-        let [fragment, compute] = pair else { continue };
-        let total = [("total".to_owned(), fragment.total)];
-        for (name, stats) in fragment.passes.iter().chain(&total) {
-            let other = compute.passes.iter().find(|(n, _)| n == name).map(|(_, stats)| *stats);
-            let Some(other) = other.or((name == "total").then_some(compute.total)) else { continue };
+    let medians = |r: &TimeRecord| -> Vec<(String, f64)> {
+        let passes = r.passes.iter().filter(|p| p.counted).map(|p| (p.name.clone(), p.stats.median_ms));
+        passes.chain([("total".to_owned(), r.total.median_ms)]).collect()
+    };
+    for (fragment, compute) in records.chunks_exact(2).map(|pair| (&pair[0], &pair[1])) {
+        let beside = medians(compute);
+        for (name, ms) in medians(fragment) {
+            let Some((_, other_ms)) = beside.iter().find(|(n, _)| *n == name) else { continue };
+            let ratio = if ms > 0.0 { format!("{:.2}", other_ms / ms) } else { "-".to_owned() };
             let mut row = place(&fragment.head);
-            row.extend([name.clone(), format!("{:.4}", stats.median_ms), format!("{:.4}", other.median_ms)]);
-            row.push(if stats.median_ms > 0.0 {
-                format!("{:.2}", other.median_ms / stats.median_ms)
-            } else {
-                "-".to_owned()
-            });
+            row.extend([name, format!("{ms:.4}"), format!("{other_ms:.4}"), ratio]);
             rows.push(row);
         }
     }
     rows
 }
 
-fn rate_cells(found: &Findings) -> Vec<Vec<String>> {
+fn rate_cells(copy: &BandwidthRecord, rates: &[BandwidthRecord]) -> Vec<Vec<String>> {
     let mut rows = header(&["view", "method", "pass", "size", "bytes", "median ms", "GB/s", "of a copy"]);
-    rows.extend([&found.copy].into_iter().chain(&found.rates).map(|r| {
+    rows.extend([copy].into_iter().chain(rates).map(|r| {
         vec![
             r.view.clone().unwrap_or_else(|| "-".into()),
             r.method.clone().unwrap_or_else(|| "-".into()),
@@ -218,12 +229,12 @@ fn step_cells(records: &[StepsRecord]) -> Vec<Vec<String>> {
     rows
 }
 
-fn validation_cells(silence: &Silence) -> Vec<Vec<String>> {
+fn validation_cells(messages: &LayerMessages) -> Vec<Vec<String>> {
     let mut rows = header(&["message", "text"]);
-    match silence {
-        Silence::Unknown(why) => rows.push(vec!["not asked".to_owned(), why.clone()]),
-        Silence::Heard(all) if all.is_empty() => rows.push(vec!["none".to_owned(), "-".to_owned()]),
-        Silence::Heard(all) => rows.extend(all.iter().map(|(id, text)| vec![id.clone(), text.clone()])),
+    match messages {
+        LayerMessages::Unknown(why) => rows.push(vec!["not asked".to_owned(), why.clone()]),
+        LayerMessages::Said(all) if all.is_empty() => rows.push(vec!["none".to_owned(), "-".to_owned()]),
+        LayerMessages::Said(all) => rows.extend(all.iter().map(|(id, text)| vec![id.clone(), text.clone()])),
     }
     rows
 }

@@ -95,35 +95,6 @@ pub fn write_exr(path: &Path, pixels: &Pixels, names: &[&str]) -> Result<()> {
     write(path, bytes.get_ref())
 }
 
-/// Reads channels of an image that [`write_exr`] wrote, in the order of their names.
-///
-/// # Errors
-/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, has more than [`MAX_EXTENT`]
-/// pixels on a side, or lacks a channel.
-pub fn read_exr_channels(path: &Path, names: &[&str]) -> Result<Pixels> {
-    use exr::prelude::{MetaData, ReadChannels, ReadLayers, read};
-    let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
-    let wrong = |message: String| Error::malformed(path, None, message);
-    let unreadable = |e: exr::error::Error| wrong(format!("no OpenEXR image that can be read: {e}"));
-    let meta = MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(unreadable)?;
-    let limit = MAX_EXTENT as usize;
-    if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
-        return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
-    }
-    let layer = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let layer = layer.from_buffered(Cursor::new(&bytes)).map_err(unreadable)?.layer_data;
-    let pixels = layer.size.0 * layer.size.1;
-    let channel = |name: &&str| -> Result<Vec<f32>> {
-        let found = layer.channel_data.list.iter().find(|c| c.name == **name);
-        let values: Option<Vec<f32>> = found.map(|c| c.sample_data.values_as_f32().collect());
-        values.filter(|v| v.len() == pixels).ok_or_else(|| wrong(format!("channel {name} is missing")))
-    };
-    let channels = names.iter().map(channel).collect::<Result<Vec<_>>>()?;
-    let values = (0..pixels).flat_map(|i| channels.iter().map(move |c| c[i])).collect();
-    // Both sides are at most MAX_EXTENT, so they fit.
-    Ok(Pixels { width: layer.size.0 as u32, height: layer.size.1 as u32, channels: names.len(), values })
-}
-
 /// Reads an image as linear colours: of an `.exr` the channels R, G and B as they stand; any other is
 /// decoded from sRGB to linear, 8 bits a channel. Alpha is left out.
 ///
@@ -140,8 +111,19 @@ pub fn read_image(path: &Path) -> Result<LinearImage> {
     Ok(LinearImage { width, height, rgb })
 }
 
-/// The first layer that has R, G and B.
+/// The channels R, G and B of the first layer that has them.
 fn read_exr(path: &Path) -> Result<LinearImage> {
+    let Pixels { width, height, values, .. } = read_exr_channels(path, ["R", "G", "B"], None)?;
+    Ok(LinearImage { width, height, rgb: values.chunks_exact(4).map(|t| [t[0], t[1], t[2]]).collect() })
+}
+
+/// Reads the first layer that has three channels, and a fourth one if it is named; the image has four channels, of which
+/// the last is 0 where none is named.
+///
+/// # Errors
+/// [`Error::Io`] if the file can't be read; [`Error::Malformed`] if it is no such image, lacks a channel, or has more than
+/// [`MAX_EXTENT`] pixels on a side, which is found out before memory is taken for them.
+pub fn read_exr_channels(path: &Path, names: [&str; 3], fourth: Option<&str>) -> Result<Pixels> {
     use exr::prelude::{MetaData, ReadChannels, ReadLayers, ReadSpecificChannel, read};
     let bytes = std::fs::read(path).map_err(|e| Error::io("read", path, e))?;
     let wrong = |message: String| Error::malformed(path, None, message);
@@ -151,21 +133,28 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > limit || s.1 > limit) {
         return Err(wrong(format!("an image of {}x{} pixels; at most {limit} a side are read", size.0, size.1)));
     }
-    // The decoder of single channels takes every channel for one of full resolution.
     let mut channels = meta.headers.iter().flat_map(|h| &h.channels.list);
-    if let Some(c) = channels.find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
+    // The decoder of single channels takes every channel for one of full resolution.
+    if let Some(c) = channels.clone().find(|c| (c.sampling.0, c.sampling.1) != (1, 1)) {
         return Err(wrong(format!("channel {} is subsampled, which is not read", c.name)));
+    }
+    if let Some(fourth) = fourth.filter(|name| !channels.any(|c| c.name == **name)) {
+        return Err(wrong(format!("channel {fourth} is missing")));
     }
     let layer = read()
         .no_deep_data()
         .largest_resolution_level()
         .specific_channels()
-        .required("R")
-        .required("G")
-        .required("B")
+        .required(names[0])
+        .required(names[1])
+        .required(names[2])
+        .optional(fourth.unwrap_or_default(), 0.0)
         .collect_pixels(
-            |size, _| (size.0, vec![[0.0; 3]; size.0 * size.1]),
-            |(width, rgb), at, (r, g, b): (f32, f32, f32)| rgb[at.1 * *width + at.0] = [r, g, b],
+            |size, _| (size.0, vec![0.0; 4 * size.0 * size.1]),
+            |(width, values), at, (r, g, b, a): (f32, f32, f32, f32)| {
+                let first = 4 * (at.1 * *width + at.0);
+                values[first..first + 4].copy_from_slice(&[r, g, b, a]);
+            },
         )
         .first_valid_layer()
         .all_attributes()
@@ -174,7 +163,7 @@ fn read_exr(path: &Path) -> Result<LinearImage> {
         .layer_data;
     // Both sides are at most MAX_EXTENT, so they fit.
     let (width, height) = (layer.size.0 as u32, layer.size.1 as u32);
-    Ok(LinearImage { width, height, rgb: layer.channel_data.pixels.1 })
+    Ok(Pixels { width, height, channels: 4, values: layer.channel_data.pixels.1 })
 }
 
 /// Writes intermediates, each as PNG and EXR.

@@ -65,15 +65,33 @@ pub fn read_gbuffer(folder: &Path, stem: &str) -> Result<GBufferData> {
     gbuffer_file::load(&gbuffer_path(folder, stem))
 }
 
-/// Reads what a method made of it; `None` where the folder has nothing of the method.
+/// Reads what methods made of the G-buffer; those of which the folder has nothing are left out.
 ///
 /// # Errors
-/// [`Error::Malformed`] for a file that cannot be read as such an image.
-pub fn read_image(folder: &Path, stem: &str, method: &'static MethodInfo) -> Result<Option<DeviceImage>> {
-    let read = |what: &str, names: [&str; 4]| -> Result<Option<Pixels>> {
+/// [`Error::Malformed`] for a file that cannot be read as such an image, or is of another size than the G-buffer.
+pub fn read(
+    folder: &Path,
+    stem: &str,
+    data: &GBufferData,
+    methods: &[&'static MethodInfo],
+) -> Result<Vec<DeviceImage>> {
+    let read = |method: &MethodInfo, what: &str, [x, y, z, w]: [&str; 4]| -> Result<Option<Pixels>> {
         let path = image_path(folder, method.name, stem, what);
-        if path.exists() { read_exr_channels(&path, &names).map(Some) } else { Ok(None) }
+        if !path.exists() {
+            return Ok(None);
+        }
+        let pixels = read_exr_channels(&path, [x, y, z], Some(w))?;
+        if [pixels.width, pixels.height] != [data.width, data.height] {
+            let (width, height) = (data.width, data.height);
+            return Err(Error::malformed(&path, None, format!("its G-buffer has another size, {width}x{height}")));
+        }
+        Ok(Some(pixels))
     };
-    let Some(reflection) = read("", COLOR)? else { return Ok(None) };
-    Ok(Some(DeviceImage { method, reflection, hits: read("-hits", HITS)? }))
+    let mut all = Vec::new();
+    for method in methods {
+        if let Some(reflection) = read(method, "", COLOR)? {
+            all.push(DeviceImage { method, reflection, hits: read(method, "-hits", HITS)? });
+        }
+    }
+    Ok(all)
 }

@@ -1,23 +1,20 @@
-//! Finds the runs below a folder: every folder with records of the studies, whatever version wrote them. What cannot be
-//! read is not passed over: it is returned with its folder and the reason.
+//! Finds the runs below a folder: every folder with records of the studies, whatever version wrote them. A folder that
+//! cannot be read is returned with the reason.
 
 use super::files;
 use super::run_folder::{JOURNAL, is_finished};
 use crate::error::{Error, Result};
+use crate::gpu::DeviceInfo;
 use crate::study::compare;
 use crate::study::library::changes::totals_only;
-use crate::study::library::read::{self, ReadRecord};
-use crate::study::library::{DatedBy, LibraryRun, Measurement, RecordFile};
+use crate::study::library::read::{self, KINDS, ReadRecord};
+use crate::study::library::{DatedBy, LibraryRun, Measurement, Quantity, RecordFile, Setting};
 use serde_json::Value as Json;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs::DirEntry;
 use std::path::{Component, Path, PathBuf};
 use std::time::SystemTime;
 use time::{Date, OffsetDateTime};
-
-/// Files that hold records, whatever else a folder has.
-const RECORD_FILES: [&str; 8] =
-    ["time.json", "error.json", "stress.json", "motion.json", "precision.json", "video.json", "path.json", "age.json"];
 
 /// The folder in which `ssct study` puts its records of errors, beside those of times.
 const ERROR_FOLDER: &str = "error";
@@ -28,29 +25,29 @@ const PAGE: &str = "index.html";
 /// Raw samples of times.
 const SAMPLES: &str = "time-samples.csv";
 
-/// What is below a folder.
+/// What was found below a folder.
 #[derive(Debug, Default)]
 pub struct Library {
     /// Runs by date, and on one day by name.
     pub runs: Vec<LibraryRun>,
-    /// Folders that should hold a run and cannot be read, and why.
+    /// Folders that should hold a run and cannot be read, each with the reason.
     pub unreadable: Vec<(String, String)>,
     /// Folders with files, none of which holds records.
     pub without_records: Vec<String>,
 }
 
-/// Reads all that is below a folder. Hidden folders and links to folders are not followed.
+/// Reads every folder from a root down. Hidden folders and links to folders are not followed.
 ///
 /// # Errors
 /// [`Error::Io`] if the folder itself cannot be read.
 pub fn scan(root: &Path) -> Result<Library> {
-    // A folder inside that cannot be read is a part of the answer, but without this one there is none.
+    // That a folder below cannot be read is a part of the answer; that the root cannot is an error.
     std::fs::read_dir(root).map_err(|e| Error::io("read", root, e))?;
     let whole = std::fs::canonicalize(root).map_err(|e| Error::io("read", root, e))?;
     let mut library = Library::default();
     let mut folders = folders(root, &mut library.unreadable);
     join_error_folders(&mut folders);
-    // The library's own page is of no run.
+    // The page in the root is the library's, and belongs to no run.
     folders.entry(root.to_owned()).or_default().retain(|file| file.file_name().is_some_and(|n| n != PAGE));
     for (folder, files) in folders {
         let name = relative(root, &folder);
@@ -62,7 +59,7 @@ pub fn scan(root: &Path) -> Result<Library> {
             Found::Nothing => library.without_records.push(name),
         }
     }
-    library.runs.sort_by(|a, b| a.order().cmp(&b.order()));
+    library.runs.sort_by(|a, b| (&a.date, &a.name).cmp(&(&b.date, &b.name)));
     Ok(library)
 }
 
@@ -93,7 +90,7 @@ fn folders(root: &Path, unreadable: &mut Vec<(String, String)>) -> BTreeMap<Path
     found
 }
 
-/// `ssct study` keeps its errors in a folder of their own: they are of the same run as its times.
+/// Joins the folder in which `ssct study` puts its errors with its parent, which has the times of the same run.
 fn join_error_folders(folders: &mut BTreeMap<PathBuf, Vec<PathBuf>>) {
     let has = |files: Option<&Vec<PathBuf>>, name: &str| {
         files.is_some_and(|files| files.iter().any(|file| file.file_name().is_some_and(|n| n == name)))
@@ -115,15 +112,15 @@ fn relative(root: &Path, folder: &Path) -> String {
     if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
 }
 
-/// What a folder is.
+/// What a folder turned out to hold.
 enum Found {
     Run(Box<LibraryRun>),
     Unreadable(String),
     Nothing,
 }
 
-/// Reads a folder's files: every array of records among them, and the raw samples. `whole` is the folder's path from
-/// the root of the file system, whose names may say the date.
+/// Reads every array of records among a folder's files, and the raw samples. `whole` is the folder's path from the root
+/// of the file system: one of its names may begin with the date.
 fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
     let mut all = Gathered::default();
     let (mut wrong, mut notes) = (Vec::new(), Vec::new());
@@ -170,19 +167,15 @@ fn run(folder: &Path, whole: &Path, name: &str, files: &[PathBuf]) -> Found {
     }))
 }
 
-/// A file's content if it is an array of records; `None` if it is something else, which only a file of a name that is
-/// not a record's may be.
+/// The records of a file; `None` if it holds something else. A file that is named by a kind of records must hold them.
 fn records(path: &Path) -> std::result::Result<Option<Vec<Json>>, String> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let must = RECORD_FILES.contains(&&*name);
+    let must = name.strip_suffix(".json").is_some_and(|kind| KINDS.contains(&kind));
     let content = std::fs::read(path)
         .map_err(|e| e.to_string())
         .and_then(|bytes| serde_json::from_slice::<Json>(&bytes).map_err(|e| e.to_string()));
     match content {
-        Ok(content) if read::is_records(&content) => match content {
-            Json::Array(records) => Ok(Some(records)),
-            _ => Ok(None),
-        },
+        Ok(Json::Array(objects)) if read::are_records(&objects) => Ok(Some(objects)),
         Ok(_) if must => Err(format!("{name} holds no records of the studies")),
         Err(why) if must => Err(format!("{name}: {why}")),
         _ => Ok(None),
@@ -195,14 +188,19 @@ struct Gathered {
     files: Vec<RecordFile>,
     programs: BTreeSet<String>,
     definitions: BTreeSet<u32>,
-    devices: Vec<crate::gpu::DeviceInfo>,
+    devices: Vec<DeviceInfo>,
     measurements: Vec<Measurement>,
-    /// Where each is among them, to see those that come again.
-    known: HashMap<String, usize>,
+    /// The index of each measurement, so that one that comes again is recognised.
+    known: HashMap<Measured, usize>,
+    /// Cases of the stress study that failed, and all cases.
     stress: [usize; 2],
 }
 
+/// What tells measurements of a run apart: device, setting, view, method and quantity.
+type Measured = (usize, Setting, String, String, Quantity);
+
 impl Gathered {
+    /// Adds the records of a file, and a note for those that do not count.
     fn add(&mut self, file: &str, records: &[Json], notes: &mut Vec<String>) {
         let (mut bad, mut again) = (Vec::new(), 0);
         let mut kinds = None;
@@ -220,7 +218,7 @@ impl Gathered {
         }
         if again > 0 {
             notes.push(format!(
-                "{again} figures of {file} are left out: they differ from others that their records do not tell them from"
+                "{again} figures of {file} are left out: another record has the same setup and another value"
             ));
         }
         if let Some(kind) = kinds {
@@ -228,7 +226,7 @@ impl Gathered {
         }
     }
 
-    /// Takes a record in; how many of its figures are already there with another value.
+    /// Adds a record, and returns how many of its figures are there already with another value.
     fn take(&mut self, record: ReadRecord) -> usize {
         let device = self.devices.iter().position(|d| *d == record.device).unwrap_or_else(|| {
             self.devices.push(record.device.clone());
@@ -243,7 +241,7 @@ impl Gathered {
         let mut again = 0;
         for m in record.measurements {
             let m = Measurement { device, ..m };
-            let key = format!("{device} {:?} {} {} {:?}", m.setting, m.view, m.method, m.quantity);
+            let key = (device, m.setting.clone(), m.view.clone(), m.method.clone(), m.quantity);
             match self.known.get(&key) {
                 Some(at) => again += usize::from(self.measurements[*at].value != m.value),
                 None => {
@@ -262,7 +260,7 @@ fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::
     if !path.is_file() {
         return Ok(None);
     }
-    // The samples do not say their device: of several, nobody knows whose they are.
+    // The samples do not name their device. Of several devices, it is not known which one they are from.
     let device = match &all.devices[..] {
         [one] => Some(one.clone()),
         _ => None,
@@ -271,7 +269,8 @@ fn samples(folder: &Path, name: &str, all: &Gathered) -> Result<Option<compare::
     Ok(Some(totals_only(run)))
 }
 
-/// When a run was measured: the date that the nearest folder on its path begins with, else that of its newest file.
+/// When a run was measured: the date with which the name of a folder on its path begins, of several the nearest; else
+/// the date of its newest file.
 fn date(folder: &Path, files: &[PathBuf]) -> (String, DatedBy) {
     let names = folder.components().rev().filter_map(|part| match part {
         Component::Normal(name) => name.to_str(),

@@ -20,8 +20,8 @@ const PAGE: &str = "index.html";
 
 /// Records of one kind, and how a run of one device writes them.
 pub struct MergedReport<'a, T> {
-    /// What the records are, and the stem of their file.
-    pub kind: &'static str,
+    /// The kind of study, which is also the stem of the records' file.
+    pub kind: &'a str,
     /// The records.
     pub records: &'a [T],
     /// The device of a record.
@@ -39,7 +39,7 @@ pub struct MergedReport<'a, T> {
 }
 
 impl<T: Serialize + Clone> MergedReport<'_, T> {
-    /// Writes everything into a folder.
+    /// Writes all files into a folder.
     pub fn write(&self, folder: &Path) -> Result<()> {
         let apart = by_device(self.records, self.device);
         let json = format!("{}.json", self.kind);
@@ -54,7 +54,7 @@ impl<T: Serialize + Clone> MergedReport<'_, T> {
         if self.missing.is_empty() {
             return Ok(());
         }
-        // The study's own page says what it lacks; where it has none, there is one for that.
+        // The missing cells are named on the study's own page; a study without a page gets one for them.
         let page = folder.join(PAGE);
         match std::fs::read_to_string(&page) {
             Ok(text) => files::write(&page, html::with_missing_cells(&text, self.missing).as_bytes()),
@@ -83,8 +83,8 @@ pub fn device_folder(device: usize) -> PathBuf {
     Path::new(DEVICES).join((device + 1).to_string())
 }
 
-/// Copies the files of folders that some runs have, into that of the merged run; of files of one name, the first. With
-/// `same`, those of one name must be equal.
+/// Copies the files of some folders into one. Of several files of one name, the first is copied; with `same`, they must
+/// all be equal.
 ///
 /// # Errors
 /// As for [`copy_file`].
@@ -106,7 +106,7 @@ pub fn copy_files(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
     all.iter().try_for_each(|(name, paths)| copy_file(paths, &to.join(name), same))
 }
 
-/// Copies the first of some files that is there. With `same`, all that are there must be equal.
+/// Copies the first of some files that exists. With `same`, all that exist must be equal.
 ///
 /// # Errors
 /// [`Error::Io`] for what cannot be read or written, [`Error::Malformed`] for files that are not equal.

@@ -1,7 +1,9 @@
 //! Plots as SVG.
 
 use crate::study::TimeRecord;
+use crate::study::library::trends::TrendLine;
 use crate::study::sweep::Point;
+use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -69,10 +71,7 @@ pub fn stage_bars(records: &[TimeRecord]) -> Result<String, String> {
             }
         }
         for (i, name) in stages.iter().enumerate() {
-            let (x, y) = legend_place(i);
-            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], stage_color(&stages, name).filled()))
-                .map_err(failed)?;
-            root.draw(&Text::new(name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
+            draw_legend_entry(&root, legend_place(i), name, stage_color(&stages, name)).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }
@@ -86,7 +85,11 @@ fn label(record: &TimeRecord) -> String {
 }
 
 fn stage_color(stages: &[String], name: &str) -> RGBColor {
-    let index = stages.iter().position(|s| s == name).unwrap_or(0);
+    series_color(stages.iter().position(|s| s == name).unwrap_or(0))
+}
+
+/// The colour of one of many series, by its place.
+fn series_color(index: usize) -> RGBColor {
     let RGBColor(r, g, b) = STAGE_COLORS[index % STAGE_COLORS.len()];
     // All methods together have more stages than there are colours that can be told apart: dark, then light ones.
     let shade = |v: u8| match index / STAGE_COLORS.len() {
@@ -231,8 +234,7 @@ pub struct Line {
 /// Values over frames, from 0 up, a line each; `axes` names the frames and the values.
 pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, String> {
     let names: Vec<&str> = lines.iter().map(|l| l.name.as_str()).collect();
-    let columns = legend_columns(&names);
-    let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
+    let legend = line_legend_height(&names);
     let points = || lines.iter().flat_map(|l| &l.points);
     let last = points().map(|p| p.0).fold(1.0, f64::max);
     let most = points().map(|p| p.1).fold(1e-6, f64::max);
@@ -261,32 +263,22 @@ pub fn lines(lines: &[Line], [x_axis, y_axis]: [&str; 2]) -> Result<String, Stri
         for (n, line) in lines.iter().enumerate() {
             let color = STAGE_COLORS[n % STAGE_COLORS.len()];
             chart.draw_series(LineSeries::new(line.points.iter().copied(), color.stroke_width(2))).map_err(failed)?;
-            let (x, y) = (12 + (n % columns) as i32 * legend_width(&names), 10 + 20 * (n / columns) as i32);
-            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
-            root.draw(&Text::new(line.name.as_str(), (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
+            draw_legend_entry(&root, line_legend_place(&names, n), names[n], color).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }
     Ok(svg)
 }
 
-/// A line of [`trend`].
-pub struct TrendPlotLine {
-    /// What the legend calls it.
-    pub name: String,
-    /// Its value in each run, ≥ 0; nothing where the run has none.
-    pub values: Vec<Option<f64>>,
-}
-
 /// Most characters of a name in a trend's legend.
 const TREND_NAME: usize = 64;
 
-/// Values over runs, which stand side by side under their numbers, from 0 up; a line joins the runs that have a value.
-pub fn trend(runs: &[usize], lines: &[TrendPlotLine], y_axis: &str) -> Result<String, String> {
-    let names: Vec<String> = lines.iter().map(|l| shortened(&l.name, TREND_NAME)).collect();
+/// Values over runs, from 0 up. The runs stand side by side, marked by their numbers; each line joins the runs for
+/// which it has a value.
+pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String, String> {
+    let names: Vec<String> = lines.iter().map(|l| shortened(&l.method, TREND_NAME)).collect();
     let shown: Vec<&str> = names.iter().map(String::as_str).collect();
-    let columns = legend_columns(&shown);
-    let legend = 16 + 20 * names.len().div_ceil(columns) as u32;
+    let legend = line_legend_height(&shown);
     let most = lines.iter().flat_map(|l| &l.values).flatten().fold(1e-6_f64, |most, v| most.max(*v));
     let mut svg = String::new();
     {
@@ -319,15 +311,12 @@ pub fn trend(runs: &[usize], lines: &[TrendPlotLine], y_axis: &str) -> Result<St
             let style = TextStyle::from(("sans-serif", TEXT)).pos(Pos::new(HPos::Center, VPos::Top));
             root.draw(&Text::new(run.to_string(), (at.0, at.1 + 5), style)).map_err(failed)?;
         }
-        let colors: Vec<String> = (0..lines.len()).map(|n| n.to_string()).collect();
         for (n, line) in lines.iter().enumerate() {
-            let color = stage_color(&colors, &colors[n]);
+            let color = series_color(n);
             let points: Vec<_> = line.values.iter().enumerate().filter_map(|(n, v)| Some((n as f64, (*v)?))).collect();
             chart.draw_series(LineSeries::new(points.iter().copied(), color.stroke_width(2))).map_err(failed)?;
             chart.draw_series(points.iter().map(|p| Circle::new(*p, 3, color.filled()))).map_err(failed)?;
-            let (x, y) = (12 + (n % columns) as i32 * legend_width(&shown), 10 + 20 * (n / columns) as i32);
-            root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled())).map_err(failed)?;
-            root.draw(&Text::new(shown[n], (x + 19, y), ("sans-serif", TEXT))).map_err(failed)?;
+            draw_legend_entry(&root, line_legend_place(&shown, n), shown[n], color).map_err(failed)?;
         }
         root.present().map_err(failed)?;
     }
@@ -339,6 +328,27 @@ fn shortened(name: &str, most: usize) -> String {
         Some((end, _)) => format!("{}…", &name[..end]),
         None => name.to_owned(),
     }
+}
+
+/// Draws a coloured square and a name.
+fn draw_legend_entry<B: DrawingBackend>(
+    root: &DrawingArea<B, Shift>,
+    (x, y): (i32, i32),
+    name: &str,
+    color: RGBColor,
+) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
+    root.draw(&Rectangle::new([(x, y), (x + 14, y + 14)], color.filled()))?;
+    root.draw(&Text::new(name, (x + 19, y), ("sans-serif", TEXT)))
+}
+
+/// Pixels of a legend with as many names in a row as there is room for.
+fn line_legend_height(names: &[&str]) -> u32 {
+    16 + 20 * names.len().div_ceil(legend_columns(names)) as u32
+}
+
+fn line_legend_place(names: &[&str], index: usize) -> (i32, i32) {
+    let columns = legend_columns(names);
+    (12 + (index % columns) as i32 * legend_width(names), 10 + 20 * (index / columns) as i32)
 }
 
 fn legend_width(names: &[&str]) -> i32 {

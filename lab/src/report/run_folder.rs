@@ -4,6 +4,7 @@ use super::files;
 use crate::error::{Error, Result};
 use crate::study::cell_list::CellList;
 use crate::study::journal::{self, Journal};
+use crate::study::merge::MergeInput;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -11,13 +12,13 @@ use std::path::{Path, PathBuf};
 /// The journal's file, one entry a line.
 pub const JOURNAL: &str = "journal.jsonl";
 
-/// The file that says which cells the run has.
+/// The file with the list of the run's cells.
 pub const CELLS: &str = "cells.json";
 
 /// Its last line once all is done.
 const FINISHED: &str = "{\"finished\":true}";
 
-/// Whether the run of a journal was finished, which its last line says; not if it cannot be read.
+/// Whether the last line of a journal says that its run was finished; false if the journal cannot be read.
 pub fn is_finished(journal: &Path) -> bool {
     let text = std::fs::read(journal).unwrap_or_default();
     String::from_utf8_lossy(&text).lines().next_back() == Some(FINISHED)
@@ -59,11 +60,7 @@ impl Claim {
     /// that cannot be read or written.
     pub fn journal(&self, resume: bool) -> Result<Journal> {
         let path = self.folder.join(JOURNAL);
-        let text = match std::fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == ErrorKind::NotFound => Vec::new(),
-            Err(e) => return Err(Error::io("read", &path, e)),
-        };
+        let text = journal_bytes(&path)?;
         // A run that was killed while it wrote left a line without an end.
         let whole = text.iter().rposition(|b| *b == b'\n').map_or(0, |at| at + 1);
         let text = String::from_utf8_lossy(&text[..whole]).into_owned();
@@ -82,7 +79,7 @@ impl Claim {
         Ok(Journal::resume(known.lines(), Some(Box::new(sink))))
     }
 
-    /// Writes which cells the run has.
+    /// Writes the list of the run's cells.
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
@@ -103,24 +100,15 @@ impl Claim {
     }
 }
 
-/// What a run left in a folder.
-pub struct RunRead {
-    /// Its cells.
-    pub cells: CellList,
-    /// Its journal.
-    pub journal: Journal,
-    /// The lines of the journal that are entries, in order.
-    pub lines: Vec<String>,
-}
-
-/// Reads a run's folder, which nobody may be writing into.
+/// Reads the folder of a run, which must have ended.
 ///
 /// # Errors
-/// [`Error::Busy`] if a run has it, [`Error::Io`] for what cannot be read, [`Error::Malformed`] for a list of cells that
-/// is none.
-pub fn read(folder: &Path) -> Result<RunRead> {
+/// [`Error::Busy`] if a run is going on in the folder, [`Error::Io`] for files that cannot be read,
+/// [`Error::Malformed`] if the list of cells is missing or cannot be read.
+pub fn read(folder: &Path) -> Result<MergeInput> {
     let _lock = match File::open(folder) {
-        // Many may read at once; where there are no locks, or a folder cannot be opened as a file, nobody is kept out.
+        // Several processes may read at once. Without locks, or where a folder cannot be opened as a file, a run that
+        // is going on is not noticed.
         Ok(file) => match file.try_lock_shared() {
             Err(TryLockError::WouldBlock) => return Err(Error::Busy { folder: folder.to_owned() }),
             _ => Some(file),
@@ -139,14 +127,19 @@ pub fn read(folder: &Path) -> Result<RunRead> {
     };
     let cells = serde_json::from_slice(&text)
         .map_err(|e| Error::malformed(&path, Some(e.line()), format!("is no list of cells: {e}")))?;
-    let path = folder.join(JOURNAL);
-    let text = match std::fs::read(&path) {
-        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-        Err(e) if e.kind() == ErrorKind::NotFound => String::new(),
-        Err(e) => return Err(Error::io("read", &path, e)),
-    };
+    let bytes = journal_bytes(&folder.join(JOURNAL))?;
+    let text = String::from_utf8_lossy(&bytes);
     let lines = text.lines().filter(|line| journal::key_of(line).is_some()).map(str::to_owned).collect();
-    Ok(RunRead { cells, journal: Journal::resume(text.lines(), None), lines })
+    Ok(MergeInput { folder: folder.to_owned(), cells, journal: Journal::resume(text.lines(), None), lines })
+}
+
+/// The content of a journal's file; nothing if there is none.
+fn journal_bytes(path: &Path) -> Result<Vec<u8>> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(bytes),
+        Err(e) if e.kind() == ErrorKind::NotFound => Ok(Vec::new()),
+        Err(e) => Err(Error::io("read", path, e)),
+    }
 }
 
 /// What is locked: the folder itself, which leaves nothing behind.

@@ -22,12 +22,13 @@ const FREE_BYTES: u64 = 1 << 24;
 const LOSSLESS: [Compression; 5] =
     [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16, Compression::PIZ];
 
-/// Checks what a header claims, before any memory for pixels is allocated. Errors call the file `path` and what it should be
-/// `what`. Returns whether the images are so small that threads cost more time than they save.
+/// Checks what the headers of a file of `length` bytes claim, before any memory for pixels is allocated. Errors call
+/// the file `path` and its content `what`, as in "the G-buffer". Returns whether the images are so small that threads
+/// cost more time than they save.
 ///
 /// # Errors
-/// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] or [`MAX_BYTES`], or claims more pixels than that many bytes
-/// can hold.
+/// [`Error::Malformed`] if an image is larger than [`MAX_SIDE`] on a side, or if the channels would unpack to more than
+/// [`MAX_BYTES`] or to more than `length` bytes can hold.
 pub(super) fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &str) -> Result<bool> {
     let wrong = |message: String| Error::malformed(path, None, message);
     if let Some(size) = meta.headers.iter().map(|h| h.layer_size).find(|s| s.0 > MAX_SIDE || s.1 > MAX_SIDE) {

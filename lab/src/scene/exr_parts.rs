@@ -1,5 +1,5 @@
-//! Whole OpenEXR files of other renderers: every part, with its channels as they are and its attributes. Scan lines or
-//! tiles, of 16-bit or 32-bit floats or unsigned integers; of several resolutions the largest.
+//! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or
+//! tiles of 16-bit or 32-bit floats or of unsigned integers; of several resolutions the largest is read.
 
 use super::exr_channels::check_claims;
 use crate::error::{Error, Result};
@@ -21,7 +21,7 @@ pub(super) struct ExrPart {
     pub size: [u32; 2],
     /// Sorted by name.
     pub channels: BTreeMap<String, ExrChannel>,
-    /// What it says beside its channels, by the names that the file format has.
+    /// What the part says beside its channels, by the names that the file has.
     pub attributes: BTreeMap<String, AttributeValue>,
 }
 
@@ -29,15 +29,15 @@ pub(super) struct ExrPart {
 pub(super) struct ExrChannel {
     /// Rows from the top of the file.
     pub values: Vec<f32>,
-    /// The compression, if it rounded the values.
+    /// The compression of the part, if it rounded the values.
     pub rounded_by: Option<Compression>,
 }
 
 /// Decodes the bytes of a file. Errors call the file `path`.
 ///
 /// # Errors
-/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if it claims more than
-/// [`check_claims`] allows, uses B44, has several parts of deep data, or a part that covers only a piece of the image.
+/// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image claims more than [`check_claims`] allows,
+/// or if a part uses B44, has deep data or covers only a piece of the image.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let wrong = |message: String| Error::malformed(path, None, message);
     let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
@@ -66,8 +66,8 @@ fn check_part(header: &Header) -> std::result::Result<(), String> {
     if position != window.position || header.layer_size != window.size {
         let [part, whole] = [header.layer_size, window.size];
         return Err(format!(
-            "only {}x{} pixels from {}, {} on of the image's {}x{} are in the file; only whole images can be read",
-            part.0, part.1, position.0, position.1, whole.0, whole.1
+            "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
+            part.0, part.1, position.0, position.1, whole.0, whole.1, window.position.0, window.position.1
         ));
     }
     Ok(())
@@ -92,8 +92,8 @@ fn part(layer: Layer<exr::image::AnyChannels<FlatSamples>>, image: &ImageAttribu
     }
 }
 
-/// The attributes by their names. Those that the file format knows are fields of the crate's types; of these, the ones
-/// that speak of a camera or are a number.
+/// The attributes by their names. Attributes that the file format defines are fields of the crate's types; of these,
+/// only those that say something of a camera are here.
 fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<String, AttributeValue> {
     use AttributeValue::{F32, Matrix4x4};
     let known = [
@@ -112,8 +112,8 @@ fn attributes(layer: LayerAttributes, image: &ImageAttributes) -> BTreeMap<Strin
     known.chain(others.map(|(name, value)| (name.to_string(), value))).collect()
 }
 
-/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB transform the channels
-/// of colours, which they know by the last part of the name, and keep all others; integers they always keep.
+/// Whether a compression rounds a channel. PXR24 rounds 32-bit floats to 24 bits. DWAA and DWAB round floats of
+/// colours, for which they take the channels with these names behind the last point; they keep all other channels.
 fn rounds(compression: Compression, channel: &str, samples: &FlatSamples) -> bool {
     const COLOURS: [&str; 11] = ["r", "red", "g", "grn", "green", "b", "blu", "blue", "y", "by", "ry"];
     match compression {

@@ -1,17 +1,17 @@
 //! From the terms of other renderers' materials to ours: roughness by the width of the lobe, reflectivity from metallic
 //! and base colour.
 //!
-//! The lobe of most renderers is that of GGX with α = r², as glTF has it. Seen along the normal, the half vectors
-//! within an angle h of it reflect the share tan²h / (α² + tan²h) of the light (Walter et al. 2007), so that half of it
-//! leaves within h = atan α of the normal, which is 2 atan α around the mirror direction. The lobe of ϱ is cosⁿ around
-//! that direction (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both halve at the same angle
-//! if
+//! Most renderers have the lobe of GGX with α = r², r being the roughness of glTF. Seen along the normal, half vectors
+//! within an angle h of the normal reflect the share tan²h / (α² + tan²h) of the light (Walter et al. 2007). Half of
+//! the light is reflected by those within h = atan α, and leaves within 2 atan α of the mirror direction. The lobe of ϱ
+//! is cosⁿ around that direction (docs/definitions.md, "Surfaces"), with the share 1 − cosⁿ⁺¹θ within θ. Both lobes
+//! have half of their light within the same angle if
 //!
 //! ```text
 //! n + 1 = ln ½ / ln cos(2 atan r²)
 //! ```
 //!
-//! and ϱ = 2 arccos ξ^(1/(n+1)). The widest lobe, ϱ = 1, is reached at r ≈ 0.42; what is rougher counts as 1.
+//! and ϱ = 2 arccos ξ^(1/(n+1)). The widest lobe, ϱ = 1, is reached at r ≈ 0.42; rougher surfaces have ϱ = 1, too.
 
 use super::texture::luminance;
 use crate::math::constants::XI;
@@ -21,7 +21,8 @@ use std::f64::consts::FRAC_PI_2;
 /// The reflection at normal incidence of a surface that states no index of refraction (1.5).
 pub const F0: f32 = 0.04;
 
-/// The reflectivity of a surface of this base colour, linear, and metallic, 0…1, whose dielectric part reflects `f0`.
+/// The reflectivity, 0…1, of a surface of the linear base colour `base`, which is metal by the share `metallic` and
+/// reflects `f0` along the normal as far as it is none.
 pub fn reflectivity(base: Vec3, metallic: f32, f0: f32) -> f32 {
     luminance(Vec3::splat(f0).lerp(base, metallic)).clamp(0.0, 1.0)
 }
@@ -38,7 +39,8 @@ pub fn roughness_of_perceptual(r: f32) -> f32 {
     roughness_of_alpha(r * r)
 }
 
-/// The same of α itself, ≥ 0.
+/// The roughness ϱ, 0…1, whose lobe has half of its light within the same angle as the GGX lobe of `alpha` ≥ 0, seen
+/// along the normal.
 pub fn roughness_of_alpha(alpha: f64) -> f32 {
     let half = 2.0 * alpha.atan();
     if half <= 0.0 {

@@ -1,7 +1,7 @@
 //! Where scenes come from: scene files ([`scene_file`]), OBJ files ([`obj`]), glTF files ([`gltf`]) and the built-in library
 //! ([`library`]); all give the same [`Scene`]. [`path`](mod@path) reads and writes the paths of a camera, [`bvh`] and [`triangles`]
-//! trace rays against a scene, [`placement`] finds places for captures, [`gbuffer_file`] and [`capture_file`] are the
-//! files of other renderers, and [`gbuffer_map`] reads those in conventions of their own.
+//! trace rays against a scene, [`placement`] finds places for captures, [`gbuffer_file`] and [`capture_file`] are
+//! files for other renderers, and [`gbuffer_map`] reads G-buffers in the conventions of other renderers.
 //!
 //! The types themselves are those of [`ssct::scene`], which are here under the same names.
 
@@ -21,6 +21,7 @@ pub mod path;
 pub mod pattern;
 pub mod placement;
 pub mod scene_file;
+pub(crate) mod source_text;
 mod tangents;
 pub mod texture;
 pub mod triangles;

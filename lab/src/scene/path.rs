@@ -1,7 +1,8 @@
 //! Files of camera paths (TOML), and the sections of scene files that name one.
 
-use super::scene_file::{SourceText, read, stem};
+use super::scene_file::{MAX_FILE_BYTES, stem};
 use crate::error::{Error, Result};
+use crate::scene::source_text::{self, SourceText};
 use serde::Deserialize;
 use std::fmt::Write;
 use std::path::Path;
@@ -16,7 +17,7 @@ pub use ssct::scene::path::{CameraPath, KeyFrame, VIEWS};
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with file and line, if its content is
 /// wrong.
 pub fn load(path: &Path) -> Result<CameraPath> {
-    parse(&read(path, "a path file")?, path)
+    parse(&source_text::read(path, "a path file", MAX_FILE_BYTES)?, path)
 }
 
 /// Parses the text of a path file. Errors call the file `path`.

@@ -9,10 +9,11 @@ pub use captures::with_captures;
 use super::obj::{self, Handedness, ObjFile, ObjOptions};
 use super::path::PathSection;
 use super::{
-    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, bounded,
-    gltf, viewpoint,
+    Camera, Lens, Light, LoadOptions, MAX_COORDINATE_M, Material, MaterialChange, Probe, Scene, Surface, View, gltf,
+    viewpoint,
 };
 use crate::error::{Error, Result};
+use crate::scene::source_text::{self, SourceText};
 use glam::Vec3;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -23,7 +24,7 @@ use toml::Spanned;
 const DEFAULT: &str = "default";
 
 /// The largest scene file that can be read, in bytes.
-const MAX_FILE_BYTES: u64 = 1 << 20;
+pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
@@ -43,7 +44,7 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     options.check()?;
     let extra_scale = options.scale;
-    let text = read(path, "a scene file")?;
+    let text = source_text::read(path, "a scene file", MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
     let sections: Sections = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let scale = match &sections.scale {
@@ -209,28 +210,7 @@ struct ViewSection {
     materials: BTreeMap<String, ChangeSection>,
 }
 
-/// The text of a scene file and its path, for errors that name the line.
-pub(super) struct SourceText<'a> {
-    pub(super) path: &'a Path,
-    pub(super) text: &'a str,
-}
-
 impl SourceText<'_> {
-    /// An error at a byte range of the text.
-    pub(super) fn error(&self, at: std::ops::Range<usize>, message: impl Into<String>) -> Error {
-        let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
-        let line = 1 + before.iter().filter(|&&b| b == b'\n').count();
-        Error::malformed(self.path, Some(line), message)
-    }
-
-    pub(super) fn syntax_error(&self, error: &toml::de::Error) -> Error {
-        let message = error.message().trim().replace('\n', "; ");
-        match error.span() {
-            Some(span) => self.error(span, message),
-            None => Error::malformed(self.path, None, message),
-        }
-    }
-
     fn positive(&self, what: &str, value: &Spanned<f32>) -> Result<f32> {
         let number = *value.get_ref();
         if number.is_finite() && number > 0.0 {
@@ -409,16 +389,6 @@ fn apply_changes(path: &Path, changes: &BTreeMap<String, MaterialChange>, scene:
             view.materials.extend(others.into_iter().map(|name| (name, change)));
         }
     }
-}
-
-/// Reads a text file. `what` names the expected content in errors, as in "a scene file".
-pub(super) fn read(path: &Path, what: &str) -> Result<String> {
-    let bytes = bounded::read(path, what, MAX_FILE_BYTES)?;
-    String::from_utf8(bytes).map_err(|e| {
-        let valid = e.utf8_error().valid_up_to();
-        let line = 1 + e.as_bytes()[..valid].iter().filter(|&&b| b == b'\n').count();
-        Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
-    })
 }
 
 /// The file name without `.scene.toml` or `.toml`.

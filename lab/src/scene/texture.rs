@@ -59,7 +59,8 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
     Ok(Texture { name, width, height, rgba: image.into_rgba8().into_raw(), encoding })
 }
 
-/// Width, height and the values of an image, four a texel, 0…1 as they are encoded, of 16 bits where the image has them.
+/// The width and height of an image and its values: red, green, blue and alpha of each texel, 0…1, as the image encodes
+/// them. An image of 16 bits keeps all of them.
 ///
 /// # Errors
 /// As for [`from_bytes`].

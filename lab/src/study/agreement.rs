@@ -1,5 +1,5 @@
-//! The same on another driver: what methods make of one G-buffer on one device, held against what they make of the very
-//! same G-buffer on another; and how far the G-buffers differ that two devices draw of one view, and why.
+//! The same on another device: what methods make of one G-buffer on one device, held against what they make of it on another;
+//! and how far the G-buffers differ that two devices draw of one view.
 
 use super::error::display;
 use super::gbuffer::{self, at_rest, hit_positions};

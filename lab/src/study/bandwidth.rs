@@ -1,5 +1,5 @@
-//! How near the passes that build pyramids of depth come to what a device copies: the bytes that each must read and write at
-//! least, over its time, beside the rate of a plain copy of images.
+//! The rates of the passes that make a pyramid of depth: the bytes that a pass reads and writes at least, divided by its time;
+//! and the rate of a plain copy of an image, to compare them with.
 
 use super::record::{Provenance, Stats, TimeRecord};
 use crate::error::Result;
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// The pass of `unified` that builds its pyramid.
 const PYRAMID: &str = "pyramid";
-/// What the levels of the thesis's Hi-Z buffer are called, before their number.
+/// The passes of the thesis's Hi-Z buffer begin with this, and end with the number of their level.
 const HI_Z: &str = "hi-z/";
 
 /// Bytes of a texel of the image that is copied, of depth, and of a level of the Hi-Z buffer without maxima (R32F).

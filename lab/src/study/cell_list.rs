@@ -1,5 +1,5 @@
-//! The cells of a run: all that the whole study has, and those that this run measures. It lies beside the journal, so
-//! that shards can be put together by whoever does not know the command (docs/many-machines.md, "Shards").
+//! The list of a run's cells: all cells of the whole study, and which of them this run measures. The list lies beside
+//! the journal, so that shards can be merged without their commands (docs/many-machines.md, "Shards").
 
 use super::journal::setup_digest;
 use super::record::Provenance;
@@ -8,22 +8,22 @@ use crate::gpu::DeviceInfo;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// What a run is of, and its cells.
+/// What a run measures, and its cells.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellList {
-    /// "error", "stress", "time", …
+    /// The kind of study: "error", "stress", "time", …
     pub kind: String,
-    /// The version of docs/definitions.md that figures are of.
+    /// The version of docs/definitions.md that the figures follow.
     pub definitions: u32,
-    /// Of the program.
+    /// The version of the program.
     pub version: String,
-    /// Of its source.
+    /// The commit of the program's source.
     pub commit: String,
     /// The command of the whole study, as a page shows it.
     pub command: String,
-    /// Which part of it this run is; null for the whole.
+    /// The shard that this run is; null for the whole study.
     pub shard: Option<Shard>,
-    /// What the files of the run need to know that no cell says.
+    /// Settings that the files of the run depend on and that no cell has.
     pub settings: Value,
     /// Name and digest of each scene.
     pub scenes: Vec<(String, String)>,
@@ -36,37 +36,37 @@ pub struct CellList {
 /// A cell of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedCell {
-    /// What people call it.
+    /// The name of the cell, for people.
     pub name: String,
-    /// A digest of all that it depends on but device and program.
+    /// A digest of everything that the cell depends on but the device and the program.
     pub setup: String,
-    /// Whether this run measures it.
+    /// Whether this run measures the cell.
     pub own: bool,
-    /// Where the journal keeps its results.
+    /// Where the journal keeps the results of the cell.
     pub results: Vec<ListedResult>,
 }
 
 /// A result in the journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ListedResult {
-    /// Which of the devices, counted from 0.
+    /// The device that measures it, by its place in the list of devices.
     pub device: usize,
-    /// Its key, or what the keys of its samples begin with.
+    /// The key of the result in the journal, or what the keys of its samples begin with.
     pub key: String,
-    /// What the result is of, where the journal does not say it.
+    /// The fields of the result's record that the journal does not have.
     #[serde(default, skip_serializing_if = "Value::is_null")]
     pub of: Value,
 }
 
-/// A cell before it is known who runs it.
+/// A cell before the study is divided.
 pub struct PlannedCell {
-    /// What people call it.
+    /// The name of the cell, for people.
     pub name: String,
-    /// All that it depends on but device and program.
+    /// Everything that the cell depends on but the device and the program.
     pub setup: Value,
-    /// What it is predicted to cost.
+    /// The predicted cost of the cell.
     pub cost: f64,
-    /// Where the journal will keep its results: keys, and what they are of.
+    /// Where the journal will keep the results: `key` and `of` of each [`ListedResult`].
     pub results: Vec<(String, Value)>,
 }
 
@@ -76,30 +76,30 @@ impl PlannedCell {
         Self { name, setup, cost, results: vec![(key, Value::Null)] }
     }
 
-    /// What dividing needs of it.
-    pub fn share(&self) -> Share {
+    /// What has to be known of the cell to divide the study.
+    fn share(&self) -> Share {
         Share { setup: setup_digest(&self.setup), cost: self.cost }
     }
 }
 
-/// What a list is of, but for its cells.
+/// The fields of a [`CellList`] that a command decides, its cells apart.
 pub struct CellListHead {
-    /// "error", "stress", "time", …
+    /// The kind of study: "error", "stress", "time", …
     pub kind: &'static str,
-    /// The version of docs/definitions.md that figures are of.
+    /// The version of docs/definitions.md that the figures follow.
     pub definitions: u32,
     /// The command of the whole study.
     pub command: String,
-    /// Which part of it this run is.
+    /// The shard that this run is; `None` for the whole study.
     pub shard: Option<Shard>,
-    /// What the files of the run need to know that no cell says.
+    /// Settings that the files of the run depend on and that no cell has.
     pub settings: Value,
     /// Name and digest of each scene.
     pub scenes: Vec<(String, String)>,
 }
 
 impl CellList {
-    /// The list of this program on a device.
+    /// The list of a run of this program on a device.
     pub fn new(head: CellListHead, device: &DeviceInfo, cells: Vec<PlannedCell>) -> Self {
         let CellListHead { kind, definitions, command, shard, settings, scenes } = head;
         let shares: Vec<Share> = cells.iter().map(PlannedCell::share).collect();
@@ -129,13 +129,18 @@ impl CellList {
         self.cells.get(cell).is_some_and(|c| c.own)
     }
 
+    /// Of all cells of the study, in the order of the list, those that this run measures.
+    pub fn own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
+        all.iter().enumerate().filter(|(n, _)| self.owns(*n)).map(|(_, cell)| cell)
+    }
+
     /// How many cells this run measures.
     pub fn owned(&self) -> usize {
         self.cells.iter().filter(|c| c.own).count()
     }
 
-    /// What this run and another must have in common to be of one study, each with its name; in this order they are
-    /// compared.
+    /// The properties that this run and another must have in common to be of one study, in the order in which they are
+    /// compared, each with its name.
     pub fn in_common(&self) -> [(&'static str, String); 6] {
         let scenes: Vec<String> = self.scenes.iter().map(|(name, digest)| format!("{name} {digest}")).collect();
         [

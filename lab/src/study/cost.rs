@@ -1,6 +1,7 @@
-//! What cells of the error study cost: how long each part of a measured one took (docs/many-machines.md, "Costs").
+//! The cost of measured cells of the error study: how long each part of a cell took (docs/many-machines.md, "Costs").
 
 use super::error::ErrorSpec;
+use super::interleave::shot_at;
 use crate::gpu::{DeviceInfo, Gpu};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
@@ -8,9 +9,9 @@ use std::time::Instant;
 /// How long the parts of a cell took, in seconds of wall time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CellCost {
-    /// Scene.
+    /// The name of the scene.
     pub scene: String,
-    /// View.
+    /// The name of the view.
     pub view: String,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -18,45 +19,44 @@ pub struct CellCost {
     pub roughness: Option<f32>,
     /// Rays a pixel of the references.
     pub rays: u32,
-    /// Frames of each variant, those that warm up included.
+    /// Frames of each variant, including those that warm up.
     pub frames: usize,
-    /// Device.
+    /// The device.
     pub device: DeviceInfo,
-    /// Threads that the host ran at once.
+    /// The number of threads of the host.
     pub threads: usize,
-    /// Whether some of its frames were measured by an earlier run, so that the seconds do not hold them.
+    /// Whether an earlier run measured some of the frames, so that the seconds do not include them.
     pub partial: bool,
     /// The most memory that the process held until the cell's end, in bytes, where the system says it.
     #[serde(default)]
     pub peak_bytes: Option<u64>,
-    /// The variants, in order.
+    /// The variants, in the order of the study.
     pub variants: Vec<VariantCost>,
-    /// The references of the screen.
+    /// Seconds for the references of the screen.
     pub screen_s: f64,
-    /// The references of the world.
+    /// Seconds for the references of the world.
     pub world_s: f64,
-    /// What is left: the G-buffer, the first hits, the thesis's cone at exact hits.
+    /// Seconds for the rest: the G-buffer, the first hits, the thesis's cone at exact hits.
     pub rest_s: f64,
 }
 
-/// The part of a variant.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// How long the parts of a variant took, in seconds of wall time.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct VariantCost {
-    /// Its method.
+    /// The name of the method.
     pub method: String,
-    /// What is made before its first frame.
+    /// Seconds for what the method makes before its first frame.
     pub setup_s: f64,
-    /// All its frames.
+    /// Seconds for all frames.
     pub frames_s: f64,
-    /// Its image beside the references.
+    /// Seconds for comparing the image and the hits with the references.
     pub judged_s: f64,
 }
 
 impl CellCost {
-    /// Of a cell that is about to be measured.
+    /// The cost of a cell that is about to be measured: 0 seconds.
     pub(super) fn of(gpu: &Gpu, spec: &ErrorSpec) -> Self {
-        let variant =
-            |method: &str| VariantCost { method: method.to_owned(), setup_s: 0.0, frames_s: 0.0, judged_s: 0.0 };
+        let variant = |method: &str| VariantCost { method: method.to_owned(), ..VariantCost::default() };
         Self {
             scene: spec.scene.name.clone(),
             view: spec.view.name.clone(),
@@ -81,7 +81,7 @@ impl CellCost {
         variants + self.screen_s + self.world_s + self.rest_s
     }
 
-    /// The variants' turns in the timing loop, from now on.
+    /// Begins to measure how long the frames of each variant take in the timing loop.
     pub(super) fn turns(&mut self) -> Turns<'_> {
         Turns { laps: Laps::begin(), turn: 0, variants: &mut self.variants }
     }
@@ -94,7 +94,8 @@ pub(super) fn peak_bytes() -> Option<u64> {
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
-/// Tells the frames of the timing loop apart, in which the shots begin in turn ([`super::interleave`]).
+/// Adds the time of each frame of the timing loop to its variant. The loop draws the shots in the order of
+/// [`super::interleave::shot_at`].
 pub(super) struct Turns<'a> {
     laps: Laps,
     turn: usize,
@@ -102,10 +103,10 @@ pub(super) struct Turns<'a> {
 }
 
 impl Turns<'_> {
-    /// A frame has ended.
+    /// To be called at the end of each frame.
     pub(super) fn next(&mut self) {
         let count = self.variants.len().max(1);
-        let shot = (self.turn / count + self.turn % count) % count;
+        let shot = shot_at(self.turn / count, self.turn % count, count);
         if let Some(variant) = self.variants.get_mut(shot) {
             variant.frames_s += self.laps.lap();
         }
@@ -117,7 +118,7 @@ impl Turns<'_> {
 pub(super) struct Laps(Instant);
 
 impl Laps {
-    /// From now on.
+    /// Begins the first lap.
     pub(super) fn begin() -> Self {
         Self(Instant::now())
     }
@@ -144,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_frame_counts_for_the_shot_whose_turn_it_was() {
-        let of = |method: &str| VariantCost { method: method.into(), setup_s: 0.0, frames_s: 0.0, judged_s: 0.0 };
+        let of = |method: &str| VariantCost { method: method.into(), ..VariantCost::default() };
         let mut variants = ["a", "b", "c"].map(of);
         let mut turns = Turns { laps: Laps::begin(), turn: 0, variants: &mut variants };
         // The second round begins with the second shot: its first frame is the fourth of all.

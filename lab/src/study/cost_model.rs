@@ -1,38 +1,39 @@
-//! What a cell of the error study will cost, from what others did: by its methods, size, rays and scene
-//! (docs/many-machines.md, "Costs"). The coefficients are fitted to measured cells whenever they are asked for; the
-//! cells of the machine that the project measures on are part of the program.
+//! Predicts the cost of a cell of the error study from its methods, size, rays and scene, by the costs of measured
+//! cells (docs/many-machines.md, "Costs"). The coefficients are fitted to the measured cells whenever they are needed.
+//! The cells that were measured on the project's own machine are part of the program.
 //!
-//! Only sums, products and quotients are used, which are the same on every machine, so that all machines divide a study
-//! in the same way.
+//! The model uses only sums, products and quotients, whose results are the same on every machine, so that all machines
+//! divide a study in the same way.
 
-use super::cost::CellCost;
+use super::cost::{CellCost, VariantCost};
 use super::error::ErrorSpec;
-use std::collections::BTreeMap;
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
-/// The measured cells that are part of the program (benches/runs/README.md says of which command).
+/// The measured cells that are part of the program (benches/runs/README.md has the command that measured them).
 const KEPT: &str = include_str!("../../../benches/runs/2026-11-25-lavapipe/cost/costs.json");
 
-/// How often frames of methods and of scenes are fitted to each other.
+/// How many times the costs of frames are fitted in turn, by method and by scene.
 const ROUNDS: usize = 8;
 
-/// What a cell is, as far as its cost goes.
+/// The properties of a cell that its cost depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellShape<'a> {
-    /// Scene.
+    /// The name of the scene.
     pub scene: &'a str,
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Rays a pixel of the references.
     pub rays: u32,
-    /// Frames of each variant, those that warm up included.
+    /// Frames of each variant, including those that warm up.
     pub frames: usize,
     /// The method of each variant.
     pub methods: Vec<&'a str>,
 }
 
 impl<'a> CellShape<'a> {
-    /// Of a cell that will be measured.
+    /// The shape of a cell that will be measured.
     pub fn of(spec: &ErrorSpec<'a>) -> Self {
         Self {
             scene: &spec.scene.name,
@@ -43,7 +44,7 @@ impl<'a> CellShape<'a> {
         }
     }
 
-    /// Of a cell that was measured.
+    /// The shape of a cell that was measured.
     pub fn measured(cost: &'a CellCost) -> Self {
         Self {
             scene: &cost.scene,
@@ -64,29 +65,29 @@ fn pixels([width, height]: [u32; 2]) -> f64 {
 }
 
 /// The parts of a cell's cost, in seconds.
-#[derive(Debug, Clone, Copy, Default, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct CostParts {
-    /// What methods make before their first frames.
+    /// For what methods make before their first frames.
     pub setup_s: f64,
-    /// The frames.
+    /// For the frames.
     pub frames_s: f64,
-    /// The images beside the references, and what else is done once.
+    /// For comparing images with the references, and for the rest.
     pub judged_s: f64,
-    /// The reference of the screen.
+    /// For the references of the screen.
     pub screen_s: f64,
-    /// The reference of the world, whose rays can be divided.
+    /// For the references of the world, whose rays can be divided.
     pub world_s: f64,
 }
 
 impl CostParts {
-    /// All of it.
+    /// The sum of all parts.
     pub fn total_s(&self) -> f64 {
         self.setup_s + self.frames_s + self.judged_s + self.screen_s + self.world_s
     }
 
     /// The parts of a measured cell.
     pub fn measured(cost: &CellCost) -> Self {
-        let sum = |of: fn(&super::cost::VariantCost) -> f64| cost.variants.iter().map(of).sum::<f64>();
+        let sum = |of: fn(&VariantCost) -> f64| cost.variants.iter().map(of).sum::<f64>();
         Self {
             setup_s: sum(|v| v.setup_s),
             frames_s: sum(|v| v.frames_s),
@@ -97,21 +98,27 @@ impl CostParts {
     }
 }
 
-/// Seconds of a method: before its first frame, whatever the number of its variants, which share what the first of them
-/// made; of a frame, and of a pixel of it; and of a pixel that is judged.
+/// The coefficients of a method, in seconds.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct MethodCost {
+    /// Before the first frame, whatever the number of variants, which share what the first of them made.
     setup_s: f64,
+    /// For a frame, whatever its size.
     frame_s: f64,
+    /// For each pixel of a frame.
     frame_pixel_s: f64,
+    /// For each pixel that is compared with the references.
     judged_pixel_s: f64,
 }
 
-/// What a scene's frames cost over those of all, and seconds of a ray of either reference.
+/// The coefficients of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SceneCost {
+    /// The cost of a frame of this scene over that of a frame of the average scene.
     frames: f64,
+    /// Seconds for each ray of the reference of the screen.
     screen_ray_s: f64,
+    /// Seconds for each ray of the reference of the world.
     world_ray_s: f64,
 }
 
@@ -119,13 +126,14 @@ struct SceneCost {
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     methods: BTreeMap<String, MethodCost>,
-    /// Of a method that was not measured: the mean of those that were.
+    /// For a method that was not measured: the mean of the measured ones.
     other_method: MethodCost,
     scenes: BTreeMap<String, SceneCost>,
-    /// Of a scene that was not measured: all of them as one.
+    /// For a scene that was not measured: fitted to the cells of all scenes.
     other_scene: SceneCost,
+    /// Seconds for each pixel of a cell, whatever its variants.
     rest_pixel_s: f64,
-    /// Bytes of a process, and of each pixel of each variant on top of them.
+    /// Bytes of a process, and the further bytes for each pixel of each variant.
     memory: Option<(f64, f64)>,
 }
 
@@ -136,8 +144,8 @@ impl CostModel {
         &MODEL
     }
 
-    /// Fits a model to measured cells; those that an earlier run had begun are left out. Of none, everything costs
-    /// nothing.
+    /// Fits a model to measured cells. Cells that an earlier run had begun are left out. Without any cell, every
+    /// prediction is 0.
     pub fn fit(cells: &[CellCost]) -> Self {
         let cells: Vec<&CellCost> = cells.iter().filter(|c| !c.partial && !c.variants.is_empty()).collect();
         let names: Vec<&str> = unique(cells.iter().map(|c| c.scene.as_str()));
@@ -159,7 +167,7 @@ impl CostModel {
             }
         };
         Self {
-            other_method: mean_method(methods.values()),
+            other_method: mean_method(&methods),
             methods,
             scenes: names.iter().map(|name| ((*name).to_owned(), scene(Some(name)))).collect(),
             other_scene: scene(None),
@@ -168,17 +176,17 @@ impl CostModel {
         }
     }
 
-    /// What it is predicted to cost to draw a cell of a size, and to find its first hits.
+    /// The predicted seconds to draw a cell of a size and to find its first hits.
     pub fn drawn_s(&self, size: [u32; 2]) -> f64 {
         self.rest_pixel_s * pixels(size)
     }
 
-    /// The bytes that a process is predicted to hold for a cell, if measured ones say it.
+    /// The predicted bytes that a process holds for a cell; `None` if the measured cells do not say them.
     pub fn memory_bytes(&self, cell: &CellShape) -> Option<f64> {
         self.memory.map(|(process, variant)| process + variant * cell.pixels() * cell.methods.len() as f64)
     }
 
-    /// What a cell is predicted to cost.
+    /// The predicted cost of a cell.
     pub fn predict(&self, cell: &CellShape) -> CostParts {
         let scene = self.scenes.get(cell.scene).unwrap_or(&self.other_scene);
         let (pixels, frames) = (cell.pixels(), cell.frames as f64);
@@ -216,8 +224,7 @@ pub fn kept_cells() -> Vec<CellCost> {
 }
 
 fn unique<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let all: std::collections::BTreeSet<&str> = names.collect();
-    all.into_iter().collect()
+    names.collect::<BTreeSet<&str>>().into_iter().collect()
 }
 
 /// The sum of the first over the sum of the second; 0 of nothing.
@@ -226,26 +233,18 @@ fn ratio(pairs: impl Iterator<Item = (f64, f64)>) -> f64 {
     if b > 0.0 { a / b } else { 0.0 }
 }
 
-fn mean_method<'a>(methods: impl Iterator<Item = &'a MethodCost>) -> MethodCost {
-    let mut all = MethodCost::default();
-    let mut count: f64 = 0.0;
-    for m in methods {
-        all.setup_s += m.setup_s;
-        all.frame_s += m.frame_s;
-        all.frame_pixel_s += m.frame_pixel_s;
-        all.judged_pixel_s += m.judged_pixel_s;
-        count += 1.0;
-    }
-    let n = count.max(1.0);
+fn mean_method(methods: &BTreeMap<String, MethodCost>) -> MethodCost {
+    let mean = |of: fn(&MethodCost) -> f64| ratio(methods.values().map(|m| (of(m), 1.0)));
     MethodCost {
-        setup_s: all.setup_s / n,
-        frame_s: all.frame_s / n,
-        frame_pixel_s: all.frame_pixel_s / n,
-        judged_pixel_s: all.judged_pixel_s / n,
+        setup_s: mean(|m| m.setup_s),
+        frame_s: mean(|m| m.frame_s),
+        frame_pixel_s: mean(|m| m.frame_pixel_s),
+        judged_pixel_s: mean(|m| m.judged_pixel_s),
     }
 }
 
-/// Each method's cost over all variants of it, with frames by what their scenes' frames cost over those of all.
+/// Fits the cost of each method to all its variants. The seconds of their frames are divided by the factors of the
+/// scenes.
 fn fit_methods(cells: &[&CellCost], factors: &BTreeMap<&str, f64>) -> BTreeMap<String, MethodCost> {
     let names = unique(cells.iter().flat_map(|c| c.variants.iter().map(|v| v.method.as_str())));
     let fit = |name: &str| {
@@ -253,7 +252,7 @@ fn fit_methods(cells: &[&CellCost], factors: &BTreeMap<&str, f64>) -> BTreeMap<S
             let factor = factors.get(c.scene.as_str()).copied().unwrap_or(1.0);
             let (cell_pixels, frames) = (pixels(c.size), c.frames.max(1) as f64);
             let variants = c.variants.iter().filter(|v| v.method == name);
-            let frame = move |v: &super::cost::VariantCost| v.frames_s / frames / factor.max(f64::MIN_POSITIVE);
+            let frame = move |v: &VariantCost| v.frames_s / frames / factor.max(f64::MIN_POSITIVE);
             variants.map(|v| (cell_pixels, frame(v), v.setup_s, v.judged_s)).collect::<Vec<_>>()
         };
         let all: Vec<_> = cells.iter().flat_map(of).collect();
@@ -268,12 +267,12 @@ fn fit_methods(cells: &[&CellCost], factors: &BTreeMap<&str, f64>) -> BTreeMap<S
     names.into_iter().map(|name| (name.to_owned(), fit(name))).collect()
 }
 
-/// How many cells have a method.
+/// The number of cells that have a method, at least 1.
 fn in_cells(cells: &[&CellCost], method: &str) -> f64 {
     cells.iter().filter(|c| c.variants.iter().any(|v| v.method == method)).count().max(1) as f64
 }
 
-/// What a scene's frames took over what they are predicted to take.
+/// The seconds that the frames of a scene took over the seconds that the methods' costs predict.
 fn scene_factor<'a>(cells: impl Iterator<Item = &'a &'a CellCost>, methods: &BTreeMap<String, MethodCost>) -> f64 {
     let of = |c: &&CellCost| {
         let predicted =
@@ -284,7 +283,8 @@ fn scene_factor<'a>(cells: impl Iterator<Item = &'a &'a CellCost>, methods: &BTr
     ratio(cells.flat_map(of))
 }
 
-/// The line through some points (x, y), neither of whose numbers is below 0: least squares of the errors relative to x.
+/// The constant and the slope, both ≥ 0, of the line through some points (x, y): least squares of the errors relative
+/// to x.
 fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let slope_alone = (0.0, ratio(points.iter().map(|(x, y)| (*y, *x))));
     let sums = points.iter().fold([0.0; 5], |s, (x, y)| {
@@ -293,7 +293,7 @@ fn line(points: &[(f64, f64)]) -> (f64, f64) {
     });
     let [w, x, xx, y, xy] = sums;
     let determinant = w * xx - x * x;
-    // All of one size, but for rounding.
+    // All points have one x, but for rounding.
     if determinant <= 1e-9 * w * xx {
         return slope_alone;
     }
@@ -311,9 +311,8 @@ fn line(points: &[(f64, f64)]) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::gpu::DeviceInfo;
-    use crate::study::cost::VariantCost;
 
-    /// A cell that costs what the numbers below say.
+    /// A cell whose cost follows the model exactly, with the coefficients below.
     fn cell(scene: &str, size: [u32; 2], rays: u32, frames: usize) -> CellCost {
         let (factor, ray) = if scene == "dear" { (2.0, 3e-6) } else { (0.5, 1e-6) };
         let (px, n) = (pixels(size), frames as f64);
@@ -359,16 +358,16 @@ mod tests {
                 assert!((found - expected).abs() < 1e-6 * expected, "{scene}: {found} instead of {expected}");
             }
         }
-        // Two variants of a method make once what they need before their first frames.
+        // What a method makes before its first frame is made once for its two variants.
         let twice = CellShape { scene: "dear", size: [64, 36], rays: 4, frames: 2, methods: vec!["a", "a", "b"] };
         assert_eq!(model.predict(&twice).setup_s, 0.5);
         let memory = model.memory_bytes(&CellShape::measured(&cell("dear", [480, 270], 1, 1)));
         assert!(memory.is_some_and(|bytes| (bytes - 1e8 - 20.0 * 480.0 * 270.0 * 2.0).abs() < 1e4), "{memory:?}");
-        // What was never measured costs as much as the others do on the average, and not nothing.
+        // Methods and scenes that were never measured cost as much as the others do on average.
         let unknown = CellShape { scene: "new", size: [64, 36], rays: 4, frames: 2, methods: vec!["c"] };
         let parts = model.predict(&unknown);
         assert!(parts.frames_s > 0.0 && parts.world_s > 0.0 && parts.setup_s == 0.25, "{parts:?}");
-        // A cell that was begun by another run says nothing of frames.
+        // A cell that an earlier run had begun is left out.
         let partial = CellCost { partial: true, ..cell("dear", [999, 999], 1, 1) };
         assert_eq!(CostModel::fit(&[&measured[..], &[partial]].concat()), model);
         assert_eq!(CostModel::fit(&[]).predict(&unknown), CostParts::default());
@@ -378,7 +377,7 @@ mod tests {
     fn the_cells_that_are_part_of_the_program_can_be_read() {
         let cells = kept_cells();
         assert!(cells.len() >= 12, "{}", cells.len());
-        // Each by the others: what was measured is within a factor of two of what is predicted for it.
+        // The cost of each cell is predicted from all others, within a factor of two.
         for (n, cell) in cells.iter().enumerate() {
             let others: Vec<CellCost> =
                 cells.iter().enumerate().filter(|(m, _)| *m != n).map(|(_, c)| c.clone()).collect();

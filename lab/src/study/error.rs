@@ -41,6 +41,11 @@ pub struct Variant {
 }
 
 impl Variant {
+    /// Some methods with one setup.
+    pub fn of(methods: &[&'static MethodInfo], setup: &Setup) -> Vec<Self> {
+        methods.iter().map(|method| Self { method, setup: setup.clone() }).collect()
+    }
+
     /// What the variant shows where a ray escapes: the environment where a fallback shows it, or the method itself,
     /// which sees more than the screen. By version 1 of the definitions, so does the world that it is held against; by
     /// version 2, that shows the environment for all.
@@ -50,6 +55,11 @@ impl Variant {
         } else {
             Escape::Environment
         }
+    }
+
+    /// Everything that the results of the variant depend on at a size in pixels.
+    pub fn settings(&self, extent: [u32; 2]) -> Value {
+        json!([self.method.name, self.setup.at(extent).recorded(Some(self.method))])
     }
 }
 
@@ -66,10 +76,10 @@ pub(super) fn world_of(variants: &[Variant]) -> Result<(DefinitionsVersion, u32)
     Ok((definitions, variants.iter().map(|v| v.setup.effect().bounces).max().unwrap_or(1)))
 }
 
-/// The version of the definitions that figures of some variants are of.
+/// The version of the definitions that the figures of some variants follow.
 ///
 /// # Errors
-/// [`Error::Usage`] if they are of several.
+/// [`Error::Usage`] if the variants follow several versions.
 pub fn definitions_of(variants: &[Variant]) -> Result<u32> {
     Ok(world_of(variants)?.0.into())
 }
@@ -147,11 +157,11 @@ pub struct MeasuredCell {
     pub records: Vec<ErrorRecord>,
     /// References and methods as images.
     pub strips: Vec<Strip>,
-    /// How long each part took.
+    /// How long each part of the cell took.
     pub cost: CellCost,
 }
 
-/// How a cell is measured, on whatever device.
+/// How a cell is measured, whatever the device.
 pub struct ErrorSpec<'a> {
     /// Scene.
     pub scene: &'a Scene,
@@ -171,15 +181,14 @@ pub struct ErrorSpec<'a> {
     pub rays: u32,
     /// [`scene_digest`](super::journal::scene_digest) of the scene.
     pub scene_digest: String,
-    /// Folders of samples of world references that other runs took ([`sample_worlds`]).
+    /// Folders in which other runs left samples of the world references ([`sample_worlds`]).
     pub references: &'a [PathBuf],
 }
 
 impl ErrorSpec<'_> {
     /// Everything that the cell depends on, but for the device, the program and how often it is sampled.
     pub fn settings(&self) -> Value {
-        let recorded = |v: &Variant| json!([v.method.name, v.setup.at(self.extent).recorded(Some(v.method))]);
-        let variants: Vec<_> = self.variants.iter().map(recorded).collect();
+        let variants: Vec<_> = self.variants.iter().map(|v| v.settings(self.extent)).collect();
         let view = format!("{:?}", self.view);
         json!([self.scene_digest, view, self.globals, variants, self.warmup])
     }
@@ -285,8 +294,9 @@ pub fn measure(
     Ok(cell)
 }
 
-/// Takes some samples of a cell's world references, and keeps them in a folder for runs that measure the cell. Who has the
-/// same device draws the same G-buffer, which the samples are of.
+/// Takes some samples of a cell's world references, and keeps them in a folder for the runs that measure the cell. The
+/// samples belong to the G-buffer that this device draws; a run on another device can use them only if its device draws
+/// the same G-buffer to the bit.
 pub fn sample_worlds(
     spec: &ErrorSpec,
     stage: &mut Stage,

@@ -46,9 +46,15 @@ impl Round {
     }
 }
 
+/// The shot that is drawn at a turn of a round, of `shots` in all. The shots begin in turn, since the first of a round
+/// may find colder caches.
+pub(super) fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
+    (round + turn) % shots
+}
+
 /// Runs every round that the journal lacks of a shot; `key` says where the journal keeps a shot's frame of a label. A
-/// shot of which the journal has every frame is not warmed up either. The shots begin in turn, since the first of a round
-/// may find colder caches. `progress` is called after each frame; its error ends the loop.
+/// shot of which the journal has every frame is not warmed up either. `progress` is called after each frame; its error
+/// ends the loop.
 ///
 /// # Errors
 /// Those of the device, of the journal and of `progress`.
@@ -67,7 +73,7 @@ pub fn interleave(
     let lacking: Vec<bool> = (0..shots.len()).map(|shot| lacks(journal, shot)).collect();
     for (n, round) in rounds.iter().enumerate() {
         for turn in 0..shots.len() {
-            let shot = (n + turn) % shots.len();
+            let shot = shot_at(n, turn, shots.len());
             let key = round.label.as_deref().map(|label| key(shot, label));
             if lacking[shot] && !key.as_ref().is_some_and(|key| journal.has(key)) {
                 if let Some(camera) = round.camera {

@@ -38,7 +38,7 @@ impl Journal {
         self.known.contains_key(key)
     }
 
-    /// A result that is known, as it was kept.
+    /// A known result, as the journal keeps it.
     pub fn value(&self, key: &str) -> Option<&Value> {
         self.known.get(key)
     }
@@ -60,7 +60,7 @@ impl Journal {
         Ok(result)
     }
 
-    /// Keeps an entry of another journal as its line stands there; what is no entry is left out.
+    /// Keeps an entry of another journal, whose line is copied as it stands there. A line that is no entry is left out.
     ///
     /// # Errors
     /// Those of the sink.

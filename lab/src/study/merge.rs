@@ -1,5 +1,6 @@
-//! Puts the shards of a study together: what was measured, from all their journals (docs/many-machines.md, "Merging").
-//! Shards of different studies, and cells that two of them measured differently, are refused.
+//! Puts the shards of a study together: the results of all their journals become those of one run
+//! (docs/many-machines.md, "Merging"). Shards of different studies are refused, and so are cells for which two shards
+//! have different figures.
 
 use super::cell_list::{CellList, ListedCell, ListedResult};
 use super::journal::{Journal, key_of};
@@ -8,47 +9,49 @@ use serde_json::Value;
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// A run that is merged.
+/// What a run left in its folder.
 pub struct MergeInput {
-    /// Where it lies.
+    /// The folder.
     pub folder: PathBuf,
-    /// Its cells.
+    /// The cells of the run.
     pub cells: CellList,
-    /// Its journal.
+    /// The journal of the run.
     pub journal: Journal,
-    /// The lines of the journal, in order.
+    /// The lines of the journal that are entries, in order.
     pub lines: Vec<String>,
 }
 
 /// Several runs as one.
 pub struct MergedRun {
-    /// The cells of the whole study; its own are those that were measured.
+    /// The cells of the whole study; the run's own are those that were measured.
     pub cells: CellList,
+    /// The journal of all runs, whose entries are `lines`.
+    pub journal: Journal,
     /// The lines of the journal.
     pub lines: Vec<String>,
-    /// What was measured, cell by cell.
+    /// The results that were measured, cell by cell.
     pub results: Vec<MergedResult>,
-    /// The cells that nobody measured.
+    /// The names of the cells that no run measured.
     pub missing: Vec<String>,
 }
 
 /// A result of a merged run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedResult {
-    /// Which of the devices measured it, counted from 0.
+    /// The device that measured it, by its place in the list of devices.
     pub device: usize,
-    /// What the journal keeps.
+    /// The value that the journal keeps.
     pub value: Value,
 }
 
-/// Reads the result of a cell from a journal; `None` where it is not there, or not whole.
+/// Reads a result of a cell from a journal; `None` where the journal does not have all of it.
 pub type ReadResult<'a> = &'a dyn Fn(&CellList, &ListedResult, &Journal) -> Option<Value>;
 
-/// Puts runs together, the first of several measurements on one device counting.
+/// Puts runs together. Where several runs measured a cell on one device, the first of them counts.
 ///
 /// # Errors
-/// [`Error::Malformed`] with the folder that does not fit the ones before it: of another study, or with other figures for
-/// a cell that they have, too.
+/// [`Error::Malformed`] with the folder that does not fit those before it: its study is another one, or it has other
+/// figures for a cell that they have as well. [`Error::Usage`] without any run.
 pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
     let Some(first) = inputs.first() else {
         return Err(Error::Usage("nothing to merge: name the folders of some shards".into()));
@@ -81,28 +84,35 @@ pub fn merge(inputs: &[MergeInput], read: ReadResult) -> Result<MergedRun> {
     let all = inputs.iter().flat_map(|input| &input.lines);
     let lines: Vec<String> = all.filter(|line| key_of(line).is_some_and(|key| seen.insert(key))).cloned().collect();
     let journal = Journal::resume(lines.iter().map(String::as_str), None);
-    let mut merged = MergedRun { cells, lines, results: Vec::new(), missing: Vec::new() };
-    let list = merged.cells.clone();
-    for cell in &mut merged.cells.cells {
-        let results: Vec<(ListedResult, Value)> =
-            cell.results.iter().filter_map(|of| Some((of.clone(), read(&list, of, &journal)?))).collect();
-        cell.own = !results.is_empty();
-        if results.is_empty() {
-            merged.missing.push(cell.name.clone());
+    let (mut results, mut missing) = (Vec::new(), Vec::new());
+    for cell in &mut cells.cells {
+        cell.results.retain(|of| {
+            let value = read(&first.cells, of, &journal);
+            let is_there = value.is_some();
+            results.extend(value.map(|value| MergedResult { device: of.device, value }));
+            is_there
+        });
+        cell.own = !cell.results.is_empty();
+        if !cell.own {
+            missing.push(cell.name.clone());
         }
-        let (listed, values): (Vec<_>, Vec<_>) = results.into_iter().unzip();
-        let devices = listed.iter().map(|of: &ListedResult| of.device);
-        merged.results.extend(devices.zip(values).map(|(device, value)| MergedResult { device, value }));
-        cell.results = listed;
     }
-    Ok(merged)
+    Ok(MergedRun { cells, journal, lines, results, missing })
+}
+
+/// The first of some named properties in which two things differ, as the end of a sentence about the second of them.
+pub fn difference_of_properties<const N: usize>(
+    a: [(&'static str, String); N],
+    b: [(&'static str, String); N],
+) -> Option<String> {
+    let different = a.into_iter().zip(b).find(|((_, a), (_, b))| a != b);
+    different.map(|((name, a), (_, b))| format!("its {name} is {b} and not {a}"))
 }
 
 /// Why two runs are not of one study.
 fn difference_of_studies(a: &CellList, b: &CellList) -> Option<String> {
-    let pairs = a.in_common().into_iter().zip(b.in_common());
-    if let Some(((what, a), (_, b))) = pairs.into_iter().find(|((_, a), (_, b))| a != b) {
-        return Some(format!("its {what} is {b} and not {a}"));
+    if let Some(difference) = difference_of_properties(a.in_common(), b.in_common()) {
+        return Some(difference);
     }
     if let Some((a, b)) = a.cells.iter().zip(&b.cells).find(|(a, b)| a.name == b.name && a.setup != b.setup) {
         return Some(format!("the setup of its cell {} has the digest {} and not {}", a.name, b.setup, a.setup));
@@ -135,7 +145,8 @@ fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
                 };
                 if let Some(difference) = difference_of_figures(before, &value) {
                     let (name, other) = (&input.cells.cells[n].name, of.folder.display());
-                    let message = format!("its cell {name} is not as in {other}: {difference}");
+                    let difference = format!("{} {}", difference.place.join("."), difference.values);
+                    let message = format!("its cell {name} is not as in {other}: {}", difference.trim_start());
                     return Err(Error::malformed(&input.folder, None, message));
                 }
             }
@@ -144,7 +155,7 @@ fn check_overlaps(inputs: &[MergeInput], read: ReadResult) -> Result<()> {
     Ok(())
 }
 
-/// What in records differs from machine to machine and from run to run.
+/// The fields of records that may differ from machine to machine and from run to run: devices and times.
 const NOT_FIGURES: [&str; 11] = [
     "device",
     "time_ms",
@@ -159,29 +170,38 @@ const NOT_FIGURES: [&str; 11] = [
     "command",
 ];
 
-/// Where two results first differ in what is no time and no device.
-fn difference_of_figures(a: &Value, b: &Value) -> Option<String> {
+/// The first difference of two results.
+struct Difference {
+    /// The names of the fields that lead to it, from the outermost.
+    place: Vec<String>,
+    /// The two values, as the end of a sentence about the second result.
+    values: String,
+}
+
+/// The first difference of two results, devices and times apart.
+fn difference_of_figures(a: &Value, b: &Value) -> Option<Difference> {
+    let within = |name: String, a: &Value, b: &Value| {
+        let mut difference = difference_of_figures(a, b)?;
+        difference.place.insert(0, name);
+        Some(difference)
+    };
     match (a, b) {
         (Value::Object(a), Value::Object(b)) => {
             let names = a.keys().chain(b.keys().filter(|name| !a.contains_key(*name)));
-            let counts = names.filter(|name| !NOT_FIGURES.contains(&name.as_str()));
-            counts.into_iter().find_map(|name| {
+            let mut figures = names.filter(|name| !NOT_FIGURES.contains(&name.as_str()));
+            figures.find_map(|name| {
                 let [a, b] = [a, b].map(|of| of.get(name).unwrap_or(&Value::Null));
-                let difference = difference_of_figures(a, b)?;
-                Some(format!("{name}{}{difference}", if difference.starts_with(" is ") { "" } else { "." }))
+                within(name.clone(), a, b)
             })
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
             a.iter().zip(b).enumerate().find_map(|(n, (a, b))| {
-                let difference = difference_of_figures(a, b)?;
                 // A record says of which method it is.
-                let method =
-                    a.get("method").and_then(Value::as_str).map(|name| format!(" ({name})")).unwrap_or_default();
-                let dot = if difference.starts_with(" is ") { "" } else { "." };
-                Some(format!("{n}{method}{dot}{difference}"))
+                let method = a.get("method").and_then(Value::as_str).map(|name| format!(" ({name})"));
+                within(format!("{n}{}", method.unwrap_or_default()), a, b)
             })
         }
-        _ => (a != b).then(|| format!(" is {b} and not {a}")),
+        _ => (a != b).then(|| Difference { place: Vec::new(), values: format!("is {b} and not {a}") }),
     }
 }
 

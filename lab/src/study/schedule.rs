@@ -1,5 +1,5 @@
-//! How long a divided study takes: the makespan of its shards, what bounds it, and what slow machines and failures do to
-//! it (docs/many-machines.md, "Plans").
+//! How long a divided study takes: the makespan of its shards, its lower bound, and the effect of slow machines and of
+//! failures (docs/many-machines.md, "Plans").
 
 use super::shard::{Share, owner_by_digest, owners};
 use crate::math::random::Stream;
@@ -7,7 +7,7 @@ use crate::metrics::percentile;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// The cells of each shard, in the order in which it runs them: what each costs, in seconds.
+/// The cost of each cell of each shard, in seconds, in the order in which the shard runs its cells.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Schedule {
     shards: Vec<Vec<f64>>,
@@ -19,7 +19,8 @@ impl Schedule {
         Self::by(cells, machines, &owners(cells, machines))
     }
 
-    /// Cells that are divided by other costs than their own: those that `--shard` knows.
+    /// Cells that are divided by `costs` instead of their own costs: `--shard` knows only the costs that are part of
+    /// the program.
     pub fn divided_by(cells: &[Share], costs: &[Share], machines: u32) -> Self {
         Self::by(cells, machines, &owners(costs, machines))
     }
@@ -38,7 +39,7 @@ impl Schedule {
         Self { shards }
     }
 
-    /// Seconds of each shard.
+    /// Seconds that each shard takes.
     pub fn loads(&self) -> Vec<f64> {
         self.shards.iter().map(|cells| cells.iter().sum()).collect()
     }
@@ -48,7 +49,7 @@ impl Schedule {
         self.loads().into_iter().fold(0.0, f64::max)
     }
 
-    /// The same where machines are slow and tasks fail, over some runs.
+    /// The makespan where some machines are slow and some tasks fail, over `runs` simulated runs.
     pub fn simulate(&self, trouble: &Trouble, runs: usize, seed: u64) -> Simulated {
         let shards = self.shards.len();
         let run = |run: usize| {
@@ -69,18 +70,18 @@ impl Schedule {
     }
 }
 
-/// Of cells of one setup, the first.
+/// The first cell of each setup.
 fn unique<'a>(cells: impl Iterator<Item = (&'a Share, &'a u32)>) -> impl Iterator<Item = (&'a Share, &'a u32)> {
     let mut seen = std::collections::BTreeSet::new();
     cells.filter(move |(cell, _)| seen.insert(cell.setup.as_str()))
 }
 
-/// Seconds of all cells, each setup once.
+/// Seconds of all cells one after the other, each setup once.
 pub fn total_s(cells: &[Share]) -> f64 {
     cells.iter().map(|c| (c.setup.as_str(), c.cost)).collect::<BTreeMap<_, _>>().values().sum()
 }
 
-/// The number of machines beyond which no more of them help: the fewest that are done when the dearest cell alone is.
+/// The fewest machines that are done as soon as the dearest cell alone is. More machines than these do not help.
 pub fn enough(cells: &[Share]) -> u32 {
     let greatest = cells.iter().map(|c| c.cost).fold(0.0, f64::max);
     if greatest <= 0.0 {
@@ -93,14 +94,14 @@ pub fn enough(cells: &[Share]) -> u32 {
     (least.min(most)..most).find(is_enough).unwrap_or(most)
 }
 
-/// What goes wrong.
+/// How often machines are slow and tasks fail.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Trouble {
     /// The share of tasks whose machine is slow.
     pub stragglers: f64,
-    /// How much longer these take, as a factor.
+    /// The factor by which the tasks on slow machines take longer.
     pub slowdown: f64,
-    /// The share of attempts at a task that fail on the way.
+    /// The share of attempts at a task that fail before their end.
     pub failures: f64,
     /// Seconds until a failed task begins again.
     pub restart_s: f64,
@@ -114,8 +115,9 @@ impl Default for Trouble {
 }
 
 impl Trouble {
-    /// How long a shard takes. A failed attempt ends at any time of what was left, each as likely; the cells that were
-    /// done by then stay in the journal, and the one that was begun begins anew. `uniform` draws numbers from 0 to 1.
+    /// How long a shard takes, in seconds. A failed attempt ends at a time that is uniformly distributed over the work
+    /// that was left. The cells that were done by then stay in the journal, and the one that was begun begins anew.
+    /// `uniform` draws numbers from 0 to 1.
     fn duration(&self, cells: &[f64], uniform: &mut dyn FnMut() -> f64) -> f64 {
         if cells.is_empty() {
             return 0.0;
@@ -141,11 +143,11 @@ impl Trouble {
 /// Makespans over some simulated runs.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Simulated {
-    /// How many.
+    /// How many runs were simulated.
     pub runs: usize,
-    /// Half of the runs were done by then, in seconds.
+    /// The median of the makespans, in seconds.
     pub median_s: f64,
-    /// 95 % of the runs were done by then, in seconds.
+    /// The 95th percentile of the makespans, in seconds.
     pub p95_s: f64,
 }
 
@@ -166,10 +168,10 @@ mod tests {
         // 6 | 5 | 4; then 3 to the third: 6 | 5 | 7; then 2 to the second: 6 | 7 | 7.
         assert_eq!(Schedule::divided(&cells, 3).makespan(), 7.0);
         assert_eq!(Schedule::divided(&cells, 3).loads(), [6.0, 7.0, 7.0]);
-        // 6 | 5 | 4 | 3, then 2 to the fourth: nobody is later than the dearest cell.
+        // 6 | 5 | 4 | 3, then 2 to the fourth: no shard takes longer than the dearest cell.
         assert_eq!((enough(&cells), Schedule::divided(&cells, 4).makespan()), (4, 6.0));
         assert_eq!(Schedule::divided(&cells, 1000).makespan(), 6.0);
-        // The digests are 0 to 4: of three, 0 and 3 go to the first, 1 and 4 to the second.
+        // The digests are 0 to 4: of three shards, the first has 0 and 3, the second 1 and 4.
         assert_eq!(Schedule::by_digest(&cells, 3).loads(), [9.0, 7.0, 4.0]);
         // A cell that stands twice is run once.
         let twice = [&cells[..], &cells[..1]].concat();
@@ -199,7 +201,7 @@ mod tests {
         let failing = Trouble { stragglers: 0.0, slowdown: 1.0, failures: 0.5, restart_s: 7.0 };
         let took = failing.duration(&[10.0, 15.0, 20.0, 15.0], &mut || drawn.next().unwrap_or(1.0));
         assert_eq!(took, 30.0 + 7.0 + 35.0);
-        // Of a hundred tasks some are slow in most runs; of one, hardly ever.
+        // Among a hundred tasks, some are slow in most runs; a single task is hardly ever slow.
         let hundred = Schedule::divided(&cells(&[100.0; 100]), 100);
         assert!(hundred.simulate(&Trouble::default(), 300, 3).median_s > 150.0);
         assert_eq!(schedule.simulate(&Trouble::default(), 300, 3).median_s, 100.0);

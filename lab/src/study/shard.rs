@@ -1,6 +1,6 @@
 //! Shards: the cells of a study divided among machines that know nothing of each other (docs/many-machines.md,
-//! "Shards"). Who runs a cell follows from the setups of all cells and from what they are predicted to cost: not from
-//! their order, the device or the machine, so that every machine divides them in the same way.
+//! "Shards"). The shard of a cell follows from the setups of all cells and from their predicted costs, and not from the
+//! order of the cells, the device or the machine, so that every machine divides a study in the same way.
 
 use crate::reference::partial_sums::LEAF;
 use serde::{Deserialize, Serialize};
@@ -12,13 +12,13 @@ use std::str::FromStr;
 /// One of several shards.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Shard {
-    /// Which, from 1 to `of`.
+    /// The number of this shard, from 1 to `of`.
     pub index: u32,
-    /// How many there are.
+    /// How many shards there are.
     pub of: u32,
 }
 
-/// The most shards.
+/// The greatest number of shards that a study can be divided into.
 const MOST: u32 = 1_000_000;
 
 impl FromStr for Shard {
@@ -46,30 +46,41 @@ impl fmt::Display for Shard {
     }
 }
 
-/// A cell as far as dividing needs it.
+/// What has to be known of a cell to divide a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Share {
-    /// A digest of its setup, as [`super::journal::setup_digest`] makes it. Cells of one setup are one cell.
+    /// A digest of the cell's setup, as [`super::journal::setup_digest`] makes it. Cells of one setup are one cell.
     pub setup: String,
-    /// What it is predicted to take, in seconds or in any other unit.
+    /// The predicted cost of the cell, ≥ 0, in seconds or in any other unit.
     pub cost: f64,
 }
 
 /// The shard that runs each cell, counted from 1, in the order of the cells.
 ///
-/// The dearest cell goes first, and each to the shard that has least to do until then; cells of one cost are dealt in the
-/// order of their digests (the rule "longest processing time first": Graham 1969).
+/// The dearest cell goes first, and each goes to the shard that has least to do until then, of several to the one with
+/// the fewest cells, of these to the first. Cells of equal cost are dealt in the order of their digests (the rule
+/// "longest processing time first": Graham 1969).
 pub fn owners(cells: &[Share], of: u32) -> Vec<u32> {
     let unique: BTreeMap<&str, f64> = cells.iter().map(|c| (c.setup.as_str(), c.cost)).collect();
     let mut order: Vec<(&str, f64)> = unique.into_iter().collect();
-    // Stable, so that what costs the same stays in the order of the digests.
+    // The sort is stable: cells of equal cost stay in the order of their digests.
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
-    let mut loads = Loads::new(of);
-    let owner: BTreeMap<&str, u32> = order.into_iter().map(|(setup, cost)| (setup, loads.take(cost))).collect();
+    // The cost and the number of the cells of each shard. More shards than there are cells never get one.
+    let mut loads = vec![(0.0_f64, 0_u32); order.len().min(of.max(1) as usize)];
+    let mut owner = BTreeMap::new();
+    for (setup, cost) in order {
+        let shards = loads.iter_mut().zip(1_u32..);
+        let least =
+            shards.min_by(|((load, cells), _), ((other, others), _)| load.total_cmp(other).then(cells.cmp(others)));
+        let Some(((load, cells), shard)) = least else { continue };
+        *load += cost;
+        *cells += 1;
+        owner.insert(setup, shard);
+    }
     cells.iter().map(|c| owner[c.setup.as_str()]).collect()
 }
 
-/// The shard that a digest alone gives a cell: what [`owners`] is held against.
+/// The shard of a cell if its digest alone decided. Plans compare [`owners`] with this division.
 pub fn owner_by_digest(setup: &str, of: u32) -> u32 {
     let number = u64::from_str_radix(setup.get(..16).unwrap_or(setup), 16).unwrap_or(0);
     (number % u64::from(of.max(1))) as u32 + 1
@@ -78,23 +89,25 @@ pub fn owner_by_digest(setup: &str, of: u32) -> u32 {
 /// A cell whose rays are divided.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayShare {
-    /// A digest of its setup.
+    /// A digest of the cell's setup.
     pub setup: String,
-    /// What all its rays are predicted to cost.
+    /// The predicted cost of all rays of the cell.
     pub cost: f64,
     /// Rays a pixel.
     pub rays: u32,
 }
 
-/// Which rays of which cells each shard takes: for each shard, cells by their places, with their rays in whole groups
-/// ([`LEAF`]). All rays in the order of the cells' digests are cut where a shard has its share of the cost, so that each
-/// has few cells.
-pub fn rays_of_shards(cells: &[RayShare], of: u32) -> Vec<Vec<(usize, Range<u32>)>> {
+/// The rays that one shard takes: cells by their places, each with the numbers of its rays, in whole groups ([`LEAF`]).
+pub type RaysOfShard = Vec<(usize, Range<u32>)>;
+
+/// The rays that each shard takes. The cells are put in the order of their digests, and the sequence of all their rays
+/// is cut wherever a shard has its share of the cost, so that each shard has few cells.
+pub fn rays_of_shards(cells: &[RayShare], of: u32) -> Vec<RaysOfShard> {
     let mut order: Vec<usize> = (0..cells.len()).collect();
     order.sort_by(|a, b| cells[*a].setup.cmp(&cells[*b].setup));
     order.dedup_by(|a, b| cells[*a].setup == cells[*b].setup);
     let total: f64 = order.iter().map(|n| cells[*n].cost).sum();
-    // Cells that cost nothing are as dear as their rays are many.
+    // If no cell has a cost, each costs as much as it has rays.
     let cost = |n: usize| if total > 0.0 { cells[n].cost } else { f64::from(cells[n].rays) };
     let total: f64 = order.iter().map(|n| cost(*n)).sum();
     let mut shards = vec![Vec::new(); of.max(1) as usize];
@@ -106,7 +119,7 @@ pub fn rays_of_shards(cells: &[RayShare], of: u32) -> Vec<Vec<(usize, Range<u32>
             let middle = before + (f64::from(group) + 0.5) * each;
             let shard = ((middle / total * f64::from(of)) as usize).min(shards.len() - 1);
             let rays = group * LEAF..((group + 1) * LEAF).min(cells[n].rays);
-            let taken: &mut Vec<(usize, Range<u32>)> = &mut shards[shard];
+            let taken: &mut RaysOfShard = &mut shards[shard];
             match taken.last_mut() {
                 Some((cell, last)) if *cell == n => last.end = rays.end,
                 _ => taken.push((n, rays)),
@@ -115,40 +128,6 @@ pub fn rays_of_shards(cells: &[RayShare], of: u32) -> Vec<Vec<(usize, Range<u32>
         before += cost(n);
     }
     shards
-}
-
-/// What some shards have to do: seconds, cells, and which shard.
-struct Loads(std::collections::BTreeSet<(Load, u32, u32)>);
-
-/// A sum of costs, ordered.
-#[derive(Clone, Copy, PartialEq)]
-struct Load(f64);
-
-impl Eq for Load {}
-
-impl Ord for Load {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
-}
-
-impl PartialOrd for Load {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Loads {
-    fn new(of: u32) -> Self {
-        Self((1..=of.max(1)).map(|shard| (Load(0.0), 0, shard)).collect())
-    }
-
-    /// Adds a cost to the shard that has least, of several the one with the fewest cells, of these the first; says which.
-    fn take(&mut self, cost: f64) -> u32 {
-        let Some((Load(load), cells, shard)) = self.0.pop_first() else { return 1 };
-        self.0.insert((Load(load + cost), cells + 1, shard));
-        shard
-    }
 }
 
 #[cfg(test)]
@@ -174,8 +153,9 @@ mod tests {
     }
 
     #[test]
-    fn the_dearest_goes_first_and_to_whom_has_least() {
-        // By hand: 8 | 7; then 6 to the second, which has least but for nobody else: 8 | 13; 5: 13 | 13; 4: 17 | 13.
+    fn the_dearest_goes_first_and_to_the_shard_that_has_least() {
+        // By hand: 8 | 7; then 6 goes to the second shard: 8 | 13; 5 to the first: 13 | 13; and 4 to the first: 17 |
+        // 13.
         let owner = owners(&shares(&[4, 5, 6, 7, 8]), 2);
         let load =
             |shard| -> u32 { [4, 5, 6, 7, 8].iter().zip(&owner).filter(|(_, o)| **o == shard).map(|(c, _)| c).sum() };
@@ -186,7 +166,8 @@ mod tests {
     }
 
     proptest! {
-        /// Every cell has one owner, for every number of shards, whatever the order; and what a shard has to do is bounded.
+        /// Every cell has one owner, for every number of shards and every order of the cells; and no shard has more
+        /// than a bounded cost.
         #[test]
         fn every_cell_has_one_owner_whatever_their_order(
             costs in proptest::collection::vec(1_u32..1000, 1..60),
@@ -204,7 +185,7 @@ mod tests {
                 let at = turned.iter().position(|c| c == cell).unwrap();
                 prop_assert_eq!(*own, owner_of_turned[at]);
             }
-            // Nobody has more than the mean and one cell on top of it.
+            // No shard has more than the mean cost and that of one cell on top of it.
             let (total, greatest) = (costs.iter().sum::<u32>(), *costs.iter().max().unwrap());
             for shard in 1..=of {
                 let load: u32 = costs.iter().zip(&owner).filter(|(_, o)| **o == shard).map(|(c, _)| *c).sum();
@@ -227,14 +208,14 @@ mod tests {
         let cells: Vec<_> = [(8.0, 1024), (1.0, 1000), (4.0, 64), (3.0, 512)].iter().enumerate().map(cell).collect();
         for of in [1, 2, 3, 7, 100] {
             let shards = rays_of_shards(&cells, of);
-            let mut all: Vec<(usize, Range<u32>)> = shards.iter().flatten().cloned().collect();
+            let mut all: RaysOfShard = shards.iter().flatten().cloned().collect();
             all.sort_by_key(|(cell, rays)| (*cell, rays.start));
             for (n, cell) in cells.iter().enumerate() {
                 let of: Vec<_> = all.iter().filter(|(m, _)| *m == n).map(|(_, rays)| rays.clone()).collect();
                 assert!(of.windows(2).all(|w| w[0].end == w[1].start && w[0].end.is_multiple_of(LEAF)));
                 assert_eq!((of.first().map(|r| r.start), of.last().map(|r| r.end)), (Some(0), Some(cell.rays)));
             }
-            let load = |shard: &Vec<(usize, Range<u32>)>| -> f64 {
+            let load = |shard: &RaysOfShard| -> f64 {
                 shard.iter().map(|(n, r)| cells[*n].cost * r.len() as f64 / f64::from(cells[*n].rays)).sum()
             };
             // The dearest group, of the third cell, costs 4.

@@ -1,4 +1,4 @@
-//! How many cells the rays of `unified` look at, by the plain twin of its traversal, which takes the same steps to the bit.
+//! How many cells the rays of `unified` look at. The plain twin of its traversal counts them, since it takes the same steps.
 
 use super::record::Provenance;
 use crate::gpu::Gpu;
@@ -38,11 +38,7 @@ pub struct StepsRecord {
 /// Counts the steps on a G-buffer.
 pub fn count(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData) -> StepsRecord {
     let traversal = Traversal::new(data);
-    let steps = |i: u32| {
-        let (x, y) = (i % data.width, i / data.width);
-        let ray = traversal.mirror_ray(x, y).filter(|_| data.reflects(i as usize));
-        ray.map(|(ray, _)| traversal.traverse(&ray).steps.max(0) as u32)
-    };
+    let steps = |i: u32| traversal.mirror_steps(i % data.width, i / data.width);
     let mut all: Vec<u32> = (0..data.depth.len() as u32).into_par_iter().filter_map(steps).collect();
     all.sort_unstable();
     let rank = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1)));

@@ -1,6 +1,8 @@
 //! The thesis's table 5.8: what it measured, and how its rows are laid beside ours.
 
 use super::record::TimeRecord;
+use super::stage::Globals;
+use crate::methods::{METHODS, MethodInfo};
 use serde::Serialize;
 
 /// A row of table 5.8 (thesis ch. 5, below figure 5.8; NVIDIA GeForce GTX 670), milliseconds.
@@ -46,6 +48,26 @@ impl Published {
             _ => None,
         }
     }
+}
+
+/// The table's sizes in pixels, each once.
+pub fn sizes() -> Vec<[u32; 2]> {
+    let mut sizes: Vec<_> = TABLE_5_8.iter().map(|row| row.size).collect();
+    sizes.dedup();
+    sizes
+}
+
+/// The table's roughness values.
+pub const ROUGHNESS: [f32; 2] = [0.0, 0.1];
+
+/// The factors of a row: the normal deviation is the roughness, as in the thesis.
+pub const fn factors(roughness: f32, reflectivity: f32) -> Globals {
+    Globals { roughness: Some(roughness), reflectivity, normal_deviation: Some(roughness) }
+}
+
+/// The methods that the table has times of.
+pub fn methods() -> Vec<&'static MethodInfo> {
+    METHODS.iter().filter(|m| TABLE_5_8[0].of(m.name).is_some()).collect()
 }
 
 /// A row with both times and both ratios. The ratio carries over between machines; times don't.

@@ -3,6 +3,7 @@
 
 use super::cell_list::PlannedCell;
 use super::compare::SEED;
+use super::error::Variant;
 use super::interleave::{Round, Sample, interleave};
 use super::journal::{Journal, digest, scene_digest};
 use super::record::{Head, Of, PassRecord, Stats, TimeRecord};
@@ -11,13 +12,13 @@ use crate::error::Result;
 use crate::gpu::frame::Mode;
 use crate::gpu::timing::PassTime;
 use crate::gpu::{FrameReport, Gpu};
-use crate::methods::{MethodInfo, Setup, Wants};
+use crate::methods::Wants;
 use crate::metrics::bootstrap::noise_floor;
 use crate::scene::{Scene, View};
 use serde_json::{Value, json};
 use std::fmt::Display;
 
-/// What is timed: every combination of sizes, roughness values and methods.
+/// What is timed: every combination of sizes, roughness values and variants of methods.
 pub struct TimeSpec<'a> {
     /// Device.
     pub gpu: &'a Gpu,
@@ -25,21 +26,19 @@ pub struct TimeSpec<'a> {
     pub scene: &'a Scene,
     /// View of the scene.
     pub view: &'a View,
-    /// Methods, taken in turn within each size and roughness.
-    pub methods: Vec<&'static MethodInfo>,
+    /// Methods with their parameters, taken in turn within each size and roughness.
+    pub variants: Vec<Variant>,
     /// Sizes in pixels.
     pub sizes: Vec<[u32; 2]>,
     /// Global factors of each run.
     pub globals: Vec<Globals>,
-    /// How the methods are set up; the size is each of `sizes`.
-    pub setup: Setup,
     /// Frames before the first that counts.
     pub warmup: usize,
     /// Frames that count.
     pub samples: usize,
-    /// Whether each method is timed against itself as well: twice in each turn, so that what it strays from itself is known.
+    /// Whether each variant is timed against itself as well: twice in each turn, so that what it strays from itself is known.
     pub a_a: bool,
-    /// Which cells (a size with factors each, factors following each other) are measured; `None` for all.
+    /// Which cells of [`TimeSpec::planned`] are measured, in their order; `None` for all.
     pub only: Option<Vec<bool>>,
 }
 
@@ -47,21 +46,21 @@ impl TimeSpec<'_> {
     /// Frames that [`measure`] submits if the journal has none.
     pub fn frames(&self) -> usize {
         let series = if self.a_a { 2 } else { 1 };
-        series * self.methods.len() * self.groups().count() * (self.warmup + self.samples + 1)
+        series * self.variants.len() * self.groups().count() * (self.warmup + self.samples + 1)
     }
 
-    /// All cells, whichever are measured: the methods of one size and factors, which are timed in turn. What they cost is
-    /// counted in pixels.
+    /// All cells, whichever are measured. A cell is all variants at one size with one set of factors, which are timed in
+    /// turn; its cost is counted in pixels.
     pub fn planned(&self) -> Vec<PlannedCell> {
         let planned = |group: Group| {
-            let result = |m: &&'static MethodInfo| (group.prefix(m), json!(group.head(m)));
+            let result = |n| (group.prefix(n), json!(group.head(n)));
             let [width, height] = group.extent;
             let roughness = group.globals.roughness.map_or_else(|| "own".to_owned(), |r| r.to_string());
             PlannedCell {
                 name: format!("{}-{}-{width}x{height}-r{roughness}", self.scene.name, self.view.name),
                 setup: json!([group.settings, self.samples, self.a_a]),
                 cost: f64::from(width) * f64::from(height),
-                results: self.methods.iter().map(result).collect(),
+                results: (0..self.variants.len()).map(result).collect(),
             }
         };
         self.all_groups().map(planned).collect()
@@ -78,7 +77,7 @@ struct Group<'a> {
 }
 
 impl<'a> TimeSpec<'a> {
-    /// Those that are measured, in this order.
+    /// The groups that are measured, in the order in which they are measured.
     fn groups(&'a self) -> impl Iterator<Item = Group<'a>> {
         let is_wanted = |n: usize| self.only.as_ref().is_none_or(|only| only.get(n) == Some(&true));
         self.all_groups().enumerate().filter(move |(n, _)| is_wanted(*n)).map(|(_, group)| group)
@@ -89,10 +88,10 @@ impl<'a> TimeSpec<'a> {
         self.sizes.iter().flat_map(move |&extent| {
             let scene = scene.clone();
             self.globals.iter().map(move |globals| {
-                let setup = self.setup.at(extent);
-                let methods: Vec<_> = self.methods.iter().map(|m| (m.name, setup.recorded(Some(m)))).collect();
+                let recorded = |v: &Variant| (v.method.name, v.setup.at(extent).recorded(Some(v.method)));
+                let variants: Vec<_> = self.variants.iter().map(recorded).collect();
                 // Not how many samples: more may be asked for later.
-                let settings = json!([scene, format!("{:?}", self.view), globals, methods, self.warmup]);
+                let settings = json!([scene, format!("{:?}", self.view), globals, variants, self.warmup]);
                 let digest = digest(self.gpu, &settings);
                 Group { spec: self, extent, globals, settings, digest }
             })
@@ -101,30 +100,21 @@ impl<'a> TimeSpec<'a> {
 }
 
 impl Group<'_> {
-    /// What the keys of a method's samples begin with.
-    fn prefix(&self, method: &MethodInfo) -> String {
+    /// What the keys of a variant's samples begin with. Two variants may be of one method.
+    fn prefix(&self, variant: usize) -> String {
         let [width, height] = self.extent;
         let (scene, view) = (&self.spec.scene.name, &self.spec.view.name);
-        format!("time {scene} {view} {width}x{height} {} {}", self.digest, method.name)
+        let method = self.spec.variants[variant].method.name;
+        format!("time {scene} {view} {width}x{height} {} {variant} {method}", self.digest)
     }
 
-    fn key(&self, method: &MethodInfo, sample: impl Display) -> String {
-        key(&self.prefix(method), sample)
+    fn head(&self, variant: usize) -> Head {
+        let Variant { method, setup } = &self.spec.variants[variant];
+        let place = (self.spec.scene, self.spec.view);
+        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup.at(self.extent), self.globals)
     }
 
-    fn head(&self, method: &MethodInfo) -> Head {
-        let (place, setup) = ((self.spec.scene, self.spec.view), self.spec.setup.at(self.extent));
-        Head::new("time", self.spec.gpu, place, Of::Method(method), &setup, self.globals)
-    }
-
-    /// Keys of every sample of a method, and of the frame that counts its work.
-    fn keys(&self, method: &MethodInfo) -> Vec<String> {
-        let samples = (0..self.spec.samples).map(|n| self.key(method, n));
-        let again = (0..self.spec.samples).filter(|_| self.spec.a_a).map(|n| self.key(method, again(n)));
-        samples.chain(again).chain([self.key(method, COUNTED)]).collect()
-    }
-
-    /// Runs what the journal lacks, the methods in turn; those that lack something are warmed up.
+    /// Runs what the journal lacks, the variants in turn; those that lack something are warmed up.
     fn measure(
         &self,
         stage: &mut Stage,
@@ -135,21 +125,22 @@ impl Group<'_> {
         let spec = self.spec;
         let mut rounds = Round::timed(spec.warmup, spec.samples);
         rounds.push(Round { label: Some(COUNTED.to_owned()), mode: Mode::Counted, camera: None });
-        // The second series of each method is that of its twin.
-        let key = |shot: usize, sample: &str| match spec.methods.get(shot) {
-            Some(method) => self.key(method, sample),
-            None => self.key(spec.methods[shot - spec.methods.len()], again(sample)),
+        // The second series of each variant is that of its twin.
+        let key = |shot: usize, sample: &str| match shot.checked_sub(spec.variants.len()) {
+            None => key(&self.prefix(shot), sample),
+            Some(twin) => key(&self.prefix(twin), again(sample)),
         };
         interleave(stage, shots, &rounds, &key, journal, progress)
     }
 }
 
-/// Where the journal keeps a sample.
+/// Where the journal keeps a sample whose key begins with `prefix`.
 fn key(prefix: &str, sample: impl Display) -> String {
     format!("{prefix} {sample}")
 }
 
-/// What a journal has of a method, of so many samples; `None` without a sample. `prefix` is what their keys begin with.
+/// The record of the samples that a journal has of a method, `samples` at most; `None` if it has none. The keys of the
+/// samples begin with `prefix`.
 pub fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) -> Option<TimeRecord> {
     let series = |name: &dyn Fn(usize) -> String| -> Vec<Sample> {
         (0..samples).filter_map(|n| journal.get::<Sample>(&key(prefix, name(n)))).collect()
@@ -184,10 +175,16 @@ pub fn record_of(head: Head, prefix: &str, samples: usize, journal: &Journal) ->
     })
 }
 
+/// Keys of every sample of a method, and of the frame that counts its work.
+fn keys(prefix: &str, samples: usize, a_a: bool) -> Vec<String> {
+    let again = (0..samples).filter(|_| a_a).map(again);
+    let names = (0..samples).map(|n| n.to_string()).chain(again).chain([COUNTED.to_owned()]);
+    names.map(|name| key(prefix, name)).collect()
+}
+
 /// Whether a journal has every sample of a method, and the frame that counts its work.
 pub fn is_whole(prefix: &str, samples: usize, a_a: bool, journal: &Journal) -> bool {
-    let has = |sample: String| journal.has(&key(prefix, sample));
-    (0..samples).all(|n| has(n.to_string()) && (!a_a || has(again(n)))) && has(COUNTED.to_owned())
+    keys(prefix, samples, a_a).iter().all(|key| journal.has(key))
 }
 
 /// What the journal calls a sample of the second series.
@@ -203,8 +200,8 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
     let mut stage = None;
     let mut shots: (Option<[u32; 2]>, Vec<Shot>) = (None, Vec::new());
     for group in spec.groups() {
-        let lacks = |m: &&MethodInfo| group.keys(m).iter().any(|key| !journal.has(key));
-        if !spec.methods.iter().any(lacks) {
+        let is_there = |n| is_whole(&group.prefix(n), spec.samples, spec.a_a, journal);
+        if (0..spec.variants.len()).all(is_there) {
             continue;
         }
         if stage.is_none() {
@@ -220,9 +217,9 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
             // The last size's first: the device may not have room for both.
             shots = (None, Vec::new());
             let camera = spec.view.camera(spec.scene, group.extent);
-            let setup = spec.setup.at(group.extent);
             let series = if spec.a_a { 2 } else { 1 };
-            for method in (0..series).flat_map(|_| &spec.methods) {
+            for Variant { method, setup } in (0..series).flat_map(|_| &spec.variants) {
+                let setup = setup.at(group.extent);
                 // What is timed is the image; a reflection of its own is for those who look at it.
                 shots.1.push(Shot::new(stage, method, &setup, Wants::IMAGE, camera, materials.clone())?);
             }
@@ -233,10 +230,10 @@ pub fn measure(spec: &TimeSpec, journal: &mut Journal, progress: &mut dyn FnMut(
     Ok(())
 }
 
-/// The records of what the journal has, in the order of sizes, factors and methods.
+/// The records of what the journal has, in the order of sizes, factors and variants.
 pub fn records(spec: &TimeSpec, journal: &Journal) -> Vec<TimeRecord> {
-    let record = |group: &Group, m| record_of(group.head(m), &group.prefix(m), spec.samples, journal);
-    let of = |group: Group| spec.methods.iter().filter_map(|m| record(&group, m)).collect::<Vec<_>>();
+    let record = |group: &Group, n| record_of(group.head(n), &group.prefix(n), spec.samples, journal);
+    let of = |group: Group| (0..spec.variants.len()).filter_map(|n| record(&group, n)).collect::<Vec<_>>();
     spec.groups().flat_map(of).collect()
 }
 
@@ -257,8 +254,8 @@ pub fn frames(spec: &TimeSpec, journal: &Journal) -> Vec<TimedFrame> {
         let [width, height] = group.extent;
         let roughness =
             group.globals.roughness.map_or_else(|| "own roughness".to_owned(), |r| format!("roughness {r}"));
-        for method in &spec.methods {
-            let keys = group.keys(method);
+        for (variant, Variant { method, .. }) in spec.variants.iter().enumerate() {
+            let keys = keys(&group.prefix(variant), spec.samples, spec.a_a);
             for (n, key) in keys[..keys.len() - 1].iter().enumerate() {
                 if let Some(Sample { report, .. }) = journal.get::<Sample>(key) {
                     let label = format!("{width}x{height}, {roughness}, sample {n}");
@@ -274,7 +271,7 @@ pub fn frames(spec: &TimeSpec, journal: &Journal) -> Vec<TimedFrame> {
 mod tests {
     use super::*;
     use crate::gpu::DeviceQuery;
-    use crate::methods::METHODS;
+    use crate::methods::{METHODS, MethodInfo, Setup};
     use crate::scene::library;
     use crate::study::record::tests::another;
 
@@ -285,23 +282,21 @@ mod tests {
         let scene = library::scene("rooms").expect("built in");
         let key = |method: &'static MethodInfo, setup: &Setup| {
             let (sizes, globals) = (vec![[64, 48]], vec![Globals::default()]);
-            let (view, setup) = (&scene.views[0], setup.clone());
-            let methods = vec![method];
+            let (view, variants) = (&scene.views[0], Variant::of(&[method], setup));
             let spec = TimeSpec {
                 gpu: &gpu,
                 scene: &scene,
                 view,
-                methods,
+                variants,
                 sizes,
                 globals,
-                setup,
                 warmup: 0,
                 samples: 1,
                 a_a: false,
                 only: None,
             };
             let group = spec.groups().next().expect("one size");
-            group.key(method, 0)
+            group.prefix(0)
         };
         for method in METHODS {
             let base = Setup::new([64, 48]);

@@ -7,14 +7,13 @@ use crate::gpu::memory::Source;
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::sampler::Samplers;
 use crate::gpu::testing::watch;
+use crate::gpu::validation;
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
 use std::mem::ManuallyDrop;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
-
-const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// The loader and an instance, and whether the instance takes names and labels.
 pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bool)> {
@@ -31,7 +30,7 @@ pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::I
                 .map_err(vulkan("vkEnumerateInstanceExtensionProperties"))?,
         )
     };
-    let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(VALIDATION_LAYER));
+    let has_layer = layers.iter().any(|l| l.layer_name_as_c_str() == Ok(validation::LAYER));
     if query.validation && !has_layer {
         return Err(Error::Usage(
             "the Khronos validation layers are not installed; scripts/setup.sh installs them".into(),
@@ -44,7 +43,7 @@ pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::I
     if has_debug {
         names.push(ash::ext::debug_utils::NAME.as_ptr());
     }
-    let layer_names: Vec<_> = if query.validation { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
+    let layer_names: Vec<_> = if query.validation { vec![validation::LAYER.as_ptr()] } else { Vec::new() };
     let application = vk::ApplicationInfo::default().application_name(c"ssct").api_version(vk::API_VERSION_1_3);
     use vk::ValidationFeatureEnableEXT as E;
     let mut enables = vec![E::BEST_PRACTICES, E::SYNCHRONIZATION_VALIDATION];
@@ -273,6 +272,7 @@ pub(super) fn open_device(
         patience: OnceLock::new(),
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
+        index: Some(listing.index),
         info: listing.info,
         limits: properties.limits,
         timestamp_mask: timestamp_mask(family),
@@ -336,6 +336,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         #[cfg(feature = "reload")]
         replaced_shaders: crate::gpu::shader::Replaced::default(),
         info,
+        index: None,
         limits: properties.limits,
         timestamp_mask: timestamp_mask(family),
         has_pipeline_statistics: false,

@@ -70,10 +70,7 @@ impl Frame<'_> {
         vertices: Vertices,
     ) -> Result<()> {
         if let Vertices::Said(arguments, offset) = vertices {
-            assert!(
-                offset + u64::from(INDIRECT_BYTES) <= arguments.size() && offset.is_multiple_of(4),
-                "{name}: at {offset}"
-            );
+            assert_holds(name, (arguments, offset), u64::from(INDIRECT_BYTES));
         }
         self.pass(name, |frame| {
             frame.prepare(given, [Access::FragmentSampled, Access::GraphicsStorageRead, Access::FragmentStorage]);
@@ -137,7 +134,7 @@ impl Frame<'_> {
         self.dispatch(name, &pipeline.compute, &Given::to(program), Workgroups::Counted([x, y, z]))
     }
 
-    /// A compute program over as many workgroups as three words of a buffer say, from byte `offset`.
+    /// A compute program over as many workgroups as the buffer `arguments` holds, in three words from byte `offset`.
     pub fn compute_indirect<P: Compute>(
         &mut self,
         name: &str,
@@ -156,8 +153,7 @@ impl Frame<'_> {
         workgroups: Workgroups,
     ) -> Result<()> {
         if let Workgroups::Said(arguments, offset) = workgroups {
-            let end = offset + size_of::<vk::DispatchIndirectCommand>() as u64;
-            assert!(end <= arguments.size() && offset.is_multiple_of(4), "{name}: at {offset}");
+            assert_holds(name, (arguments, offset), size_of::<vk::DispatchIndirectCommand>() as u64);
         }
         self.pass(name, |frame| {
             frame.prepare(given, [Access::ComputeSampled, Access::ComputeStorageRead, Access::ComputeStorage]);
@@ -241,6 +237,12 @@ pub(super) enum Workgroups<'a> {
     Counted([u32; 3]),
     /// Reads the numbers from a buffer at a byte offset.
     Said(&'a Buffer, u64),
+}
+
+/// Panics unless a buffer holds the `bytes` of an indirect command's arguments at an offset.
+fn assert_holds(name: &str, (arguments, offset): (&Buffer, u64), bytes: u64) {
+    let holds = offset + bytes <= arguments.size() && offset.is_multiple_of(4);
+    assert!(holds, "{name}: no arguments at byte {offset} of {}", arguments.size());
 }
 
 const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;

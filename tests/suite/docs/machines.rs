@@ -1,5 +1,5 @@
-//! The tables of docs/many-machines.md: plans of the full study on some numbers of machines, by the costs that are part of
-//! the program.
+//! The tables of docs/many-machines.md: plans of the full study on several numbers of machines, by the costs that are
+//! part of the program.
 
 use super::{keep, root};
 use serde_json::Value;
@@ -9,7 +9,7 @@ use std::process::Command;
 /// Numbers of machines.
 const MACHINES: &str = "1,10,100,1000";
 
-/// The plans of the full study with some rays.
+/// The plans of the full study with a number of rays a pixel.
 fn plans(rays: &str) -> Vec<Value> {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ssct"));
     let output = command.args(["error", "--plan", MACHINES, "--simulate", "--json", "--rays", rays]).output().unwrap();

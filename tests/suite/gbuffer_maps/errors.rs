@@ -3,12 +3,11 @@
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
 use crate::common::folder::Folder;
-use crate::common::repository;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::Compression;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 
-/// A map without a mistake, of what [`folder`] holds.
+/// A map without a mistake, which reads the frame that [`folder`] writes.
 const MAP: &str = r#"origin = "top-left"
 [conventions]
 world = "left"
@@ -37,20 +36,18 @@ channels = ["R", "G", "B"]
 const SIZE: [u32; 2] = [4, 3];
 
 /// A frame of 4×3 pixels, and files that do not go with it.
-fn folder() -> Folder {
+pub fn folder() -> Folder {
     let folder = Folder::new();
     let flat = |v: f64| floats(vec![v; 12]);
     let names = ["Z", "N.X", "N.Y", "N.Z", "rough", "R", "G", "B", "behind", "far", "nan", "two"];
     let values = [2.0, 0.0, 0.0, -1.0, 0.25, 1.0, 0.5, 0.25, -2.0, 1e10, f64::NAN, 2.0];
-    let part = || {
-        Part::new(named(&names, values.map(flat)))
-            .with("lens", AttributeValue::F32(60.0))
-            .with("scene", AttributeValue::Text("corridor".into()))
-    };
-    write_exr(&folder.path("f.exr"), SIZE, vec![part()]);
-    let left = || Part::new(named(&["R", "Z"], [flat(1.0), flat(2.0)])).named("left");
+    let frame = Part::new(named(&names, values.map(flat)))
+        .with("lens", AttributeValue::F32(60.0))
+        .with("scene", AttributeValue::Text("corridor".into()));
+    write_exr(&folder.path("f.exr"), SIZE, vec![frame]);
+    let left = Part::new(named(&["R", "Z"], [flat(1.0), flat(2.0)])).named("left");
     let right = Part::new(named(&["R"], [flat(1.0)])).named("right");
-    write_exr(&folder.path("parts.exr"), SIZE, vec![left(), right]);
+    write_exr(&folder.path("parts.exr"), SIZE, vec![left, right]);
     write_exr(&folder.path("small.exr"), [2, 2], vec![Part::new(named(&["R"], [floats(vec![1.0; 4])]))]);
     let b44 = Part::new(named(&["R"], [halves(vec![1.0; 12])])).compressed(Compression::B44);
     write_exr(&folder.path("b44.exr"), SIZE, vec![b44]);
@@ -67,8 +64,8 @@ fn piece() -> Part {
     part
 }
 
-/// What is said of a map in which some pieces are replaced by others.
-fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
+/// The error about a map that is [`MAP`] with some pieces replaced by others, without the path of the folder.
+pub fn said(folder: &Folder, changes: &[(&str, &str)]) -> String {
     let map = changes.iter().fold(MAP.to_owned(), |map, (from, to)| {
         assert!(map.contains(from), "{from} is in the map");
         map.replacen(from, to, 1)
@@ -91,7 +88,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "channel = \"rough\"\n",
             "chanel = \"rough\"\n",
-            "map.toml:17: [roughness]: channel is missing: the name of 1 in the file, or a value",
+            "map.toml:17: [roughness]: channel is missing: name 1 channel of the file, or give a value",
         ),
         (
             "kind = \"lobe\"",
@@ -124,7 +121,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "channels = [\"N.X\", \"N.Y\", \"N.Z\"]",
             "channels = 3",
-            "map.toml:15: [normal]: channels must be the name of a channel or a list of such, not a number",
+            "map.toml:15: [normal]: channels must be the name of a channel or a list of names, not a number",
         ),
         (
             "value = 0.5",
@@ -157,7 +154,7 @@ fn a_mistake_in_the_map_has_its_line() {
             "[metallic]\nvalue = 1\n[reflectivity]",
             "map.toml:20: [metallic]: there is [reflectivity] already",
         ),
-        ("[[color]]", "[color]", "map.toml:22: "),
+        ("[[color]]", "[color]", "map.toml:22: colours are listed as [[color]] ("),
         ("[[color]]\nchannels = [\"R\", \"G\", \"B\"]\n", "", "map.toml: there is no [[color]]"),
         (
             "fov-y-deg = 60.0\n",
@@ -197,7 +194,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "look-at = [0, 0, 1]",
             "look-at = [0, 0, 0]",
-            "map.toml:10: [camera]: look-at gives no direction of view with its upright",
+            "map.toml:10: [camera]: look-at gives no direction of view, or one along up",
         ),
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]",
@@ -213,7 +210,7 @@ fn a_mistake_in_the_map_has_its_line() {
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]",
             "world-to-view = [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]",
-            "map.toml:9: [camera]: world-to-view: it mirrors the world: world or view of [conventions] is another one",
+            "map.toml:9: [camera]: world-to-view mirrors the world: world or view of [conventions] must be another one",
         ),
         (
             "eye = [0, 0, 0]\nlook-at = [0, 0, 1]",
@@ -244,8 +241,6 @@ fn a_mistake_in_the_map_has_its_line() {
         let text = said(&folder, &[(from, to)]);
         assert!(text.starts_with(sentence) && text.lines().count() == 1, "{to}:\n{text}\n{sentence}");
     }
-    let two_brackets = said(&folder, &[("[[color]]", "[color]")]);
-    assert!(two_brackets.contains("[[color]]"), "{two_brackets}");
 }
 
 #[test]
@@ -255,7 +250,11 @@ fn a_projection_that_does_not_go_with_the_conventions_is_named() {
     let reversed = "projection = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -0.1111111, 1, 0, 0, 1.1111111, 0]";
     let planes = "near = 1.0\nfar = 10.0\n";
     for (projection, others, sentence) in [
-        (reversed, ("view = \"left\"", "view = \"right\""), "looks backwards: view of [conventions] is another one"),
+        (
+            reversed,
+            ("view = \"left\"", "view = \"right\""),
+            "looks backwards: view of [conventions] must be another one",
+        ),
         (reversed, ("view = \"left\"", "view = \"left\"\nclip-y = \"down\""), "has the image upside down"),
         (
             reversed,
@@ -325,7 +324,8 @@ fn what_the_files_lack_is_named_with_what_they_have() {
         (
             color,
             "file = \"piece.exr\"\nchannels = \"R\"",
-            "piece.exr: only 4x3 pixels from 1, 0 on of the image's 4x3 are in the file; only whole images can be read",
+            "piece.exr: it has 4x3 pixels from 1, 0 on, and its image has 4x3 from 0, 0 on; only whole images can be \
+             read",
         ),
         (
             color,
@@ -411,7 +411,7 @@ fn values_that_cannot_be_are_named_with_their_pixel() {
     ] {
         assert_eq!(said(&folder, &[(from, to)]), sentence, "{to}");
     }
-    // Where nothing stands, values do not matter.
+    // In pixels of sky, the values of materials do not matter.
     let all_sky = [("channel = \"Z\"", "channel = \"far\""), ("channel = \"rough\"", "channel = \"two\"")];
     let map = all_sky.iter().fold(MAP.to_owned(), |map, (from, to)| map.replacen(from, to, 1));
     folder.write("map.toml", map);
@@ -440,41 +440,5 @@ fn the_command_ends_with_the_sentence() {
         let errors = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.code() == Some(1) && errors.starts_with("ssct: cannot read none.toml: "), "{errors}");
         assert!(!folder.path("x.exr").exists());
-    }
-}
-
-/// The page has every key of every section, and no other.
-#[test]
-fn the_page_has_every_key() {
-    let page = std::fs::read_to_string(repository().join("docs/gbuffer-maps.md")).unwrap();
-    let folder = folder();
-    let metallic = "[metallic]\nvalue = 1\n[base-color]\nvalue = 1\n[f0]\nvalue = 0.04";
-    for (section, change) in [
-        ("[conventions]", vec![]),
-        ("[camera]", vec![]),
-        ("[depth]", vec![]),
-        ("[normal]", vec![]),
-        ("[roughness]", vec![]),
-        ("[reflectivity]", vec![]),
-        ("[metallic]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
-        ("[base-color]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
-        ("[f0]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
-        ("[sky]", vec![("[reflectivity]", "[sky]\nchannel = \"Z\"\n[reflectivity]")]),
-        ("[[color]]", vec![]),
-    ] {
-        let unknown = format!("{section}\nunknown-key = 1");
-        let text = said(&folder, &[&change[..], &[(section, &unknown)]].concat());
-        let (_, keys) = text.split_once("there is no key \"unknown-key\" here; there are ").expect(&text);
-        let heading = format!("### `{section}`");
-        let (_, below) = page.split_once(&format!("{heading}\n")).unwrap_or_else(|| panic!("no {heading}"));
-        let below = below.split("\n#").next().unwrap();
-        let rows = below.lines().filter(|l| l.starts_with("| `") && !l.starts_with("| `\""));
-        let mut documented: Vec<&str> =
-            rows.flat_map(|line| line[1..].split('|').next().unwrap().split('`').skip(1).step_by(2)).collect();
-        let mut keys: Vec<&str> = keys.split(", ").collect();
-        documented.sort_unstable();
-        keys.sort_unstable();
-        keys.dedup();
-        assert_eq!(documented, keys, "{section}");
     }
 }

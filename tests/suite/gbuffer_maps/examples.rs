@@ -1,5 +1,5 @@
-//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. These show a floor and a ball,
-//! which are traced here in the renderer's own world; what is read must lie on them.
+//! The maps under `examples/gbuffer-maps` read files of the layouts that they are for. The files show a floor and a
+//! ball, which the tests trace in the renderer's own world; the surfaces that the maps read must lie on them.
 
 use super::files::{Part, floats, halves, write_exr, write_png};
 use super::named;
@@ -15,9 +15,9 @@ const SIZE: [u32; 2] = [160, 90];
 /// What the camera sees in a pixel.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// Along the view; none of the sky.
+    /// The depth along the view; `None` for sky.
     z: Option<f64>,
-    /// In the renderer's world, as is the place.
+    /// In the renderer's world.
     normal: DVec3,
     is_ball: bool,
 }
@@ -46,8 +46,9 @@ fn trace(world_to_view: DMat4, [x, y]: [f64; 2], forward: f64, radius: f64, midd
     (0..SIZE[0] as usize * SIZE[1] as usize).map(pixel).collect()
 }
 
-/// Holds what was read against the floor and the ball; `of_world` takes a place of the renderer to ours, in metres,
-/// `near` is how near it must lie, as a share of its distance, and `turn` how near its normal.
+/// Asserts that every pixel that was read lies on the floor or on the ball. `of_world` takes a place of the renderer's
+/// world to ours, in metres; `near` is how far a place may be off, as a share of its depth, and `turn` how far a normal
+/// may be.
 fn lies_on(
     data: &GBufferData,
     seen: &[Seen],

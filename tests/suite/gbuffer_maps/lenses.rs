@@ -10,7 +10,7 @@ use ssct_lab::scene::gbuffer_map::GBufferMap;
 const SIZE: [u32; 2] = [8, 4];
 const NEAR: f64 = 0.5;
 const FAR: f64 = 40.0;
-/// Of the view from top to bottom.
+/// The angle of view from top to bottom, in radians.
 const FOV: f64 = 0.9;
 const ASPECT: f64 = 2.0;
 /// Pixels to the right and down by which the picture is shifted.
@@ -21,7 +21,7 @@ fn depths() -> Vec<f64> {
     (0..32).map(|i| if i == 5 { FAR * 2.0 } else { NEAR + 0.9 * f64::from(i) }).collect()
 }
 
-/// Reads a frame whose depth has these values; world space is view space turned about y.
+/// Reads a frame whose depth channel has these values with a map of these keys.
 fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item = f64>) -> (Camera, Vec<f32>) {
     let folder = Folder::new();
     let flat = |v: f64| floats(vec![v; 32]);
@@ -38,7 +38,7 @@ fn read(conventions: &str, camera: &str, depth: &str, values: impl Iterator<Item
     (data.camera, data.depth)
 }
 
-/// Whether two cameras show a point at the same place and depth.
+/// Asserts that two cameras show points at the same places and depths.
 fn same(a: &Camera, b: &Camera) {
     for point in [DVec3::new(0.3, -0.2, 1.0), DVec3::new(-4.0, 2.0, 7.0), DVec3::new(5.0, 5.0, 39.0)] {
         let [a, b] = [a, b].map(|c| (c.view_to_clip_reversed().as_dmat4()).project_point3(point));
@@ -95,7 +95,8 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
     assert!((pixel[0] - 4.0 - SHIFT[0]).abs() < 1e-6 && (pixel[1] - 2.0 - SHIFT[1]).abs() < 1e-6, "{pixel:?}");
     let y = 1.0 / (0.5 * FOV).tan();
     let (u, v) = (2.0 * SHIFT[0] / w, -2.0 * SHIFT[1] / h);
-    // What becomes of depth: its two numbers, what the files have, and whether the far plane must be said.
+    // Kinds of depth: M_22 and M_23 of the matrix, the depth of z in the files, and whether the map must give the
+    // planes.
     let standard = |z: f64| FAR * (z - NEAR) / (z * (FAR - NEAR));
     type Depth<'a> = (&'a str, [f64; 2], Box<dyn Fn(f64) -> f64 + 'a>, bool);
     let kinds: [Depth; 4] = [
@@ -139,6 +140,10 @@ fn a_matrix_of_each_interface_is_the_lens_with_its_shift() {
             }
         }
     }
+    // Reversed depth between the camera's own planes is taken to the bit, also with a shift.
+    let values = || (0..32).map(|i| f64::from(i) / 32.0);
+    let (_, there) = read("", &shifted, "kind = \"reversed\"", values());
+    assert!(there.iter().map(|d| f64::from(*d)).eq(values()), "{there:?}");
     // Planes of the buffer that are not the camera's.
     let other = format!("fov-y-rad = {FOV}\n{planes}\nshift-px = [{}, {}]", SHIFT[0], SHIFT[1]);
     let (_, there) = read("", &other, "kind = \"reversed\"\nnear = 0.25\nfar = inf", view_z().map(|z| 0.25 / z));

@@ -7,7 +7,7 @@ use crate::common::folder::Folder;
 use exr::prelude::Compression;
 use ssct_lab::scene::gbuffer_map::GBufferMap;
 
-/// ϱ of a perceptual roughness: docs/definitions.md, "glTF", written out once more.
+/// ϱ of a perceptual roughness by the formula of docs/definitions.md, "glTF", written independently of the program.
 fn lobe_of_perceptual(r: f64) -> f64 {
     let half = 2.0 * (r * r).atan();
     if half >= std::f64::consts::FRAC_PI_2 {
@@ -17,7 +17,7 @@ fn lobe_of_perceptual(r: f64) -> f64 {
     (2.0 * 0.244_f64.powf(1.0 / exponent_and_one).acos()).clamp(0.0, 1.0)
 }
 
-/// The perceptual roughness of ϱ, its inverse.
+/// The perceptual roughness of ϱ: the inverse of [`lobe_of_perceptual`].
 fn perceptual_of_lobe(rho: f64) -> f64 {
     if rho <= 0.0 {
         return 0.0;

@@ -34,14 +34,14 @@ pub fn run(options: &FiguresOptions) -> anyhow::Result<()> {
     let mut workshop = Workshop::new(&gpu);
     let bar = progress::bar("figures", list.owned());
     let mut outcome = Ok(());
-    for (_, plate) in wanted.iter().enumerate().filter(|(n, _)| list.owns(*n)) {
+    for plate in list.own(&wanted) {
         bar.set_message(format!("figure {}", plate.number));
         let made = run.journal.get::<Entry>(&key(plate));
         let is_there = |e: &Entry| e.file.as_ref().map_or(true, |file| options.output.join(file).is_file());
         if !made.is_some_and(|e| is_there(&e)) {
             outcome = make(plate, &mut workshop, options).and_then(|e| Ok(run.journal.put(key(plate), &e)?));
         }
-        // What ended it does not end the page of what was made until then.
+        // The figures that were made before an error are still put on the page.
         outcome = outcome.and_then(|()| Ok(progress::step(&bar)?));
         if outcome.is_err() {
             break;
@@ -78,12 +78,12 @@ pub fn write_page(folder: &Path, entries: &[Entry], device: &DeviceInfo, command
     files::write(&folder.join(INDEX), page.render(folder)?.as_bytes())
 }
 
-/// What a figure depends on, but for the device and the program, of which its scenes and arguments are.
+/// Everything that a figure depends on but the device and the program, which its scene is part of.
 fn settings(plate: &Plate, options: &FiguresOptions) -> Value {
     json!([plate.stem(), plate.arguments(options.size)])
 }
 
-/// The cells: each figure with its key.
+/// The list of cells: figures with their keys.
 fn list(options: &FiguresOptions, gpu: &Gpu, plates: Vec<(&Plate, String)>) -> CellList {
     let planned = |(plate, key): (&Plate, String)| PlannedCell::new(plate.stem(), settings(plate, options), 1.0, key);
     let cells = plates.into_iter().map(planned).collect();
@@ -187,7 +187,7 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
     documents.into_iter().filter_map(group).collect()
 }
 
-/// The command of all shards, as the page shows it.
+/// The command of the whole study, as the page shows it.
 fn command(options: &FiguresOptions) -> String {
     let mut command = "ssct figures".to_owned();
     if !options.only.is_empty() {

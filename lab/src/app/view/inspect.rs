@@ -347,10 +347,7 @@ impl Inspection {
             }
             Twin::Unified => {
                 let traversal = self.traversal();
-                let steps = |(x, y)| {
-                    let ray = traversal.mirror_ray(x, y).filter(|_| self.gbuffer.reflects(self.gbuffer.index(x, y)));
-                    ray.map_or(0, |(ray, _)| traversal.traverse(&ray).steps.max(0) as u32)
-                };
+                let steps = |(x, y)| traversal.mirror_steps(x, y).unwrap_or(0);
                 Some((0..pixels).into_par_iter().map(|i| steps(at(i))).collect())
             }
         }

@@ -124,7 +124,7 @@ fn compare(q: &ComparisonRequest, cache: Option<PathBuf>) -> ComparisonOutcome {
         flip: FlipMap::new(&display(&truth), &display(color), width, height).mean(),
     };
     ComparisonOutcome::Errors {
-        samples: state.samples,
+        samples: state.samples(),
         standard_error: state.overall_standard_error(),
         methods: q.reflections.iter().map(errors).collect(),
     }

@@ -1,4 +1,4 @@
-//! The page of the error study: for each device run time against error, and over all of them what the error consists of.
+//! The page of the error study: run time against error for each device, and the parts of the error over all devices.
 
 use super::sections::{error_plots, error_sources};
 use super::{frame, heading, missing_cells, page_header};
@@ -36,13 +36,13 @@ impl ErrorPage<'_> {
         let body = html! {
             (missing_cells(self.missing))
             @if alone.is_none() {
-                p { "Times of different devices are not compared: each device has its own plots and tables, over the cells \
-                     that it measured." }
+                p { "Times of different devices are not compared: each device has its own plots and tables, over \
+                     the cells that it measured." }
             }
             @for ((id, title), part) in parts.iter().zip(self.devices) {
                 (heading((id, title)))
-                p { (cells(part.cells)) ". The error is the mean over them, the time the median; what is on the front (*, and
-                     red in the plots) is beaten by none in both." }
+                p { (cells(part.cells)) ". The error is the mean over the cells, the time the median. No other point is \
+                     better in both than a point on the front (marked by *, and red in the plots)." }
                 (error_plots(&part.plots))
             }
             (heading(("sources", "Where the error comes from")))

@@ -191,7 +191,7 @@ fn page_header(
                 dl {
                     @if let Some(d) = device {
                         dt { "Device" }
-                        dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
+                        dd { (device_text(d)) }
                     }
                     dt { "Provenance" }
                     dd { "ssct " (Provenance::VERSION) ", commit " code { (Provenance::COMMIT) } ", definitions " (definitions) }
@@ -208,6 +208,11 @@ fn page_header(
     }
 }
 
+/// A device with all that is known of it.
+fn device_text(d: &DeviceInfo) -> String {
+    format!("{} ({}, Vulkan {}, {})", d.name, d.kind, d.api, d.driver)
+}
+
 fn head(title: &str) -> Markup {
     html! {
         head {
@@ -221,18 +226,18 @@ fn head(title: &str) -> Markup {
     }
 }
 
-/// The cells of a study that a page lacks, if there are any.
+/// Names the cells of a study that a page lacks, if there are any.
 fn missing_cells(missing: &[String]) -> Markup {
     html! {
         @if !missing.is_empty() {
             h2 id="missing" { "Missing cells" }
-            p { "This page is not of the whole study. Not measured (" (missing.len()) "):" }
+            p { "This page does not show the whole study. Cells that were not measured (" (missing.len()) "):" }
             ul { @for name in missing { li { (name) } } }
         }
     }
 }
 
-/// A page of a study with the cells that it lacks named after its header.
+/// A page of a study with the cells that it lacks, which are named below its header.
 pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
     const END: &str = "</header>";
     let at = page.find(END).map_or(0, |at| at + END.len());
@@ -241,11 +246,11 @@ pub fn with_missing_cells(page: &str, missing: &[String]) -> String {
 
 /// The tables of a device of a merged run.
 pub struct DeviceTables {
-    /// What it is called.
+    /// The name of the device.
     pub title: String,
-    /// Its tables, as text.
+    /// The tables, as text.
     pub text: String,
-    /// Its folder, relative to the page, if it has one of its own.
+    /// The folder with the device's files, relative to the page, if there are several devices.
     pub folder: Option<String>,
 }
 
@@ -261,11 +266,13 @@ pub fn merged_page(
         devices.iter().enumerate().map(|(n, d)| (format!("device-{}", n + 1), d.title.as_str())).collect();
     let body = html! {
         (missing_cells(missing))
-        p { "Times of different devices are not compared: each device has its own tables." }
+        @if devices.len() > 1 {
+            p { "Times of different devices are not compared: each device has its own tables." }
+        }
         @for ((id, title), device) in ids.iter().zip(devices) {
             (heading((id, title)))
             @if let Some(folder) = &device.folder {
-                p { "Its files: " a href=(folder) { (folder) } }
+                p { "The files of this device: " a href=(folder) { (folder) } }
             }
             div.scroll { pre { (device.text) } }
         }

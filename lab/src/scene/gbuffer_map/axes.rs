@@ -1,13 +1,14 @@
-//! How other renderers lay the axes of world and view space, and how they write matrices.
+//! The conventions of other renderers: how the axes of world and view space lie, how matrices are listed, and the unit
+//! of length.
 
 use super::keys::MapKeys;
 use crate::error::Result;
 use glam::{DMat3, DMat4, DVec3};
 
-/// The conventions of a map. Our own are the default.
+/// The conventions of a map. Those of this program are the default.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct MapConventions {
-    /// From the renderer's world space to ours, without its unit of length.
+    /// From the renderer's world space to ours; lengths stay in the renderer's unit.
     pub world: DMat3,
     /// From the renderer's view space to ours.
     pub view: DMat3,
@@ -19,32 +20,21 @@ pub(super) struct MapConventions {
     pub metres: f64,
 }
 
-/// A matrix that takes a vector of another renderer to ours, whose axes x, y and z are these of its components.
-const fn axes(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> DMat3 {
-    // Rows are what was given.
-    DMat3::from_cols_array(&[x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]])
-}
-
+// Matrices that take a vector of another renderer to ours. Their columns are the renderer's axes x, y and z in ours.
 const LEFT: DMat3 = DMat3::IDENTITY;
-const RIGHT: DMat3 = axes([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]);
-const RIGHT_Z_UP: DMat3 = axes([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+const RIGHT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::NEG_Z);
+const RIGHT_Z_UP: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::Y);
+const RIGHT_Y_DOWN: DMat3 = DMat3::from_cols(DVec3::X, DVec3::NEG_Y, DVec3::Z);
+/// x forwards, y to the right, z up.
+const LEFT_Z_UP: DMat3 = DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::Y);
 
 /// Conventions of world space.
-const WORLDS: [(&str, DMat3); 4] = [
-    ("left", LEFT),
-    ("right", RIGHT),
-    ("right-z-up", RIGHT_Z_UP),
-    // x forwards, y to the right.
-    ("left-z-up", axes([0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])),
-];
+const WORLDS: [(&str, DMat3); 4] =
+    [("left", LEFT), ("right", RIGHT), ("right-z-up", RIGHT_Z_UP), ("left-z-up", LEFT_Z_UP)];
 
 /// Conventions of view space.
-const VIEWS: [(&str, DMat3); 4] = [
-    ("left", LEFT),
-    ("right", RIGHT),
-    ("right-z-up", RIGHT_Z_UP),
-    ("right-y-down", axes([1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0])),
-];
+const VIEWS: [(&str, DMat3); 4] =
+    [("left", LEFT), ("right", RIGHT), ("right-z-up", RIGHT_Z_UP), ("right-y-down", RIGHT_Y_DOWN)];
 
 impl MapConventions {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
@@ -60,15 +50,15 @@ impl MapConventions {
         Ok(Self { world, view, rows, clip_y_is_up, metres })
     }
 
-    /// The matrix of 16 numbers.
+    /// The matrix, for column vectors, that 16 numbers of the renderer list.
     pub fn matrix(&self, numbers: &[f64]) -> DMat4 {
         let listed = DMat4::from_cols_slice(numbers);
         if self.rows { listed.transpose() } else { listed }
     }
 
     /// A place of the renderer's world in ours, in metres.
-    pub fn place(&self, [x, y, z]: [f64; 3]) -> DVec3 {
-        self.direction([x, y, z]) * self.metres
+    pub fn place(&self, place: [f64; 3]) -> DVec3 {
+        self.direction(place) * self.metres
     }
 
     /// A direction of the renderer's world in ours.

@@ -7,15 +7,16 @@ use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::numbers::MapNumbers;
 use crate::error::Result;
-use crate::scene::camera::ReadProjection;
+use crate::scene::camera::{ReadProjection, is_rotation};
 use crate::scene::{Camera, Lens, Projection};
 use glam::camera::lh::view::look_to_mat4;
-use glam::{DMat3, DMat4, DVec3, Mat4};
+use glam::{DMat3, DMat4, DVec4, Mat4};
 
 /// What a map says of the camera.
 #[derive(Debug, Clone)]
 pub(super) struct MapCamera {
-    line: usize,
+    /// The line in which the section begins.
+    pub line: usize,
     lens: MapLens,
     aspect: Option<MapNumbers>,
     near: Option<MapNumbers>,
@@ -26,7 +27,7 @@ pub(super) struct MapCamera {
 
 #[derive(Debug, Clone)]
 enum MapLens {
-    /// An angle of view, in radians once it is multiplied.
+    /// An angle of view along an axis of the image (0 is x, 1 is y); `to_radians` times the number is in radians.
     Angle {
         axis: usize,
         angle: MapNumbers,
@@ -43,29 +44,27 @@ enum MapLens {
 
 #[derive(Debug, Clone)]
 enum MapPlace {
-    /// Nothing: world space is view space.
+    /// The map does not say: world space is view space.
     Origin,
     Points(Box<MapPoints>),
     WorldToView(MapNumbers),
     ViewToWorld(MapNumbers),
 }
 
-/// A place from which the camera looks to a point or in a direction, upright unless `up` says otherwise.
+/// The eye of the camera, and where it looks.
 #[derive(Debug, Clone)]
 struct MapPoints {
     eye: MapNumbers,
     towards: MapNumbers,
+    /// Whether `towards` is a point, not a direction.
     is_point: bool,
+    /// What is up in the image; without it, the image is upright.
     up: Option<MapNumbers>,
 }
 
-/// The ways to give a lens.
+/// The ways to give a lens, for errors.
 const LENSES: &str = "fov-y-deg, fov-x-deg, fov-y-rad, fov-x-rad, projection, or focal-length-mm with sensor-width-mm \
- or \
-                      sensor-height-mm";
-
-/// How far the numbers of a rotation may be from those of an exact one.
-const ROTATION_TOLERANCE: f64 = 1e-3;
+                      or sensor-height-mm";
 
 impl MapCamera {
     pub fn take(mut keys: MapKeys) -> Result<Self> {
@@ -93,15 +92,11 @@ impl MapCamera {
         !matches!(self.place, MapPlace::Origin)
     }
 
-    /// Where it begins in the map.
-    pub fn line(&self) -> usize {
-        self.line
-    }
-
     /// The camera, and how the files encode depth.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of what gives no camera; those of attributes.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of numbers that give no camera; as for
+    /// [`MapNumbers::get`].
     pub fn get(
         &self,
         conventions: &MapConventions,
@@ -109,16 +104,19 @@ impl MapCamera {
         files: &mut MapFiles,
     ) -> Result<(Camera, DepthCoding)> {
         let plane = |plane: &Option<MapNumbers>, files: &mut MapFiles| -> Result<Option<f32>> {
-            let metres = plane.as_ref().map(|p| p.one(files)).transpose()?;
-            Ok(metres.map(|v| (v * conventions.metres) as f32))
+            let distance = plane.as_ref().map(|p| p.one(files)).transpose()?;
+            Ok(distance.map(|v| (v * conventions.metres) as f32))
         };
         let [near, far] = [plane(&self.near, files)?, plane(&self.far, files)?];
         let (camera, coding) = match &self.lens {
-            MapLens::Matrix(matrix) => self.by_matrix(matrix, [near, far], conventions, depth, files)?,
-            lens => {
-                let [near, far] = [near.unwrap_or_default(), far.unwrap_or_default()];
-                let camera = self.by_lens(lens, [near, far], files)?;
-                (camera, DepthCoding::of_planes(f64::from(near), f64::from(far)))
+            MapLens::Matrix(matrix) => by_matrix(matrix, [near, far], conventions, depth, files)?,
+            MapLens::Angle { axis, angle, to_radians } => {
+                let angle = angle.one(files)? * to_radians;
+                self.by_angle(*axis, angle, [near, far], files)?
+            }
+            MapLens::Focal { axis, length, sensor } => {
+                let angle = 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan();
+                self.by_angle(*axis, angle, [near, far], files)?
             }
         };
         let coding = depth.coding(coding, conventions.metres);
@@ -128,125 +126,45 @@ impl MapCamera {
             let (degrees, aspect) = ((fov.to_degrees() * 100.0).round() / 100.0, camera.aspect);
             let message = format!(
                 "[camera]: a field of view of {degrees}° from top to bottom, planes at {near} m and {far} m and an \
-                 aspect of \
-                 {aspect} cannot be used"
+                 aspect of {aspect} cannot be used"
             );
             return Err(files.error(self.line, message));
         }
         Ok((camera, coding))
     }
 
-    fn by_lens(&self, lens: &MapLens, [near_m, far_m]: [f32; 2], files: &mut MapFiles) -> Result<Camera> {
+    /// The camera of a lens with an angle of view, in radians, along an axis of the image.
+    fn by_angle(
+        &self,
+        axis: usize,
+        angle: f64,
+        planes: [Option<f32>; 2],
+        files: &mut MapFiles,
+    ) -> Result<(Camera, DepthCoding)> {
         let [width, height] = files.size().map(f64::from);
-        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?.map_or(width / height, |a| a);
-        let (axis, angle) = match lens {
-            MapLens::Focal { axis, length, sensor } => {
-                (*axis, 2.0 * (0.5 * sensor.one(files)? / length.one(files)?).atan())
-            }
-            MapLens::Angle { axis, angle, to_radians } => (*axis, angle.one(files)? * to_radians),
-            MapLens::Matrix(_) => (1, 0.0),
-        };
+        let aspect = self.aspect.as_ref().map(|a| a.one(files)).transpose()?.unwrap_or(width / height);
         let fov = if axis == 1 { angle } else { 2.0 * ((0.5 * angle).tan() / aspect).atan() };
+        // `take` has seen to it that there are both planes.
+        let [near_m, far_m] = planes.map(Option::unwrap_or_default);
+        let coding = DepthCoding::of_planes(f64::from(near_m), f64::from(far_m));
         let lens = Lens { fov_y_radians: fov as f32, near_m, far_m };
         let aspect = aspect as f32;
         let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: None };
-        let Some(shift) = &self.shift_px else { return Ok(camera) };
+        let Some(shift) = &self.shift_px else { return Ok((camera, coding)) };
         let shift = shift.get(files)?;
         let up = 1.0 / f64::from(0.5 * lens.fov_y_radians).tan();
-        let DepthCoding { a, b } = DepthCoding::of_planes(f64::from(near_m), f64::from(far_m));
         let projection = Projection {
             scale: [up / f64::from(aspect), up].map(|v| v as f32),
             shift: [2.0 * shift[0] / width, -2.0 * shift[1] / height].map(|v| v as f32),
-            depth: [a as f32, b as f32],
+            depth: coding.as_f32(),
         };
-        Ok(Camera { projection: Some(projection), ..camera })
-    }
-
-    fn by_matrix(
-        &self,
-        matrix: &MapNumbers,
-        [near, far]: [Option<f32>; 2],
-        conventions: &MapConventions,
-        depth: &MapDepth,
-        files: &mut MapFiles,
-    ) -> Result<(Camera, DepthCoding)> {
-        let wrong = |why: &str| format!("[camera]: projection {why}");
-        let numbers = matrix.get(files)?;
-        let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
-        if depth.is_minus_one_to_one() {
-            // (z + w) / 2 in the place of z.
-            clip = DMat4::from_cols_array(&[
-                1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.5, 1.0,
-            ]) * clip;
-        }
-        let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y_is_up)
-            .map_err(|why| files.error(matrix.line, wrong(why)))?;
-        let turned = |message: &str| Err(files.error(matrix.line, wrong(message)));
-        if read.turn.z < 0.0 {
-            return turned("looks backwards: view of [conventions] is another one, or matrices are in the other order");
-        }
-        if read.turn.x < 0.0 {
-            return turned("mirrors the image from left to right: view of [conventions] is another one");
-        }
-        if read.turn.y < 0.0 {
-            return turned("has the image upside down: clip-y or view of [conventions] is another one");
-        }
-        if depth.is_reversed().is_some_and(|is| is != read.is_reversed) {
-            let given = if read.is_reversed { "reversed" } else { "standard" };
-            return turned(&format!("gives {given} depth, and kind of [depth] says otherwise"));
-        }
-        let metres = conventions.metres;
-        let own_near = (f64::from(read.near) * metres) as f32;
-        let own_far = (f64::from(read.far) * metres) as f32;
-        let lens = Lens {
-            fov_y_radians: 2.0 * (1.0 / read.projection.scale[1]).atan(),
-            near_m: near.unwrap_or(own_near),
-            far_m: far.unwrap_or(own_far),
-        };
-        if !lens.far_m.is_finite() {
-            return turned("has its far plane at infinity: say far, beyond which everything counts as sky");
-        }
-        let [a, b] = read.projection.depth.map(f64::from);
-        let coding = DepthCoding { a, b: b * metres };
-        let ours = if near.or(far).is_some() {
-            DepthCoding::of_planes(f64::from(lens.near_m), f64::from(lens.far_m))
-        } else {
-            coding
-        };
-        let projection = Projection { depth: [ours.a as f32, ours.b as f32], ..read.projection };
-        let aspect = projection.scale[1] / projection.scale[0];
-        let camera =
-            Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
-        Ok((camera, coding))
+        Ok((Camera { projection: Some(projection), ..camera }, coding))
     }
 
     fn world_to_view(&self, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
-        let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
-            let n = numbers.get(files)?;
-            Ok([n[0], n[1], n[2]])
-        };
         let (numbers, is_inverse) = match &self.place {
             MapPlace::Origin => return Ok(Mat4::IDENTITY),
-            MapPlace::Points(points) => {
-                let MapPoints { eye, towards, is_point, up } = points.as_ref();
-                let at = conventions.place(three(eye, files)?);
-                let given = three(towards, files)?;
-                let direction = if *is_point { conventions.place(given) - at } else { conventions.direction(given) };
-                let up_given = up.as_ref().map(|up| three(up, files)).transpose()?;
-                let upwards = up_given.map(|up| conventions.direction(up));
-                let sideways = direction.normalize_or_zero().cross(upwards.unwrap_or(DVec3::ONE).normalize_or_zero());
-                if direction.length() < 1e-6 || (upwards.is_some() && sideways.length() < 1e-6) {
-                    let message = format!("{} gives no direction of view with its upright", towards.key);
-                    return Err(files.error(towards.line, message));
-                }
-                return Ok(match upwards {
-                    None => Camera::new(at.as_vec3(), (at + direction).as_vec3(), Lens::default(), 1.0).world_to_view,
-                    Some(up) => {
-                        let [forward, up] = [direction, up].map(|v| v.normalize().as_vec3());
-                        look_to_mat4(at.as_vec3(), forward, up)
-                    }
-                });
-            }
+            MapPlace::Points(points) => return by_points(points, conventions, files),
             MapPlace::WorldToView(numbers) => (numbers, false),
             MapPlace::ViewToWorld(numbers) => (numbers, true),
         };
@@ -258,30 +176,109 @@ impl MapCamera {
         ours.w_axis = (ours.w_axis.truncate() * conventions.metres).extend(1.0);
         if ours.determinant() < 0.0 {
             let message =
-                format!("{}: it mirrors the world: world or view of [conventions] is another one", numbers.key);
+                format!("{} mirrors the world: world or view of [conventions] must be another one", numbers.key);
             return Err(files.error(numbers.line, message));
         }
         Ok(ours.as_mat4())
     }
 }
 
+/// The camera of a matrix from view to clip space, with other planes if there are some.
+fn by_matrix(
+    matrix: &MapNumbers,
+    [near, far]: [Option<f32>; 2],
+    conventions: &MapConventions,
+    depth: &MapDepth,
+    files: &mut MapFiles,
+) -> Result<(Camera, DepthCoding)> {
+    let wrong = |why: &str| format!("[camera]: projection {why}");
+    let numbers = matrix.get(files)?;
+    let mut clip = conventions.matrix(&numbers) * DMat4::from_mat3(conventions.view.transpose());
+    if depth.is_minus_one_to_one() {
+        // (z + w) / 2 takes the place of z.
+        clip = DMat4::from_cols(DVec4::X, DVec4::Y, 0.5 * DVec4::Z, DVec4::new(0.0, 0.0, 0.5, 1.0)) * clip;
+    }
+    let read = ReadProjection::new(&clip.as_mat4(), conventions.clip_y_is_up)
+        .map_err(|why| files.error(matrix.line, wrong(why)))?;
+    let refused = |message: &str| Err(files.error(matrix.line, wrong(message)));
+    if read.turn.z < 0.0 {
+        return refused(
+            "looks backwards: view of [conventions] must be another one, or matrices are in the other order",
+        );
+    }
+    if read.turn.x < 0.0 {
+        return refused("mirrors the image from left to right: view of [conventions] must be another one");
+    }
+    if read.turn.y < 0.0 {
+        return refused("has the image upside down: clip-y or view of [conventions] must be another one");
+    }
+    if depth.is_reversed().is_some_and(|is| is != read.is_reversed) {
+        let given = if read.is_reversed { "reversed" } else { "standard" };
+        return refused(&format!("gives {given} depth, and kind of [depth] says otherwise"));
+    }
+    let metres = conventions.metres;
+    let own_near = (f64::from(read.near) * metres) as f32;
+    let own_far = (f64::from(read.far) * metres) as f32;
+    let lens = Lens {
+        fov_y_radians: 2.0 * (1.0 / read.projection.scale[1]).atan(),
+        near_m: near.unwrap_or(own_near),
+        far_m: far.unwrap_or(own_far),
+    };
+    if !lens.far_m.is_finite() {
+        return refused("has its far plane at infinity: say far, beyond which everything counts as sky");
+    }
+    let [a, b] = read.projection.depth.map(f64::from);
+    let coding = DepthCoding { a, b: b * metres };
+    let ours = if near.or(far).is_some() {
+        DepthCoding::of_planes(f64::from(lens.near_m), f64::from(lens.far_m))
+    } else {
+        coding
+    };
+    let projection = Projection { depth: ours.as_f32(), ..read.projection };
+    let aspect = projection.scale[1] / projection.scale[0];
+    let camera = Camera { world_to_view: Mat4::IDENTITY, lens, aspect, near_plane: None, projection: Some(projection) };
+    Ok((camera, coding))
+}
+
+/// World to view space of a camera that looks from a point to another or in a direction.
+fn by_points(points: &MapPoints, conventions: &MapConventions, files: &mut MapFiles) -> Result<Mat4> {
+    let three = |numbers: &MapNumbers, files: &mut MapFiles| -> Result<[f64; 3]> {
+        let n = numbers.get(files)?;
+        Ok([n[0], n[1], n[2]])
+    };
+    let MapPoints { eye, towards, is_point, up } = points;
+    let at = conventions.place(three(eye, files)?);
+    let given = three(towards, files)?;
+    let direction = if *is_point { conventions.place(given) - at } else { conventions.direction(given) };
+    let up = up.as_ref().map(|up| three(up, files)).transpose()?.map(|up| conventions.direction(up));
+    let forward = direction.normalize_or_zero();
+    let is_along_up = up.is_some_and(|up| forward.cross(up.normalize_or_zero()).length() < 1e-6);
+    if direction.length() < 1e-6 || is_along_up {
+        let message = format!("{} gives no direction of view, or one along up", towards.key);
+        return Err(files.error(towards.line, message));
+    }
+    Ok(match up {
+        None => Camera::new(at.as_vec3(), (at + direction).as_vec3(), Lens::default(), 1.0).world_to_view,
+        Some(up) => look_to_mat4(at.as_vec3(), forward.as_vec3(), up.normalize().as_vec3()),
+    })
+}
+
 /// # Errors
-/// Why a matrix is no rotation (which may mirror) and translation.
+/// Why a matrix is not a rotation, with or without a mirroring, and a translation.
 fn rigid(matrix: &DMat4) -> std::result::Result<(), &'static str> {
-    let rotation = DMat3::from_mat4(*matrix);
-    let off = rotation.transpose() * rotation - DMat3::IDENTITY;
-    if matrix.row(3) != glam::DVec4::W {
+    if matrix.row(3) != DVec4::W {
         return Err("is no rotation and translation: is it in the other order (matrices of [conventions])?");
     }
-    if off.to_cols_array().iter().any(|v| v.abs() > ROTATION_TOLERANCE) {
+    if !is_rotation(&DMat3::from_mat4(*matrix)) {
         return Err("has a scale or a skew: a camera has neither");
     }
     Ok(())
 }
 
+/// Takes the keys of the lens.
 fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     const WAYS: [&str; 6] = ["fov-y-deg", "fov-x-deg", "fov-y-rad", "fov-x-rad", "focal-length-mm", "projection"];
-    let given = WAYS.iter().filter(|way| keys.has_any(&[way])).count();
+    let given = WAYS.iter().filter(|way| keys.has(way)).count();
     if given != 1 {
         let how_many = if given == 0 { "no lens is given" } else { "more than one lens is given" };
         return Err(keys.error(keys.line, format!("{how_many}: say one of {LENSES}")));
@@ -289,7 +286,7 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     let degrees = 1_f64.to_radians();
     let angles = [("fov-y-deg", 1, degrees), ("fov-x-deg", 0, degrees), ("fov-y-rad", 1, 1.0), ("fov-x-rad", 0, 1.0)];
     let mut found = None;
-    // Every key is taken, so that all of them are known.
+    // The keys of all lenses are taken, so that an error about an unknown key names them all.
     for (key, axis, to_radians) in angles {
         if let Some(angle) = keys.numbers(key, 1)? {
             found = Some(MapLens::Angle { axis, angle, to_radians });
@@ -308,6 +305,7 @@ fn lens(keys: &mut MapKeys) -> Result<MapLens> {
     }
 }
 
+/// Takes the keys of the camera's place.
 fn place(keys: &mut MapKeys) -> Result<MapPlace> {
     let world_to_view = keys.numbers("world-to-view", 16)?;
     let view_to_world = keys.numbers("view-to-world", 16)?;

@@ -1,13 +1,12 @@
 //! The depth of a map: from the buffers of engines and from distances in metres to reversed depth between the camera's
 //! planes.
 
-use super::camera_ray;
 use super::files::MapFiles;
 use super::keys::MapKeys;
 use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::error::Result;
 use crate::scene::Camera;
-use std::path::Path;
+use glam::DVec3;
 
 /// Reversed depth as a function of view-space z: a + b / z.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,13 +16,18 @@ pub(super) struct DepthCoding {
 }
 
 impl DepthCoding {
-    /// Between a near plane and a far plane, which may be infinite.
+    /// The coding between a near plane and a far plane, which may be infinite.
     pub fn of_planes(near: f64, far: f64) -> Self {
         if far.is_finite() {
             Self { a: -near / (far - near), b: near * far / (far - near) }
         } else {
             Self { a: 0.0, b: near }
         }
+    }
+
+    /// The numbers as a [`Projection`](crate::scene::Projection) has them.
+    pub fn as_f32(self) -> [f32; 2] {
+        [self.a as f32, self.b as f32]
     }
 
     fn view_z(self, reversed: f64) -> f64 {
@@ -45,15 +49,15 @@ enum DepthKind {
 pub(super) struct MapDepth {
     source: MapSource,
     kind: DepthKind,
-    /// Planes of a depth buffer that differ from those of the camera, in units of the renderer.
+    /// Planes of the depth buffer, if they are not those of the camera, in the renderer's unit of length.
     near: Option<f64>,
     far: Option<f64>,
     sky_beyond: Option<f64>,
     sky_value: Option<f64>,
 }
 
-/// How much nearer than the near plane a distance may be, as a share of it, and count as on it: twice what a 16-bit
-/// float may round by.
+/// Surfaces that are nearer than the near plane by at most this share of its distance count as on it: twice the share
+/// by which a 16-bit float may be rounded.
 const ROUNDED: f64 = 1.0 / 1024.0;
 
 impl MapDepth {
@@ -66,9 +70,7 @@ impl MapDepth {
             ("distance", DepthKind::Distance),
         ];
         let kind = keys.required_word("kind", &kinds)?;
-        let rules =
-            SourceRules { counts: &[1], may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
-        let source = MapSource::take(&mut keys, rules)?;
+        let source = MapSource::take(&mut keys, SourceRules::EXACT)?;
         let near = keys.number("near", false)?;
         let far = keys.number("far", true)?;
         let sky_beyond = keys.number("sky-beyond", false)?;
@@ -79,9 +81,8 @@ impl MapDepth {
         }
         if let Some((near, far)) = near.zip(far) {
             if !(near > 0.0 && far > near) {
-                return Err(
-                    keys.error(keys.line, format!("near must be above 0 and far above near, not {near} and {far}"))
-                );
+                let message = format!("near must be above 0 and far above near, not {near} and {far}");
+                return Err(keys.error(keys.line, message));
             }
         } else if near.or(far).is_some() {
             return Err(keys.error(keys.line, "near and far go together; far = inf is one at infinity"));
@@ -94,7 +95,7 @@ impl MapDepth {
         self.kind == DepthKind::MinusOneToOne
     }
 
-    /// Whether a depth buffer is reversed; none of distances.
+    /// Whether the depth buffer is reversed; `None` for distances.
     pub fn is_reversed(&self) -> Option<bool> {
         match self.kind {
             DepthKind::Reversed => Some(true),
@@ -103,7 +104,7 @@ impl MapDepth {
         }
     }
 
-    /// How the files encode depth: between planes of its own, if the section has some, else as the camera does.
+    /// How the files encode depth: between the planes of the section if it has some, else as the camera does.
     pub fn coding(&self, camera: DepthCoding, metres: f64) -> DepthCoding {
         match self.near.zip(self.far) {
             Some((near, far)) => DepthCoding::of_planes(near * metres, far * metres),
@@ -115,37 +116,34 @@ impl MapDepth {
     ///
     /// # Errors
     /// As for [`MapSource::read`].
-    pub fn read(&self, files: &mut MapFiles) -> Result<MapPlanes<'_>> {
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         self.source.read(files)
     }
 
-    /// Reversed depth of every pixel, 0 for sky.
+    /// Reversed depth of every pixel, 0 for sky, from the channel and how it encodes depth.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) for the first pixel whose depth cannot be.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for the first pixel whose depth is out of range or nearer
+    /// than the near plane.
     pub fn reversed(
         &self,
         planes: &MapPlanes,
         camera: &Camera,
         coding: DepthCoding,
         metres: f64,
-        map: &Path,
-        [width, height]: [u32; 2],
+        size: [u32; 2],
     ) -> Result<Vec<f32>> {
         let (near, far) = (f64::from(camera.lens.near_m), f64::from(camera.lens.far_m));
-        let ours = match camera.projection {
-            Some(projection) => {
-                let [a, b] = projection.depth.map(f64::from);
-                DepthCoding { a, b }
-            }
-            None => DepthCoding::of_planes(near, far),
+        let is_ours = match camera.projection {
+            Some(projection) => coding.as_f32() == projection.depth,
+            None => coding == DepthCoding::of_planes(near, far),
         };
-        let is_ours = coding == ours;
-        let of_z = |z: f64| match camera.projection {
+        let of_z = |z: f64| match camera.projection.map(|projection| projection.depth.map(f64::from)) {
             _ if z >= far => 0.0,
-            Some(_) => ours.a + ours.b / z,
+            Some([a, b]) => a + b / z,
             None => near * (far - z) / (z * (far - near)),
         };
+        let ray = rays(camera, size);
         let is_too_near = |z: f64| z.is_nan() || z < near * (1.0 - ROUNDED);
         let pixel = |i: usize| -> Result<f32> {
             let raw = planes.raw(0, i);
@@ -153,49 +151,55 @@ impl MapDepth {
             if self.is_sky(raw) {
                 return Ok(0.0);
             }
-            let wrong = |value: f64, must: &str| Err(planes.error(map, width, i, value, must));
+            let wrong = |must: &str| Err(planes.error(i, value, must));
             let reversed = match self.kind {
                 DepthKind::Reversed => value,
                 DepthKind::Standard => 1.0 - value,
                 DepthKind::MinusOneToOne => 0.5 - 0.5 * value,
                 DepthKind::ViewZ | DepthKind::Distance => {
-                    let along = if self.kind == DepthKind::Distance {
-                        camera_ray(camera, [width, height], i).length()
-                    } else {
-                        1.0
-                    };
+                    let along = if self.kind == DepthKind::Distance { ray(i).length() } else { 1.0 };
                     let z = value * metres / along;
                     if is_too_near(z) {
-                        return wrong(value, "not be nearer than the near plane, unless sky-value says that it is sky");
+                        return wrong("not be nearer than the near plane, unless sky-value says that it is sky");
                     }
                     return Ok(of_z(z).clamp(0.0, 1.0) as f32);
                 }
             };
             if !(0.0..=1.0).contains(&reversed) {
                 let range = if self.is_minus_one_to_one() { "lie in -1 to 1" } else { "lie in 0 to 1" };
-                return wrong(value, range);
+                return wrong(range);
             }
             if is_ours {
                 return Ok(reversed as f32);
             }
             let z = coding.view_z(reversed);
             if is_too_near(z) {
-                return wrong(value, "not be nearer than the near plane of [camera]");
+                return wrong("not be nearer than the near plane of [camera]");
             }
             Ok(of_z(z).clamp(0.0, 1.0) as f32)
         };
-        (0..width as usize * height as usize).map(pixel).collect()
+        (0..size[0] as usize * size[1] as usize).map(pixel).collect()
     }
 
-    /// Whether a value of the file means that nothing stands there.
+    /// Whether a value of the file means sky.
     fn is_sky(&self, raw: f64) -> bool {
         let beyond = match (self.kind, self.sky_beyond) {
             (DepthKind::Reversed, limit) => raw <= limit.unwrap_or(0.0),
             (DepthKind::Standard | DepthKind::MinusOneToOne, limit) => raw >= limit.unwrap_or(1.0),
             (DepthKind::ViewZ | DepthKind::Distance, Some(limit)) => raw.abs() >= limit.abs(),
-            // Infinite means nothing, and what is beyond the far plane is found by its distance.
+            // Infinite distances of either sign are sky; finite ones beyond the far plane become sky in `reversed`.
             (DepthKind::ViewZ | DepthKind::Distance, None) => raw.is_infinite(),
         };
         beyond || self.sky_value.is_some_and(|sky| raw == sky)
+    }
+}
+
+/// The view-space ray through the centre of each pixel, with z = 1.
+fn rays(camera: &Camera, [width, height]: [u32; 2]) -> impl Fn(usize) -> DVec3 {
+    let clip = camera.view_to_clip_reversed().as_dmat4();
+    move |pixel| {
+        let (x, y) = (pixel % width as usize, pixel / width as usize);
+        let ndc = [(x as f64 + 0.5) / f64::from(width) * 2.0 - 1.0, 1.0 - (y as f64 + 0.5) / f64::from(height) * 2.0];
+        DVec3::new((ndc[0] - clip.z_axis.x) / clip.x_axis.x, (ndc[1] - clip.z_axis.y) / clip.y_axis.y, 1.0)
     }
 }

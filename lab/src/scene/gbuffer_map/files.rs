@@ -1,5 +1,5 @@
-//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. Their names are those beside the
-//! main file, the one that the command names.
+//! The files that a map names, each read once: OpenEXR with all its parts, and PNG. The main file is the one that the
+//! command names; the others lie in its folder.
 
 use super::numbers::AttributeName;
 use super::source::ChannelSource;
@@ -8,28 +8,29 @@ use crate::scene::exr_parts::{self, ExrChannel, ExrPart};
 use crate::scene::gbuffer_file::MAX_BYTES;
 use crate::scene::{bounded, texture};
 use exr::meta::attribute::AttributeValue;
+use exr::meta::magic_number;
 use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// The first bytes of an OpenEXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-
-/// At most so many names are listed in an error.
+/// The most names that an error lists.
 const MOST_NAMES: usize = 80;
 
 /// The files of one frame.
 pub(super) struct MapFiles<'a> {
-    map: &'a Path,
+    /// The path of the map, for errors.
+    pub map: &'a Path,
     main: &'a Path,
     bottom_up: bool,
     open: BTreeMap<PathBuf, Vec<ExrPart>>,
+    /// The size of the first channel that was read, and the path of its file.
     size: Option<([u32; 2], String)>,
     main_is_used: bool,
 }
 
 impl<'a> MapFiles<'a> {
-    /// `map` is the map's own path, for errors; `bottom_up` says whether the first row of the files is the lowest.
+    /// The files beside `main`, none of them read yet. `map` is the path of the map, for errors; `bottom_up` says
+    /// whether the first row of the files is the lowest.
     pub fn new(map: &'a Path, main: &'a Path, bottom_up: bool) -> Self {
         Self { map, main, bottom_up, open: BTreeMap::new(), size: None, main_is_used: false }
     }
@@ -47,17 +48,24 @@ impl<'a> MapFiles<'a> {
         }
     }
 
-    /// Width and height of the image, once a channel was read.
+    /// Width and height of the image; 0 until a channel was read.
     pub fn size(&self) -> [u32; 2] {
         self.size.as_ref().map_or([0; 2], |(size, _)| *size)
+    }
+
+    /// How many pixels the image has; 0 until a channel was read.
+    pub fn pixels(&self) -> usize {
+        let [width, height] = self.size();
+        width as usize * height as usize
     }
 
     /// The values of a channel, rows from the top. `exact` refuses values that a compression rounded.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for a file, part or channel that is not there, with the names of
-    /// those that are; for a channel that several parts have; for one that was rounded but must not be; for an image of
-    /// another size than those before; those of the file itself.
+    /// [`Error::Malformed`] with the line of the map for a file that is not there; for a part or channel that is not
+    /// there, with the names of those that are; for a channel that several parts have, that was rounded and must not
+    /// be, or whose image has another size than those before. [`Error::Io`] and [`Error::Malformed`] for a file that
+    /// cannot be read.
     pub fn channel(&mut self, source: &ChannelSource, name: &str, exact: bool) -> Result<Vec<f32>> {
         self.open(source.file.as_deref(), source.line)?;
         let path = self.path(source.file.as_deref());
@@ -67,20 +75,16 @@ impl<'a> MapFiles<'a> {
         let (part, channel) = find(parts, source.part.as_deref(), name, &shown).map_err(wrong)?;
         if let Some(compression) = channel.rounded_by.filter(|_| exact) {
             return Err(wrong(format!(
-                "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must \
-                 be \
-                 compressed without loss"
+                "channel {name} of {shown} was rounded by {compression}; depth, normals and sky must be compressed \
+                 without loss"
             )));
         }
         let [width, height] = part.size;
         if channel.values.len() != width as usize * height as usize {
             return Err(wrong(format!("channel {name} of {shown} has fewer values than pixels")));
         }
-        match &self.size {
-            Some(([w, h], first)) if [*w, *h] != part.size => {
-                return Err(wrong(format!("{shown} has {width}x{height} pixels, and {first} has {w}x{h}")));
-            }
-            _ => {}
+        if let Some(([w, h], first)) = self.size.as_ref().filter(|(size, _)| *size != part.size) {
+            return Err(wrong(format!("{shown} has {width}x{height} pixels, and {first} has {w}x{h}")));
         }
         let values = if self.bottom_up {
             channel.values.chunks_exact(width as usize).rev().flatten().copied().collect()
@@ -91,11 +95,11 @@ impl<'a> MapFiles<'a> {
         Ok(values)
     }
 
-    /// An attribute. Without a part it is that of any part, in their order in the file.
+    /// An attribute; if no part is named, that of the first part which has it. `key` is the key of the map that asks.
     ///
     /// # Errors
-    /// [`Error::Malformed`] with the line of the map for an attribute that is not there, with the names of those that
-    /// are; those of the file itself.
+    /// [`Error::Malformed`] with the line of the map for a file that is not there, and for an attribute that is not
+    /// there, with the names of those that are. [`Error::Io`] and [`Error::Malformed`] for a file that cannot be read.
     pub fn attribute(&mut self, wanted: &AttributeName, line: usize, key: &str) -> Result<AttributeValue> {
         self.open(wanted.file.as_deref(), line)?;
         let path = self.path(wanted.file.as_deref());
@@ -118,14 +122,16 @@ impl<'a> MapFiles<'a> {
         Err(self.error(line, format!("{key}: {message}")))
     }
 
+    /// Ends the reading of a frame.
+    ///
     /// # Errors
-    /// [`Error::Malformed`] if nothing of the main file was used.
+    /// [`Error::Malformed`] if nothing was taken from the main file.
     pub fn finish(&self) -> Result<()> {
         if self.main_is_used {
             return Ok(());
         }
         let message = format!(
-            "the map takes nothing from {}: what is in the file of the command is named without `file`",
+            "the map takes nothing from {}, the file of the command: its channels are named without `file`",
             self.main.display()
         );
         Err(Error::malformed(self.map, None, message))
@@ -144,7 +150,7 @@ impl<'a> MapFiles<'a> {
             }
             read => read?,
         };
-        let parts = if bytes.starts_with(&EXR_MAGIC) {
+        let parts = if bytes.starts_with(&magic_number::BYTES) {
             exr_parts::decode(&bytes, &path)?
         } else if bytes.starts_with(b"\x89PNG") {
             vec![png(&bytes, &path)?]
@@ -156,7 +162,7 @@ impl<'a> MapFiles<'a> {
     }
 }
 
-/// A PNG of 8 or 16 bits as channels `R`, `G`, `B` and `A` from 0 to 1; grey ones have the same in R, G and B.
+/// A PNG of 8 or 16 bits as channels `R`, `G`, `B` and `A` from 0 to 1; R, G and B of a grey image are the same.
 fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     let ([width, height], rgba) = texture::unit_values(bytes, path)?;
     let of = |k: usize| rgba.iter().skip(k).step_by(4).copied().collect();
@@ -165,10 +171,10 @@ fn png(bytes: &[u8], path: &Path) -> Result<ExrPart> {
     Ok(ExrPart { name: None, size: [width, height], channels, attributes: BTreeMap::new() })
 }
 
-/// A channel by its name in its part, or by the names of part and channel with a point between them.
+/// Finds a channel by its name in its part, or by the names of part and channel with a point between them.
 ///
 /// # Errors
-/// A sentence if there is none, or more than one.
+/// A sentence if no channel has the name, or several parts have one.
 fn find<'a>(
     parts: &'a [ExrPart],
     part: Option<&str>,
@@ -180,11 +186,8 @@ fn find<'a>(
         return Err(no_part(parts, part.unwrap_or_default(), file));
     }
     let is_it = |p: &ExrPart, channel: &str| {
-        let below = |long: &str, short: &str| {
-            let of = p.name.as_deref().and_then(|of| long.strip_prefix(of)?.strip_prefix('.'));
-            of == Some(short)
-        };
-        channel == name || below(name, channel) || (part.is_some() && below(channel, name))
+        let is_full_name = |long: &str, short: &str| within_part(p, long) == Some(short);
+        channel == name || is_full_name(name, channel) || (part.is_some() && is_full_name(channel, name))
     };
     let found: Vec<_> = searched()
         .flat_map(|p| p.channels.iter().map(move |(channel, values)| (p, channel, values)))
@@ -204,23 +207,27 @@ fn find<'a>(
     }
 }
 
-/// The name of a channel, with that of its part if it does not begin with it.
+/// What follows the part's name and a point in a name; `None` for a name that does not begin so.
+fn within_part<'a>(part: &ExrPart, name: &'a str) -> Option<&'a str> {
+    name.strip_prefix(part.name.as_deref()?)?.strip_prefix('.')
+}
+
+/// The name of a channel, behind that of its part unless it begins with that already.
 fn full_name(part: &ExrPart, channel: &str) -> String {
     match &part.name {
-        Some(name) if !channel.strip_prefix(name.as_str()).is_some_and(|rest| rest.starts_with('.')) => {
-            format!("{name}.{channel}")
-        }
+        Some(name) if within_part(part, channel).is_none() => format!("{name}.{channel}"),
         _ => channel.to_owned(),
     }
 }
 
+/// The sentence about a part that is not in a file, with the names of those that are.
 fn no_part(parts: &[ExrPart], part: &str, file: &str) -> String {
     let names: Vec<&str> = parts.iter().filter_map(|p| p.name.as_deref()).collect();
     let which = if names.is_empty() { "no parts with a name".to_owned() } else { list(&names) };
     format!("there is no part {part:?} in {file}, which has {which}")
 }
 
-/// Names with commas between them, the first ones of many.
+/// Names with commas between them, of many only the first.
 fn list(names: &[&str]) -> String {
     let first = names[..names.len().min(MOST_NAMES)].join(", ");
     match names.len().checked_sub(MOST_NAMES) {

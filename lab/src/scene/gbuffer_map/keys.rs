@@ -1,11 +1,10 @@
-//! The keys of a map's sections, taken one by one. Whatever is wrong with one is a sentence with the line; keys that
-//! nobody took are unknown.
+//! The keys of a map's sections, taken one by one. An error about a key has its line; keys that are left when all that
+//! a section knows have been taken are unknown.
 
 use super::numbers::{AttributeName, MapNumbers, NumbersFrom};
 use crate::error::{Error, Result};
-use crate::scene::scene_file::SourceText;
+use crate::scene::source_text::SourceText;
 use std::collections::BTreeMap;
-use std::ops::Range;
 use toml::{Spanned, Value};
 
 /// A section as TOML has it.
@@ -14,9 +13,9 @@ pub(super) type MapSection = Spanned<BTreeMap<String, Spanned<Value>>>;
 /// The keys of a section that have not been taken yet.
 pub(super) struct MapKeys<'a> {
     text: &'a SourceText<'a>,
-    /// As the map has it, in its brackets.
+    /// The section's name, in the brackets that the map has it in.
     pub name: String,
-    /// Where it begins.
+    /// The line in which the section begins.
     pub line: usize,
     left: BTreeMap<String, (Value, usize)>,
     known: Vec<&'static str>,
@@ -35,8 +34,7 @@ impl<'a> MapKeys<'a> {
 
     /// A section that may be left out.
     pub fn or_empty(text: &'a SourceText<'a>, name: &str, section: Option<MapSection>) -> Self {
-        let none = || Self { text, name: name.to_owned(), line: 1, left: BTreeMap::new(), known: Vec::new() };
-        section.map_or_else(none, |section| Self::new(text, name, section))
+        Self::new(text, name, section.unwrap_or_else(|| Spanned::new(0..0, BTreeMap::new())))
     }
 
     /// An error at a line.
@@ -49,9 +47,9 @@ impl<'a> MapKeys<'a> {
         self.left.remove(key)
     }
 
-    /// Whether one of these keys is there.
-    pub fn has_any(&self, keys: &[&str]) -> bool {
-        keys.iter().any(|key| self.left.contains_key(*key))
+    /// Whether a key is there and has not been taken.
+    pub fn has(&self, key: &str) -> bool {
+        self.left.contains_key(key)
     }
 
     /// A text.
@@ -63,27 +61,28 @@ impl<'a> MapKeys<'a> {
         }
     }
 
-    /// One of some words.
+    /// One of the words of `choices`.
     pub fn word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<Option<T>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let found = value.as_str().and_then(|word| choices.iter().find(|(name, _)| *name == word));
         match found {
             Some((_, choice)) => Ok(Some(*choice)),
             None => {
-                let names = choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ");
-                Err(self.error(line, format!("{key} must be one of {names}, not {}", shown(&value))))
+                let message = format!("{key} must be one of {}, not {}", words(choices), shown(&value));
+                Err(self.error(line, message))
             }
         }
     }
 
-    /// One of some words that must be there.
+    /// One of the words of `choices`, of a key that must be there.
     pub fn required_word<T: Copy>(&mut self, key: &'static str, choices: &[(&str, T)]) -> Result<T> {
-        let names = choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ");
-        let missing = self.error(self.line, format!("{key} is missing: one of {names}"));
-        self.word(key, choices)?.ok_or(missing)
+        match self.word(key, choices)? {
+            Some(choice) => Ok(choice),
+            None => Err(self.error(self.line, format!("{key} is missing: one of {}", words(choices)))),
+        }
     }
 
-    /// A number that is finite or, where that is allowed, infinite.
+    /// A number; infinite ones only if `may_be_infinite`.
     pub fn number(&mut self, key: &'static str, may_be_infinite: bool) -> Result<Option<f64>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let allowed = |n: &f64| n.is_finite() || (may_be_infinite && !n.is_nan());
@@ -104,7 +103,7 @@ impl<'a> MapKeys<'a> {
         numbers.ok_or_else(wrong).map(Some)
     }
 
-    /// Names of channels: a text, or a list of texts.
+    /// Names of channels, given as a text or as a list of texts, with the line.
     pub fn names(&mut self, key: &'static str) -> Result<Option<(Vec<String>, usize)>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let list = match &value {
@@ -112,12 +111,13 @@ impl<'a> MapKeys<'a> {
             Value::Array(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
             _ => None,
         };
-        let wrong =
-            || self.error(line, format!("{key} must be the name of a channel or a list of such, not {}", kind(&value)));
+        let wrong = || {
+            self.error(line, format!("{key} must be the name of a channel or a list of names, not {}", kind(&value)))
+        };
         list.ok_or_else(wrong).map(|list| Some((list, line)))
     }
 
-    /// So many finite numbers, in the map or in an attribute of a file: `{ attribute = "…", file = "…", part = "…" }`.
+    /// `count` finite numbers, in the map or in an attribute of a file: `{ attribute = "…", file = "…", part = "…" }`.
     pub fn numbers(&mut self, key: &'static str, count: usize) -> Result<Option<MapNumbers>> {
         let Some((value, line)) = self.take(key) else { return Ok(None) };
         let from = if let Value::Table(table) = value {
@@ -150,15 +150,17 @@ impl<'a> MapKeys<'a> {
         }
     }
 
+    /// The keys of a table that is the value of `key`. All of them have the line of that value.
     fn inner(&self, key: &str, line: usize, table: toml::Table) -> Self {
         let left = table.into_iter().map(|(key, value)| (key, (value, line))).collect();
         Self { text: self.text, name: format!("{} {key}", self.name), line, left, known: Vec::new() }
     }
 
+    /// Ends the section.
+    ///
     /// # Errors
-    /// The first key that nobody took, and those that there are.
-    pub fn finish(mut self) -> Result<()> {
-        self.known.dedup();
+    /// [`Error::Malformed`] with the first key that was not taken, and the names of the keys that the section knows.
+    pub fn finish(self) -> Result<()> {
         match self.left.iter().min_by_key(|(_, (_, line))| *line) {
             None => Ok(()),
             Some((key, (_, line))) => {
@@ -166,6 +168,11 @@ impl<'a> MapKeys<'a> {
             }
         }
     }
+}
+
+/// The words of `choices` in quotation marks.
+fn words<T>(choices: &[(&str, T)]) -> String {
+    choices.iter().map(|(name, _)| format!("{name:?}")).collect::<Vec<_>>().join(", ")
 }
 
 fn number(value: &Value) -> Option<f64> {
@@ -194,16 +201,7 @@ fn kind(value: &Value) -> &'static str {
         Value::Integer(_) | Value::Float(_) => "a number",
         Value::Boolean(_) => "true or false",
         Value::Datetime(_) => "a date",
-        Value::Array(_) => "such a list",
+        Value::Array(_) => "this list",
         Value::Table(_) => "a table",
-    }
-}
-
-/// The sections of a map, as the text names them.
-impl SourceText<'_> {
-    /// The line of a byte range, from 1.
-    fn line(&self, at: Range<usize>) -> usize {
-        let before = &self.text.as_bytes()[..at.start.min(self.text.len())];
-        1 + before.iter().filter(|b| **b == b'\n').count()
     }
 }

@@ -7,7 +7,6 @@ use super::source::{MapPlanes, MapSource, SourceRules};
 use crate::error::Result;
 use crate::scene::Camera;
 use glam::{DMat3, DVec2, DVec3, Vec3};
-use std::path::Path;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum NormalEncoding {
@@ -15,9 +14,9 @@ enum NormalEncoding {
     Unorm,
     /// Signed octahedral coordinates.
     Octahedral,
-    /// The same from 0 to 1.
+    /// Octahedral coordinates from 0 to 1.
     OctahedralUnorm,
-    /// The same as two numbers of 12 bits in three channels of 8 bits.
+    /// Octahedral coordinates as two numbers of 12 bits in three channels of 8 bits.
     Octahedral888,
 }
 
@@ -29,7 +28,7 @@ pub(super) struct MapNormals {
     encoding: NormalEncoding,
 }
 
-/// A normal that is shorter than this has no direction: nothing was drawn there, or it is not lit.
+/// A normal that is shorter than this has no direction: the pixel shows no surface, or one that is not lit.
 const SHORTEST: f64 = 1e-3;
 
 impl MapNormals {
@@ -45,32 +44,29 @@ impl MapNormals {
         ];
         let encoding = keys.word("encoding", &encodings)?.unwrap_or(Signed);
         let counts: &[usize] = if matches!(encoding, Octahedral | OctahedralUnorm) { &[2] } else { &[3] };
-        let rules = SourceRules { counts, may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
-        let source = MapSource::take(&mut keys, rules)?;
+        let source = MapSource::take(&mut keys, SourceRules { counts, ..SourceRules::EXACT })?;
         keys.finish()?;
         Ok(Self { source, is_world, encoding })
     }
 
-    /// Whether they are in world space, so that they say nothing without the place of the camera.
+    /// Whether the normals are in world space, so that they can only be read if the camera's place is known.
     pub fn need_world(&self) -> bool {
         self.is_world
     }
 
-    /// View-space normals, zero where there is no surface, that is, no depth. What is `signed` keeps its length.
+    /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
     ///
     /// # Errors
     /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
     /// finite.
-    pub fn read(
-        &self,
-        files: &mut MapFiles,
+    pub fn read<'a>(
+        &'a self,
+        files: &mut MapFiles<'a>,
         conventions: &MapConventions,
         camera: &Camera,
         depth: &[f32],
-        map: &Path,
     ) -> Result<Vec<Vec3>> {
         let planes = self.source.read(files)?;
-        let [width, _] = files.size();
         let turn = if self.is_world {
             DMat3::from_mat4(camera.world_to_view.as_dmat4()) * conventions.world
         } else {
@@ -86,7 +82,7 @@ impl MapNormals {
             }
             let values = || (0..self.source.count()).map(|k| planes.at(k, i));
             let bad = values().find(|v| !v.is_finite()).or(values().next()).unwrap_or(f64::NAN);
-            Err(planes.error(map, width, i, bad, "be finite"))
+            Err(planes.error(i, bad, "be finite"))
         };
         depth.iter().enumerate().map(pixel).collect()
     }
@@ -100,7 +96,8 @@ impl MapNormals {
             NormalEncoding::OctahedralUnorm => octahedral(DVec2::new(x, y) * 2.0 - 1.0),
             NormalEncoding::Octahedral888 => {
                 let bytes = [x, y, planes.at(2, pixel)].map(|v| (v * 255.0).round().clamp(0.0, 255.0));
-                // The third byte has the upper four bits of either number, those of the first below.
+                // The third byte has the upper four bits of both numbers: those of x in its lower half, of y in its
+                // upper.
                 let (of_y, of_x) = ((bytes[2] / 16.0).floor(), bytes[2] % 16.0);
                 let packed = DVec2::new(of_x * 256.0 + bytes[0], of_y * 256.0 + bytes[1]);
                 octahedral(packed / 4095.0 * 2.0 - 1.0)
@@ -114,7 +111,7 @@ pub(super) fn has_direction(normal: Vec3) -> bool {
     f64::from(normal.length()) >= SHORTEST
 }
 
-/// Of length 1, or zero if it has no direction.
+/// A vector made 1 long, or zero if it has no direction.
 fn unit(v: DVec3) -> DVec3 {
     if v.length() < SHORTEST { DVec3::ZERO } else { v.normalize() }
 }

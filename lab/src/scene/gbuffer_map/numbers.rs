@@ -1,4 +1,4 @@
-//! Numbers that stand in the map or in an attribute of a file.
+//! Numbers of the camera, which stand in the map or in an attribute of a file.
 
 use super::files::MapFiles;
 use crate::error::Result;
@@ -7,7 +7,7 @@ use exr::meta::attribute::AttributeValue;
 /// Where a number or a matrix stands.
 #[derive(Debug, Clone)]
 pub(super) struct MapNumbers {
-    /// The section and the key.
+    /// The section and the key, for errors.
     pub key: String,
     pub line: usize,
     pub count: usize,
@@ -20,20 +20,22 @@ pub(super) enum NumbersFrom {
     Attribute(AttributeName),
 }
 
-/// An attribute of a part of a file; of the main file and of all its parts, if these are not named.
+/// The name of an attribute, and where to look for it.
 #[derive(Debug, Clone)]
 pub(super) struct AttributeName {
     pub name: String,
+    /// The main file, if there is none.
     pub file: Option<String>,
+    /// All parts of the file, if there is none.
     pub part: Option<String>,
 }
 
 impl MapNumbers {
-    /// The numbers, as many as there must be.
+    /// The numbers, [`Self::count`] of them.
     ///
     /// # Errors
-    /// [`Error::Malformed`](crate::error::Error::Malformed) for an attribute that the file lacks or that is none of so
-    /// many finite numbers; those of the file.
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for an attribute that is not [`Self::count`] finite
+    /// numbers; the errors of [`MapFiles::attribute`].
     pub fn get(&self, files: &mut MapFiles) -> Result<Vec<f64>> {
         let name = match &self.from {
             NumbersFrom::Here(numbers) => return Ok(numbers.clone()),
@@ -48,12 +50,12 @@ impl MapNumbers {
         })
     }
 
-    /// The one number.
+    /// The number, where [`Self::count`] is 1.
     ///
     /// # Errors
     /// As for [`Self::get`].
     pub fn one(&self, files: &mut MapFiles) -> Result<f64> {
-        // There is one, since `count` is 1.
+        // The list is not empty, since `count` is 1.
         Ok(self.get(files)?.first().copied().unwrap_or_default())
     }
 }

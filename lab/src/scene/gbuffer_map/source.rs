@@ -1,4 +1,4 @@
-//! Where a map takes values from: channels of a file, or constants.
+//! Where a section of a map takes its values from: channels of a file, or constants.
 
 use super::files::MapFiles;
 use super::keys::MapKeys;
@@ -15,10 +15,10 @@ pub(super) struct ChannelSource {
     pub line: usize,
 }
 
-/// The values of a section, one or several a pixel.
+/// Where the values of a section come from, one or several a pixel, and how they are decoded.
 #[derive(Debug, Clone)]
 pub(super) struct MapSource {
-    /// What errors call it.
+    /// The name of the section, for errors.
     section: String,
     line: usize,
     from: SourceFrom,
@@ -34,14 +34,14 @@ enum SourceFrom {
     Constants(Vec<f64>),
 }
 
-/// What a section may have for its values.
+/// What a section may say of its values.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SourceRules {
-    /// How many channels.
+    /// The numbers of channels that there may be.
     pub counts: &'static [usize],
-    /// Whether constants may stand in their place.
+    /// Whether constants may stand in the place of channels.
     pub may_be_constant: bool,
-    /// Whether they may be encoded as sRGB.
+    /// Whether the values may be encoded as sRGB.
     pub may_be_srgb: bool,
     /// Whether `offset` is read, beside `scale`.
     pub has_offset: bool,
@@ -49,14 +49,24 @@ pub(super) struct SourceRules {
     pub exact: bool,
 }
 
+impl SourceRules {
+    /// One channel, which no compression may have rounded.
+    pub const EXACT: Self =
+        Self { counts: &[1], may_be_constant: false, may_be_srgb: false, has_offset: true, exact: true };
+    /// One value of a material.
+    pub const MATERIAL: Self = Self { may_be_constant: true, exact: false, ..Self::EXACT };
+    /// A colour or a grey.
+    pub const COLOUR: Self = Self { counts: &[1, 3], may_be_srgb: true, has_offset: false, ..Self::MATERIAL };
+}
+
 /// One value a pixel.
-pub(super) enum MapPlane {
+enum MapPlane {
     Pixels(Vec<f32>),
     Constant(f64),
 }
 
 impl MapPlane {
-    pub fn at(&self, pixel: usize) -> f64 {
+    fn at(&self, pixel: usize) -> f64 {
         match self {
             Self::Pixels(values) => f64::from(values[pixel]),
             Self::Constant(value) => *value,
@@ -68,13 +78,24 @@ impl MapPlane {
 pub(super) struct MapPlanes<'a> {
     source: &'a MapSource,
     /// One, two or three.
-    pub planes: Vec<MapPlane>,
-    /// Where they are from, for errors.
+    planes: Vec<MapPlane>,
+    /// The path of the map, for errors.
+    map: &'a Path,
+    /// Where the values are from, for errors.
     place: String,
+    /// The width of the image in pixels.
+    width: usize,
 }
 
 impl MapSource {
-    /// Takes the keys of a source.
+    /// Takes the keys of a section that has no others.
+    pub fn only(mut keys: MapKeys, rules: SourceRules) -> Result<Self> {
+        let source = Self::take(&mut keys, rules)?;
+        keys.finish()?;
+        Ok(source)
+    }
+
+    /// Takes the keys of a source from a section that has others, too.
     pub fn take(keys: &mut MapKeys, rules: SourceRules) -> Result<Self> {
         let line = keys.line;
         let [file, part] = ["file", "part"].map(|key| keys.text(key));
@@ -105,9 +126,9 @@ impl MapSource {
             }
             (Some(_), Some(_)) => return Err(keys.error(line, "there is a channel and a value; one of them is enough")),
             (None, None) => {
-                let or = if rules.may_be_constant { ", or a value" } else { "" };
+                let or = if rules.may_be_constant { ", or give a value" } else { "" };
                 let key = if rules.counts == [1] { "channel" } else { "channels" };
-                return Err(keys.error(line, format!("{key} is missing: the name of {wants} in the file{or}")));
+                return Err(keys.error(line, format!("{key} is missing: name {wants} {key} of the file{or}")));
             }
         };
         Ok(Self { section: keys.name.clone(), line, from, is_srgb, scale, offset, exact: rules.exact })
@@ -125,7 +146,7 @@ impl MapSource {
     ///
     /// # Errors
     /// As for [`MapFiles::channel`].
-    pub fn read(&self, files: &mut MapFiles) -> Result<MapPlanes<'_>> {
+    pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         let (planes, place) = match &self.from {
             SourceFrom::Channels(of) => {
                 let channel = |name: &String| files.channel(of, name, self.exact).map(MapPlane::Pixels);
@@ -133,41 +154,41 @@ impl MapSource {
                 let path = files.path(of.file.as_deref());
                 (planes, format!("{} of {}", of.names.join(", "), path.display()))
             }
-            SourceFrom::Constants(values) => {
-                (values.iter().map(|v| MapPlane::Constant(*v)).collect(), "the value".to_owned())
-            }
+            SourceFrom::Constants(values) => (values.iter().map(|v| MapPlane::Constant(*v)).collect(), String::new()),
         };
-        Ok(MapPlanes { source: self, planes, place })
+        Ok(MapPlanes { source: self, planes, map: files.map, place, width: files.size()[0] as usize })
     }
 }
 
 impl MapPlanes<'_> {
     /// A value of a pixel as it lies in the file.
     pub fn raw(&self, plane: usize, pixel: usize) -> f64 {
-        // A single one stands for all three.
+        // A single value stands for all three.
         self.planes[plane.min(self.planes.len() - 1)].at(pixel)
     }
 
-    /// A value of a pixel: decoded, scaled and shifted.
+    /// A value of a pixel: decoded, multiplied by `scale`, and with `offset` added.
     pub fn at(&self, plane: usize, pixel: usize) -> f64 {
         let raw = self.raw(plane, pixel);
         let decoded = if self.source.is_srgb { f64::from(math::srgb_to_linear(raw as f32)) } else { raw };
         decoded * self.source.scale.unwrap_or(1.0) + self.source.offset.unwrap_or(0.0)
     }
 
-    /// Three values of a pixel; a single one stands for all.
+    /// Three values of a pixel; a single value stands for all.
     pub fn three(&self, pixel: usize) -> [f64; 3] {
         [0, 1, 2].map(|plane| self.at(plane, pixel))
     }
 
-    /// An error about a pixel whose value, as [`Self::at`] has it, is not as it must be.
-    pub fn error(&self, map: &Path, width: u32, pixel: usize, value: f64, must: &str) -> Error {
-        let (x, y) = (pixel % width as usize, pixel / width as usize);
-        let at = if matches!(self.source.from, SourceFrom::Constants(_)) {
-            format!("is {value}")
-        } else {
-            format!("is {value} at pixel {x}, {y} ({})", self.place)
+    /// An error about a pixel with a wrong value, as [`Self::at`] has it. `must` says what it must do, as in "be
+    /// finite".
+    pub fn error(&self, pixel: usize, value: f64, must: &str) -> Error {
+        let at = match self.source.from {
+            SourceFrom::Constants(_) => String::new(),
+            SourceFrom::Channels(_) => {
+                format!(" at pixel {}, {} ({})", pixel % self.width, pixel / self.width, self.place)
+            }
         };
-        Error::malformed(map, Some(self.source.line), format!("{}: it {at}; it must {must}", self.source.section))
+        let message = format!("{}: it is {value}{at}; it must {must}", self.source.section);
+        Error::malformed(self.map, Some(self.source.line), message)
     }
 }

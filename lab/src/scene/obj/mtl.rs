@@ -8,14 +8,15 @@
 //! | `Kd` | albedo, linear, clamped to 0…1; black with a `map_Kd` counts as white, as exporters mean it |
 //! | `Ks` | its luminance is the reflectivity; 1 if absent |
 //! | `Pr` | roughness |
-//! | `Ns` | without `Pr`: Phong exponent, see [`material_terms::roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
+//! | `Ns` | without `Pr`: Phong exponent, see [`roughness_of_exponent`]; absent or ≤ 0 states no gloss: roughness 0, the author's default |
 //! | `map_Kd`, `map_Ks`, `map_d` | albedo image, factor on the reflectivity, alpha mask |
 //! | `bump`, `map_bump`, `norm` | normal map or height field, as the image's content says; `-bm` scales its tilt |
 
 use super::images::{ImageStatement, MaterialImages, resolve};
 use super::{read_limited, text::NO_MATERIAL};
 use crate::error::{Error, Result};
-use crate::scene::{Material, material_terms, texture::luminance};
+use crate::scene::material_terms::roughness_of_exponent;
+use crate::scene::{Material, texture::luminance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -33,7 +34,7 @@ pub(super) struct Definition {
 impl Definition {
     /// The material without its name, surface and images.
     pub(super) fn material(&self) -> Material {
-        let roughness = self.roughness.or(self.exponent.map(material_terms::roughness_of_exponent));
+        let roughness = self.roughness.or(self.exponent.map(roughness_of_exponent));
         let mut albedo = self.diffuse.unwrap_or(Vec3::ONE).clamp(Vec3::ZERO, Vec3::ONE);
         if albedo == Vec3::ZERO && self.images.albedo.is_some() {
             albedo = Vec3::ONE;

@@ -1,9 +1,9 @@
 //! The section of a scene file that says where captures stand ([`crate::scene::capture`]), and the list of a folder of
 //! captures, which has that section alone ([`crate::scene::capture_file`]).
 
-use super::SourceText;
 use crate::error::{Error, Result};
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
+use crate::scene::source_text::{self, SourceText};
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -20,7 +20,7 @@ struct ListOfCaptures {
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
 pub(in crate::scene) fn load_list(path: &Path) -> Result<Vec<Capture>> {
-    let text = super::read(path, "a list of captures")?;
+    let text = source_text::read(path, "a list of captures", super::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
     let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
     let captures = source.captures(&list.capture, 1.0)?;

@@ -1,7 +1,7 @@
 //! The sections of a scene file that define probes, impostors and area lights ([`crate::scene::proxies`]).
 
-use super::SourceText;
 use crate::error::Result;
+use crate::scene::source_text::SourceText;
 use crate::scene::{Aabb, AreaLight, AreaShape, Encoding, Impostor, Probe, Texture, obj, texture};
 use glam::Vec3;
 use serde::Deserialize;

@@ -1,4 +1,4 @@
-//! What a variant's image and hits come to beside the references of a cell: its records.
+//! The records of a variant: its image and its hits compared with the references of a cell.
 
 use super::truth::{Reference, Truth};
 use super::{Against, ErrorRecord, ErrorSpec, display};
@@ -49,6 +49,7 @@ impl Record {
         }
     }
 
+    /// The record of an image against one reference.
     pub(super) fn image(
         &self,
         against: Against,
@@ -68,6 +69,7 @@ impl Record {
         }
     }
 
+    /// The records of a variant's image against each reference; in a cell of mirrors, those of its hits as well.
     pub(super) fn against_all(
         &self,
         truth: &Truth,

@@ -42,7 +42,7 @@ pub(super) struct Truth {
     pub(super) world_and_environment: Option<Reference>,
     /// By version 2, the RMSE of the screen's floor.
     pub(super) floor: Option<f64>,
-    /// How long the references of the screen took, and those of the world.
+    /// Seconds that the references of the screen took, and those of the world.
     pub(super) seconds: (f64, f64),
 }
 
@@ -112,9 +112,9 @@ pub(super) fn truth(
         let mut floor = ScreenFloor::new(&data, &first_hits);
         let floor_of_same = (!definitions.is_first()).then_some(&mut floor);
         let mut state = kept_samples::resume(&reference, floor_of_same, spec.references)?;
-        while state.samples < spec.rays {
+        while state.samples() < spec.rays {
             go_on()?;
-            let rays = RAYS_AT_ONCE.min(spec.rays - state.samples);
+            let rays = RAYS_AT_ONCE.min(spec.rays - state.samples());
             match definitions {
                 DefinitionsVersion::V1 => reference.add(&mut state, rays),
                 DefinitionsVersion::V2 => floor.add(&reference, &mut state, rays),
@@ -141,12 +141,14 @@ pub(super) fn truth(
     })
 }
 
-/// Whether variants are held against a second world, with the environment where rays escape.
+/// Whether some variants are compared with a second reference of the world, which has the environment where rays
+/// escape.
 fn has_world_and_environment(spec: &ErrorSpec, definitions: DefinitionsVersion) -> bool {
     definitions.is_first() && spec.variants.iter().any(|v| v.escape() == Escape::Environment)
 }
 
-/// Takes some samples of each world reference of a G-buffer, and keeps them in a folder for [`truth`].
+/// Takes some samples of each world reference of a G-buffer, and keeps them in a folder, from which [`truth`] takes
+/// them.
 pub(super) fn sample_worlds(
     spec: &ErrorSpec,
     data: &GBufferData,

@@ -1,11 +1,11 @@
-//! What each run changed: its totals beside those of the latest run before it on the same device that timed something
-//! in common, judged as `ssct compare` judges them.
+//! What each run changed: its total times beside those of an earlier run, judged as `ssct compare` judges them. The
+//! earlier run is the latest one on the same device that timed something in common.
 
 use super::LibraryRun;
 use crate::study::compare::{self, Run, TOTAL, TimeComparison, TimeSample};
 use std::sync::Arc;
 
-/// A run beside one before it.
+/// A run beside an earlier one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunChange {
     /// Index of the earlier run in the library.
@@ -16,15 +16,15 @@ pub struct RunChange {
     pub totals: Vec<TimeComparison>,
 }
 
-/// The changes of a library in its order. Threshold: 0 ≤ t < 1.
+/// The change of each run that has one, in the order of the library. Threshold: 0 ≤ t < 1.
 pub fn changes(library: &[LibraryRun], threshold: f64) -> Vec<RunChange> {
     let mut found = Vec::new();
     for (after, run) in library.iter().enumerate() {
         let Some(b) = &run.samples else { continue };
         let earlier = library[..after].iter().enumerate().rev();
         let before = earlier.filter_map(|(before, run)| Some((before, run.samples.as_ref()?)));
-        let mut on_it = before.filter(|(_, a)| a.device.is_some() && a.device == b.device);
-        found.extend(on_it.find_map(|(before, a)| {
+        let mut same_device = before.filter(|(_, a)| a.device.is_some() && a.device == b.device);
+        found.extend(same_device.find_map(|(before, a)| {
             let mut totals = compare::times(a, b, threshold);
             totals.retain(|record| record.only_in.is_none());
             (!totals.is_empty()).then_some(RunChange { before, after, totals })
@@ -41,7 +41,7 @@ pub fn totals_only(run: Run) -> Run {
             subject: Arc::clone(&first.subject),
             sample: first.sample,
             pass: TOTAL.to_owned(),
-            // What counts would be added up to a total once more.
+            // Of counted rows, the comparison would make a total once more.
             counted: false,
             ms: rows.iter().filter(|row| row.counted).map(|row| row.ms).sum(),
             floors: [first.floors[1]; 2],

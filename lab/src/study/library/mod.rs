@@ -1,6 +1,6 @@
-//! A library of results: many runs of the studies, of different dates, commits and devices, beside each other. Read
-//! from records as plain JSON ([`read`]), since older ones lack what newer ones say; followed over runs ([`trends`]);
-//! and compared with the run before ([`changes`]).
+//! A library of results: many runs of the studies, of different dates, commits and devices, beside each other. Runs of
+//! all versions are read ([`read`]), their figures are followed over the runs ([`trends`]), and the times of each run
+//! are compared with those of an earlier one ([`changes`]).
 
 pub mod changes;
 pub mod read;
@@ -12,73 +12,67 @@ use crate::gpu::DeviceInfo;
 /// A folder with the records of a run.
 #[derive(Debug, Clone)]
 pub struct LibraryRun {
-    /// Its folder, relative to the library's, with slashes; "." for the library's own.
+    /// The run's folder, relative to the library's, with slashes; "." for the library's own.
     pub name: String,
     /// When it was measured, as YYYY-MM-DD.
     pub date: String,
-    /// What says so.
+    /// Where the date comes from.
     pub dated_by: DatedBy,
     /// Record files, relative to the folder, with the kind and number of their records.
     pub files: Vec<RecordFile>,
-    /// Whether it has a page of its own, index.html.
+    /// Whether the run has a page of its own, index.html.
     pub has_page: bool,
     /// Versions and commits of the programs that measured.
     pub programs: Vec<String>,
-    /// Versions of the definitions that its figures are of.
+    /// Versions of docs/definitions.md that the figures are of.
     pub definitions: Vec<u32>,
-    /// The devices of its records.
+    /// The devices that the records name.
     pub devices: Vec<DeviceInfo>,
-    /// What its records say.
+    /// The figures of the records.
     pub measurements: Vec<Measurement>,
-    /// Cases of the stress study that failed, and all of them.
+    /// Of the stress study: the number of cases that failed, and of all cases.
     pub stress: Option<[usize; 2]>,
-    /// The totals of its frames, if raw samples lie beside the records.
+    /// The time of each frame, if raw samples lie beside the records.
     pub samples: Option<compare::Run>,
-    /// What is wrong with a part of it, as sentences.
+    /// Which parts of the run could not be read or do not fit, in sentences without a full stop.
     pub notes: Vec<String>,
 }
 
-impl LibraryRun {
-    /// Order of the library: by date, and on one day by name.
-    pub fn order(&self) -> (&str, &str) {
-        (&self.date, &self.name)
-    }
-}
-
-/// What says when a run was measured; a record does not.
+/// Where the date of a run comes from; its records do not hold one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DatedBy {
-    /// A folder on its path is named by the date.
+    /// The name of a folder on the run's path begins with the date.
     Folder,
-    /// The files' own times, which a copy or a checkout changes.
+    /// The date of the newest file, which a copy or a checkout changes.
     Files,
 }
 
 /// A file of records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RecordFile {
-    /// Relative to the run's folder.
+    /// The file's name, relative to the run's folder.
     pub file: String,
     /// The kind of its first record.
     pub kind: String,
-    /// How many it has.
+    /// Number of records.
     pub records: usize,
 }
 
-/// What was measured.
+/// A figure that can be followed over runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Quantity {
     /// Median time of the effect, in milliseconds, of the time study.
     Time,
-    /// The same of the error study, which has samples of its own.
+    /// Median time of the effect, in milliseconds, of the error study, which takes samples of its own.
     ErrorStudyTime,
-    /// Share of the mirror rays that end elsewhere than the oracle's.
+    /// Share of the pixels whose mirror ray does not end where the oracle's does: 1 − hit agreement.
     WrongHits,
     /// RMSE against the screen reference.
     ScreenRmse,
     /// RMSE against the world reference.
     WorldRmse,
-    /// Change under a moving camera: deviation from the screen reference's, over the reference's own change.
+    /// How far the change of the image under a moving camera deviates from the screen reference's change, over the
+    /// latter.
     MotionDeviation,
 }
 
@@ -87,12 +81,12 @@ impl Quantity {
     pub const ALL: [Self; 6] =
         [Self::Time, Self::ErrorStudyTime, Self::WrongHits, Self::ScreenRmse, Self::WorldRmse, Self::MotionDeviation];
 
-    /// Whether it is a time, which says nothing on another device or beside another run's.
+    /// Whether the figure is a time. Times of different devices or runs are not compared.
     pub fn is_time(self) -> bool {
         matches!(self, Self::Time | Self::ErrorStudyTime)
     }
 
-    /// What a page calls it; a time is given over that of a method of the same run.
+    /// The figure's title on a page.
     pub fn title(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -105,7 +99,7 @@ impl Quantity {
     }
 }
 
-/// Where a measurement was taken, apart from the view.
+/// Where a measurement was made, except for the view.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Setting {
     /// Scene name.
@@ -114,8 +108,8 @@ pub struct Setting {
     pub size: [u32; 2],
     /// Global roughness as text; "own" where the materials keep theirs.
     pub roughness: String,
-    /// Version of the definitions, and whatever of lens, reflectivity and normal deviation the record says, as
-    /// "name value".
+    /// The version of the definitions, then lens, reflectivity and normal deviation as far as the record has them: each
+    /// as "name value".
     pub rest: Vec<String>,
 }
 
@@ -124,13 +118,13 @@ pub struct Setting {
 pub struct Measurement {
     /// Index of the device among the run's.
     pub device: usize,
-    /// Where.
+    /// Where it was measured.
     pub setting: Setting,
-    /// View, and how the camera moves if it does.
+    /// The view, followed by the motion of the camera if it moves.
     pub view: String,
     /// The method and the parameters that are not its preset's.
     pub method: String,
-    /// What.
+    /// What was measured.
     pub quantity: Quantity,
     /// Finite, ≥ 0.
     pub value: f64,

@@ -1,5 +1,5 @@
-//! Records as they were written at any commit since the first: what one says is taken, and what it lacks is left out of
-//! account.
+//! Reads records as any commit since the first has written them. Older records lack some fields of newer ones, so that
+//! each is read from plain JSON as far as it goes.
 
 use super::{Measurement, Quantity, Setting};
 use crate::gpu::DeviceInfo;
@@ -13,16 +13,16 @@ use serde_json::Value as Json;
 /// The kinds of records that the studies write.
 pub const KINDS: [&str; 9] = ["time", "error", "stress", "motion", "precision", "video", "path", "age", "reference"];
 
-/// Fields at the top of a record that a newer one has in its setup.
+/// Settings that older records have at their top, and newer ones in their setup.
 const ONCE_AT_THE_TOP: [&str; 4] = ["normal_deviation", "resolution_scale", "split", "oracle"];
 
-/// What belongs to the place of a measurement, if a record says it.
+/// Settings that belong to the place of a measurement and not to its method.
 const OF_THE_PLACE: [&str; 5] = ["fov_degrees", "near_m", "far_m", "reflectivity", "normal_deviation"];
 
-/// What a record says of the program and the device, and the figures that it holds.
+/// The parts of a record that the library uses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReadRecord {
-    /// Its kind, one of [`KINDS`].
+    /// One of [`KINDS`].
     pub kind: String,
     /// "VERSION, commit COMMIT".
     pub program: String,
@@ -30,22 +30,21 @@ pub struct ReadRecord {
     pub definitions: u32,
     /// Device.
     pub device: DeviceInfo,
-    /// Where, how and what was measured; the device is the first.
+    /// The record's figures. Their device has the number 0: there is but this one.
     pub measurements: Vec<Measurement>,
     /// For a record of the stress study: whether the case passed.
     pub passed: Option<bool>,
 }
 
-/// Whether a file's content is an array of records of the studies; of an empty one nobody knows.
-pub fn is_records(content: &Json) -> bool {
-    let kind = content.pointer("/0/kind").and_then(Json::as_str);
-    kind.is_some_and(|kind| KINDS.contains(&kind))
+/// Whether the objects of a file are records of the studies, by the kind of the first.
+pub fn are_records(objects: &[Json]) -> bool {
+    objects.first().and_then(|first| first["kind"].as_str()).is_some_and(|kind| KINDS.contains(&kind))
 }
 
 /// Reads a record.
 ///
 /// # Errors
-/// What it lacks, as the end of a sentence.
+/// What the record lacks, as the end of a sentence that begins with the record.
 pub fn record(json: &Json) -> Result<ReadRecord, String> {
     let kind = json["kind"].as_str().filter(|kind| KINDS.contains(kind)).ok_or("has no kind that is known")?;
     let device = DeviceInfo::deserialize(&json["device"]).map_err(|_| "has no device")?;
@@ -89,7 +88,7 @@ fn figures(kind: &str, json: &Json) -> Vec<(Quantity, f64)> {
     let at = |pointer: &str| json.pointer(pointer).and_then(Json::as_f64);
     let found = match (kind, json["against"].as_str()) {
         ("time", _) => vec![(Quantity::Time, at("/total/median_ms"))],
-        // Each record of a cell has the cell's time.
+        // The time of a cell stands in each of its records.
         ("error", Some("oracle")) => {
             let wrong = at("/hit_agreement").map(|right| (1.0 - right).max(0.0));
             vec![(Quantity::WrongHits, wrong), (Quantity::ErrorStudyTime, at("/time_ms"))]
@@ -128,7 +127,7 @@ fn head(kind: &str, program: Provenance, json: &Json) -> Result<Head, String> {
     })
 }
 
-/// All that was set, wherever the record says it.
+/// All that was set, from each part of a record that may hold settings.
 fn setup(json: &Json) -> RecordedSetup {
     let top = ONCE_AT_THE_TOP.iter().filter_map(|name| Some(((*name).to_owned(), json.get(name)?.clone())));
     let mut all: RecordedSetup = top.collect();
@@ -150,8 +149,8 @@ fn setting(head: &Head) -> Setting {
     }
 }
 
-/// The method and what is not its preset's. Nobody here knows the presets of a method from a folder, so that all of its
-/// parameters are named.
+/// The method with its parameters that differ from the preset. The presets of a method from a folder are not known
+/// here, so all of its parameters are named.
 fn method(head: &Head) -> String {
     if methods::find(&head.method).is_ok() || [EXACT_HITS, SCREEN_REFERENCE].contains(&&*head.method) {
         return head.variant();

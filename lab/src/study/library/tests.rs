@@ -1,7 +1,7 @@
 //! A library of runs whose figures are known.
 
 use super::changes::{changes, totals_only};
-use super::read::{is_records, record};
+use super::read::{are_records, record};
 use super::trends::trends;
 use super::*;
 use crate::metrics::bootstrap::Verdict;
@@ -79,7 +79,7 @@ fn no_line_joins_devices_views_or_settings() {
     };
     assert_eq!(shown(&[pair("one", "a"), pair("two", "a")]), [], "devices");
     assert_eq!(shown(&[pair("one", "a"), pair("one", "b")]), [], "views");
-    // In one run of two devices, the base is that of the method's own.
+    // In a run of two devices, a method's base is the one on its own device.
     let merged = run("r", &[time_record("one", "a", "ssct", 10.0), time_record("two", "a", "unified", 5.0)]);
     assert_eq!(shown(&[merged.clone(), merged]), [], "a ratio across devices");
     let mut other = time_record("one", "a", "unified", 5.0);
@@ -120,7 +120,7 @@ fn errors_are_followed_as_they_are_and_gaps_stay() {
 
 #[test]
 fn an_older_record_is_read_as_far_as_it_goes() {
-    // Of the first version: parameters apart from the setup, some of them at the top.
+    // The first version had parameters beside the setup, and some of them at the top.
     let old = json!({
         "kind": "error", "definitions": 1, "version": "0.1.0", "commit": "1a673ff7e6", "device": device("gpu"),
         "scene": "rooms", "view": "a", "method": "ssct", "preset": "author", "width": 64, "height": 36,
@@ -136,13 +136,13 @@ fn an_older_record_is_read_as_far_as_it_goes() {
     for word in ["ssct", "author", "cone-samples 3", "resolution-scale 0.5"] {
         assert!(first.method.contains(word), "{word}: {}", first.method);
     }
-    // Of a method from a folder nobody knows the presets.
+    // The presets of a method from a folder are not known.
     let mut folder = time_record("gpu", "a", "my/method", 1.0);
     folder["setup"]["steps"] = 12.into();
     let read = record(&folder).expect("read");
     assert_eq!(read.measurements[0].method, "my/method steps 12");
 
-    assert!(is_records(&json!([old])) && !is_records(&json!([])) && !is_records(&json!([{ "kind": "compare" }])));
+    assert!(are_records(&[old]) && !are_records(&[]) && !are_records(&[json!({ "kind": "compare" })]));
     let lacks = |name: &str| {
         let mut record = time_record("gpu", "a", "ssct", 1.0);
         record.as_object_mut().expect("an object").remove(name);
@@ -197,7 +197,7 @@ fn a_change_is_judged_as_compare_judges_the_total() {
     let verdicts: Vec<_> =
         found.iter().map(|c| (c.before, c.after, c.totals.iter().map(|t| t.verdict).collect::<Vec<_>>())).collect();
     assert_eq!(verdicts, [(0, 4, vec![Some(Verdict::Slower)]), (1, 5, vec![Some(Verdict::Same)])]);
-    // Number for number what comparing all passes says of the total.
+    // The numbers are those that a comparison of all passes has for the total.
     let whole = times(&frames(Some(one.clone()), 1.0), &frames(Some(one), 2.0), 0.05);
     let total = whole.iter().find(|r| r.pass == TOTAL).expect("a total");
     let of =

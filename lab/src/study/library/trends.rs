@@ -1,5 +1,5 @@
-//! Figures over runs. A time is given over that of a base method in the same run on the same device, never in
-//! milliseconds and never across devices. A line joins runs only where the same views were measured in the same
+//! Figures over runs. A time is given as its ratio to the time of a base method in the same run on the same device,
+//! never in milliseconds and never across devices. A line joins only runs that measured the same views in the same
 //! setting.
 
 use super::{LibraryRun, Quantity, Setting};
@@ -7,20 +7,20 @@ use crate::gpu::DeviceInfo;
 use crate::study::record::Stats;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Lines of one figure over the runs that measured it in the same places on one device.
+/// One figure over the runs that measured it in the same place on one device.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trend {
     /// Device.
     pub device: DeviceInfo,
-    /// Where.
+    /// Where it was measured, except for the views.
     pub setting: Setting,
-    /// The views whose median each value is.
+    /// The views. Each value of a line is the median over them.
     pub views: Vec<String>,
-    /// What.
+    /// What was measured.
     pub quantity: Quantity,
-    /// The runs of the lines, by their index in the library, in its order; at least two.
+    /// Indices of the runs in the library, ascending; at least two.
     pub runs: Vec<usize>,
-    /// A line a method, by name.
+    /// One line for each method, sorted by name.
     pub lines: Vec<TrendLine>,
 }
 
@@ -29,20 +29,20 @@ pub struct Trend {
 pub struct TrendLine {
     /// The method and its parameters.
     pub method: String,
-    /// For each run the median over the views; nothing where the run has none of it. At least two are there.
+    /// For each run of the trend its value, ≥ 0; `None` where the run did not measure it. At least two are there.
     pub values: Vec<Option<f64>>,
 }
 
 /// The values of one method in one run, by view.
 type Views = BTreeMap<String, f64>;
 
-/// What one trend is of: device by its number, setting, views and quantity.
+/// What a trend is of: the index of its device, the setting, the views and the quantity.
 type Place = (usize, Setting, Vec<String>, Quantity);
 
-/// Of each method, its value in each run that has one, by the run's index.
+/// For each method its values, by the index of the run.
 type Methods = BTreeMap<String, BTreeMap<usize, f64>>;
 
-/// All trends of a library in its order, with times over those of a base method.
+/// All trends of a library, with times over those of a base method.
 pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
     let devices = devices(library);
     let mut groups: BTreeMap<Place, Methods> = BTreeMap::new();
@@ -59,7 +59,7 @@ pub fn trends(library: &[LibraryRun], base: &str) -> Vec<Trend> {
         }
     }
     let trend = |((device, setting, views, quantity), mut methods): (Place, Methods)| {
-        // The base over itself says nothing.
+        // The base over itself is always 1.
         methods.retain(|method, values| values.len() > 1 && !(Quantity::is_time(quantity) && method == base));
         let runs: BTreeSet<usize> = methods.values().flat_map(|values| values.keys().copied()).collect();
         let line = |(method, values): (String, BTreeMap<usize, f64>)| TrendLine {
@@ -101,8 +101,8 @@ fn cells(run: &LibraryRun) -> BTreeMap<(usize, Setting, Quantity), BTreeMap<Stri
     cells
 }
 
-/// The values as they are, or of a time those over the base's in the views that both have; `None` where there is
-/// nothing.
+/// The values of errors as they are; those of times over the base's, in the views that both have. `None` if no view is
+/// left.
 fn relative(quantity: Quantity, views: &Views, base: Option<&Views>) -> Option<Views> {
     if !quantity.is_time() {
         return Some(views.clone());

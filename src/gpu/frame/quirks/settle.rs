@@ -5,7 +5,7 @@
 //! This costs milliseconds and megabytes per frame. Only if neither uniforms nor push constants are new at a draw does
 //! lavapipe find that the copy is no better, and then it uses one shader from then on. Each pipeline that draws
 //! full-screen triangles therefore draws zero vertices once, after another pipeline has consumed the pushed values.
-//! Shaders for meshes of this crate have no such control flow, and memory stays flat over dispatches as it is.
+//! This crate's shaders for meshes have no such control flow, and dispatches of its compute shaders leave memory flat.
 //!
 //! This can go when Mesa 22 need not be supported any more, or when `cargo test --test soak`, which checks that
 //! resident memory stays flat, passes on it without this file.

@@ -1,12 +1,13 @@
-//! What the page's script compares two runs from: for each run its figures, and the raw totals of its frames. Names
-//! stand once, in lists, and are numbers elsewhere.
+//! The data from which the page's script compares two runs: of each run its figures, and the total time of each frame.
+//! Each text stands once, in a list; elsewhere its index stands for it.
 
 use super::LibraryPage;
+use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{CONFIDENCE, MIN_SAMPLES, RESAMPLES};
 use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
 use crate::study::compare::{Run, SEED, Subject, TimeSample};
+use crate::study::library::Measurement;
 use crate::study::library::trends::devices;
-use crate::study::library::{LibraryRun, Measurement};
 use serde_json::{Value as Json, json};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use std::sync::Arc;
 pub fn embedded(page: &LibraryPage) -> String {
     let mut names = Names::default();
     let devices = devices(&page.library.runs);
-    let device = |run: &LibraryRun, at: usize| devices.iter().position(|d| **d == run.devices[at]);
+    let number = |device: &DeviceInfo| devices.iter().position(|known| *known == device);
     let runs: Vec<Json> = page
         .library
         .runs
@@ -25,12 +26,10 @@ pub fn embedded(page: &LibraryPage) -> String {
             json!({
                 "name": run.name,
                 "date": run.date,
-                "devices": (0..run.devices.len()).map(|at| device(run, at)).collect::<Vec<_>>(),
+                "devices": run.devices.iter().map(number).collect::<Vec<_>>(),
                 "figures": figures.map(|m| names.figure(m)).collect::<Vec<_>>(),
                 "samples": run.samples.as_ref().map(|samples| names.samples(samples)),
-                "samplesDevice": run.samples.as_ref().and_then(|samples| {
-                    devices.iter().position(|d| Some(*d) == samples.device.as_ref())
-                }),
+                "samplesDevice": run.samples.as_ref().and_then(|samples| number(samples.device.as_ref()?)),
             })
         })
         .collect();
@@ -49,11 +48,11 @@ pub fn embedded(page: &LibraryPage) -> String {
         "runs": runs,
         "names": names.list,
     });
-    // A name may hold what would end the element or begin a comment.
+    // A text may have characters that would end the element or begin a comment.
     data.to_string().replace('<', "\\u003c")
 }
 
-/// A list of different texts.
+/// A list of texts, each of which stands in it once.
 #[derive(Default)]
 struct Names {
     list: Vec<String>,
@@ -61,6 +60,7 @@ struct Names {
 }
 
 impl Names {
+    /// The index of a text, which is added if it is not there yet.
     fn number(&mut self, name: &str) -> usize {
         if let Some(known) = self.known.get(name) {
             return *known;
@@ -70,7 +70,7 @@ impl Names {
         self.list.len() - 1
     }
 
-    /// A figure: place, method, what it is, and its value.
+    /// A figure: place, the rest of its setting, method, title, and value.
     fn figure(&mut self, m: &Measurement) -> Json {
         let [width, height] = m.setting.size;
         let place = format!("{} {}, {width}x{height}, roughness {}", m.setting.scene, m.view, m.setting.roughness);
@@ -84,8 +84,8 @@ impl Names {
         ])
     }
 
-    /// The totals of a run's frames by subject, in order of appearance: all that is said of a subject, its labels, its
-    /// noise floor, and milliseconds.
+    /// The total time of a run's frames by subject, in order of appearance: everything that was set, the labels of the
+    /// subject, its noise floor, and the milliseconds.
     fn samples(&mut self, run: &Run) -> Json {
         let mut groups: Vec<(&Arc<Subject>, Vec<&TimeSample>)> = Vec::new();
         for sample in &run.samples {

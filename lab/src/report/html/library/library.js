@@ -15,7 +15,7 @@ const streamOf = (seed, index) => mix((mix((seed + GOLDEN_GAMMA) & MASK) + index
 const uniform = (stream, position) =>
   Number(mix((stream + (position + 1n) * GOLDEN_GAMMA) & MASK) >> 11n) / 2 ** 53;
 
-// The numbers of each resample, which are the same for all subjects.
+// The random numbers of each resample, drawn as they are needed; they are the same for all subjects.
 const streams = [], numbers = [];
 const drawn = (resample, position) => {
   if (!(resample in streams)) {
@@ -35,13 +35,14 @@ const median = (samples) => {
 const quotient = (a, b) => (a === b ? 1 : b / a);
 const percentile = (sorted, share) => sorted[Math.max(Math.ceil(share * sorted.length), 1) - 1];
 
-// lab/src/metrics/bootstrap.rs: B's median over A's, and the interval of the resamples.
+// B's median over A's, and the interval of the resamples, as in lab/src/metrics/bootstrap.rs.
 function ratioOfMedians(a, b) {
   const ratios = [];
   for (let resample = 0; resample < library.resamples; resample++) {
     let position = 0;
     const again = (samples) =>
-      samples.map(() => samples[Math.min(Math.floor(drawn(resample, position++) * samples.length), samples.length - 1)]);
+      samples.map(() =>
+        samples[Math.min(Math.floor(drawn(resample, position++) * samples.length), samples.length - 1)]);
     const ofA = median(again(a));
     ratios.push(quotient(ofA, median(again(b))));
   }
@@ -57,7 +58,8 @@ function verdict({ low, high }, threshold) {
   return low >= 1 - threshold && high <= 1 + threshold ? "SAME" : "UNDECIDED";
 }
 
-// A run's subjects with what both files say of their method; of frames that this makes the same, one group.
+// A run's frames by subject. A setting that the other run's file does not say of the method is left out, so that
+// subjects which differ in it alone become one group.
 function groups(samples, other) {
   const method = (said) => name((said.find(([n]) => name(n) === "method") ?? [])[1]);
   const told = new Map();
@@ -150,7 +152,7 @@ function show() {
   const text = `${found.both} figures are of the same place, setting and method in both runs; ` +
     `${found.changed} of them differ${more}. An error does not depend on the speed of a device.`;
   const header = ["place", "method", "figure", "A", "B", "B/A"];
-  say("compared-errors", ...(found.both ? [element("p", text)] : [element("p", "The two runs have no error in common.")]),
+  say("compared-errors", element("p", found.both ? text : "The two runs have no error in common."),
     ...(found.rows.length ? [table(header, found.rows)] : []));
 }
 

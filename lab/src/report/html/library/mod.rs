@@ -1,18 +1,18 @@
-//! The page of a library: its runs, what each changed, figures over runs, and two runs of the reader's choice beside
-//! each other, without a server.
+//! The page of a library: its runs, what each changed, figures over runs, and two runs that the reader chooses beside
+//! each other. It needs no server.
 
 mod data;
 
 use super::sections::{grid, inline_svg};
-use super::{frame, heading, page_header};
+use super::{device_text, frame, heading, page_header};
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{CONFIDENCE, Verdict};
 use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
 use crate::report::library::Library;
-use crate::report::plot::{self, TrendPlotLine};
+use crate::report::plot;
 use crate::study::compare::TimeComparison;
 use crate::study::library::changes::RunChange;
-use crate::study::library::trends::{Trend, devices};
+use crate::study::library::trends::{Trend, TrendLine, devices};
 use crate::study::library::{DatedBy, LibraryRun, Quantity, Setting};
 use crate::study::record::DEFINITIONS;
 use maud::{Markup, PreEscaped, html};
@@ -25,18 +25,18 @@ pub const TITLE: &str = "Library of results";
 pub struct LibraryPage<'a> {
     /// The command that made it.
     pub command: &'a str,
-    /// The runs, and what is none.
+    /// The runs, and the folders that hold none.
     pub library: &'a Library,
     /// Figures over runs.
     pub trends: &'a [Trend],
-    /// Each run beside one before it.
+    /// Each run beside an earlier one.
     pub changes: &'a [RunChange],
     /// The method over whose times others are given.
     pub base: &'a str,
     /// Change of a time that counts, as a share.
     pub threshold: f64,
-    /// From the page's folder to the library's, "" where they are one; `None` where the runs lie elsewhere, and nothing
-    /// links to them.
+    /// The path from the page's folder to the library's: empty, or with a slash at its end. `None` if the library is
+    /// not below the page's folder; then the page has no links to the runs.
     pub way: Option<&'a str>,
 }
 
@@ -49,17 +49,17 @@ const PARTS: [(&str, &str); 5] = [
     ("left-out", "What is left out"),
 ];
 
-/// What stays as it is in a link to a file.
+/// The characters of a path that a link needs percent-encoded.
 const OF_A_PATH: &AsciiSet = &NON_ALPHANUMERIC.remove(b'/').remove(b'.').remove(b'-').remove(b'_');
 
-/// Trends of one place are shown at once if there are few places; of many, the reader opens those that matter.
+/// Most places whose trends are open at first; of more places, the reader opens some.
 const FEW_PLACES: usize = 6;
 
 impl LibraryPage<'_> {
     /// The whole page.
     ///
     /// # Errors
-    /// What the plots' library says.
+    /// Why a plot cannot be drawn.
     pub fn render(&self) -> Result<String, String> {
         let [runs, changes, trends, compare, left_out] = PARTS.map(heading);
         let parts = PARTS.map(|(id, title)| (id.to_owned(), title));
@@ -83,9 +83,7 @@ impl LibraryPage<'_> {
                 ", by date, and on one day by name."
             }
             dl {
-                @for (n, d) in devices.iter().enumerate() {
-                    dt { "D" (n + 1) } dd { (d.name) " (" (d.kind) ", Vulkan " (d.api) ", " (d.driver) ")" }
-                }
+                @for d in &devices { dt { (label(&devices, d)) } dd { (device_text(d)) } }
             }
             div.scroll {
                 table {
@@ -102,14 +100,13 @@ impl LibraryPage<'_> {
                 }
             }
             @if self.library.runs.iter().any(|run| run.dated_by == DatedBy::Files) {
-                p { "A date in brackets is that of the files: no folder on their path is named by a date." }
+                p { "A date in brackets is that of the files, since no folder on the run's path has one in its name." }
             }
         }
     }
 
     fn run(&self, n: usize, run: &LibraryRun, devices: &[&DeviceInfo]) -> Markup {
-        let device = |d: &DeviceInfo| devices.iter().position(|known| *known == d).map_or(0, |at| at + 1);
-        let numbers: Vec<_> = run.devices.iter().map(|d| format!("D{}", device(d))).collect();
+        let labels: Vec<_> = run.devices.iter().map(|d| label(devices, d)).collect();
         let definitions: Vec<_> = run.definitions.iter().map(u32::to_string).collect();
         html! {
             tr id={ "run-" (n + 1) } {
@@ -117,7 +114,7 @@ impl LibraryPage<'_> {
                 td.whole { @if run.dated_by == DatedBy::Files { "(" (run.date) ")" } @else { (run.date) } }
                 td { @for program in &run.programs { span.whole { (program) } " " } }
                 td { (definitions.join(", ")) }
-                td { (numbers.join(", ")) }
+                td { (labels.join(", ")) }
                 td {
                     @for (n, file) in run.files.iter().enumerate() {
                         @if n > 0 { ", " }
@@ -142,12 +139,12 @@ impl LibraryPage<'_> {
         html! {
             p {
                 "Each run with raw samples of its times beside the latest one before it on the same device that timed "
-                "something in common: the effect's medians, later over earlier, judged as " code { "ssct compare" }
-                " does, with a " (format!("{:.0} %", CONFIDENCE * 100.0)) " interval and a threshold of "
-                (format!("{:.0} %", self.threshold * 100.0)) ". The interval knows the spread within each run, not what "
-                "changed on the machine between them."
+                "something in common: the medians of the effect's time, later over earlier, judged as "
+                code { "ssct compare" } " does, with a " (format!("{:.0} %", CONFIDENCE * 100.0))
+                " interval and a threshold of " (format!("{:.0} %", self.threshold * 100.0)) ". The interval covers "
+                "the spread within each run, but not what changed on the machine between them."
             }
-            @if self.changes.is_empty() { p { "No two runs of a device have samples of the same." } }
+            @if self.changes.is_empty() { p { "No two runs on one device have raw samples of the same." } }
             @for change in self.changes { (self.change(change)) }
         }
     }
@@ -162,7 +159,10 @@ impl LibraryPage<'_> {
             p { (counts.join(", ")) "." }
             @if let Some(warning) = warning { p { "Warning: " (warning) "." } }
             @if !changed.is_empty() {
-                details { summary { "The " (changed.len()) " that are faster or slower" } (grid(&change_cells(&changed))) }
+                details {
+                    summary { "The " (changed.len()) " that are faster or slower" }
+                    (grid(&change_cells(&changed)))
+                }
             }
         }
     }
@@ -185,20 +185,19 @@ impl LibraryPage<'_> {
         let mut last: Option<&DeviceInfo> = None;
         for (first, trends) in &places {
             if last.replace(&first.device) != Some(&first.device) {
-                let at = all.iter().position(|d| **d == first.device).map_or(0, |at| at + 1);
-                shown.push(html! { h3 { "D" (at) ": " (first.device.name) } });
+                shown.push(html! { h3 { (label(&all, &first.device)) ": " (first.device.name) } });
             }
             shown.push(self.place(first, trends, open)?);
         }
         Ok(html! {
             p {
-                "Each value is the median over the views that are named. A time is that of the method over that of "
-                code { (self.base) } " in the same run on the same device; milliseconds of different runs or devices are "
-                "not compared. A line joins only runs that measured the same views in the same setting; what one run "
-                "alone measured is in its own files. An error also depends on its reference, whose rays and bounces the "
-                "records do not say: a run with another reference strays from its line."
+                "Each value is the median over the views that are named. A time is the method's over that of "
+                code { (self.base) } " in the same run on the same device; milliseconds of different runs or devices "
+                "are not compared. A line joins only runs that measured the same views in the same setting; figures "
+                "that one run alone measured are in its own files. An error also depends on its reference, whose rays "
+                "and bounces the records do not say: a run with another reference may lie off its line."
             }
-            @if shown.is_empty() { p { "No two runs of a device measured the same." } }
+            @if shown.is_empty() { p { "No two runs on one device measured the same views in the same setting." } }
             @for part in shown { (part) }
         })
     }
@@ -218,11 +217,7 @@ impl LibraryPage<'_> {
     fn trend(&self, trend: &Trend) -> Result<Markup, String> {
         let title = self.title(trend.quantity);
         let numbers: Vec<usize> = trend.runs.iter().map(|run| run + 1).collect();
-        let line = |l: &crate::study::library::trends::TrendLine| TrendPlotLine {
-            name: l.method.clone(),
-            values: l.values.clone(),
-        };
-        let svg = plot::trend(&numbers, &trend.lines.iter().map(line).collect::<Vec<_>>(), &title)?;
+        let svg = plot::trend(&numbers, &trend.lines, &title)?;
         let label = format!("{title} over runs; the table below has the same values");
         Ok(html! {
             h4 { (title) }
@@ -244,9 +239,8 @@ impl LibraryPage<'_> {
         let mut cells =
             vec![std::iter::once("method".to_owned()).chain(trend.runs.iter().map(run)).collect::<Vec<_>>()];
         let value = |v: &Option<f64>| v.map_or_else(|| "-".to_owned(), figure);
-        let row = |line: &crate::study::library::trends::TrendLine| {
-            std::iter::once(line.method.clone()).chain(line.values.iter().map(value)).collect()
-        };
+        let row =
+            |line: &TrendLine| std::iter::once(line.method.clone()).chain(line.values.iter().map(value)).collect();
         cells.extend(trend.lines.iter().map(row));
         cells
     }
@@ -258,8 +252,8 @@ impl LibraryPage<'_> {
             }
             div #choose-runs hidden {
                 p {
-                    label { "A, what is compared with " select #run-a {} } " "
-                    label { "B " select #run-b {} }
+                    label { "Run A " select #run-a {} } " "
+                    label { "Run B " select #run-b {} }
                 }
                 p #about-runs role="status" {}
                 h3 { "Times" }
@@ -288,11 +282,16 @@ impl LibraryPage<'_> {
     }
 }
 
+/// A device's label on the page: D and its number among the library's devices.
+fn label(devices: &[&DeviceInfo], device: &DeviceInfo) -> String {
+    format!("D{}", devices.iter().position(|known| *known == device).map_or(0, |at| at + 1))
+}
+
 fn counted(n: usize, what: &str) -> String {
     if n == 1 { format!("{n} {what}") } else { format!("{n} {what}s") }
 }
 
-/// Whether two trends are of the same place, and stand under one heading.
+/// Whether two trends are of the same place; such trends stand under one heading.
 fn is_one_place(a: &Trend, b: &Trend) -> bool {
     a.device == b.device && a.setting == b.setting && a.views == b.views
 }
@@ -323,7 +322,7 @@ fn change_cells(totals: &[&TimeComparison]) -> Vec<Vec<String>> {
     cells
 }
 
-/// A figure with four significant digits, or as a power of ten where it is small.
+/// A figure with four significant digits; with an exponent if it is below 0.001 or at least 10,000.
 fn figure(value: f64) -> String {
     if value == 0.0 || (1e-3..1e4).contains(&value) {
         let digits = (3 - value.abs().max(1e-9).log10().floor() as i32).clamp(0, 6) as usize;

@@ -1,0 +1,98 @@
+//! What a method from a folder made, as every method gives it: the reflection with its confidence, and hits.
+
+use super::manifest::{Alpha, HitEncoding, Manifest, format_of};
+use super::values::FrameState;
+use crate::error::Result;
+use crate::gpu::program::Sampled;
+use crate::gpu::programs::{CustomHits, CustomReflection};
+use crate::gpu::shader::{CustomHitsBlock, CustomOutputBlock};
+use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Target};
+use crate::math::constants::{
+    ALPHA_FADE, ALPHA_NONE, ALPHA_PREMULTIPLIED, HITS_PIXEL, HITS_UV, HITS_UV_DEPTH, HITS_UV_MASKED, HITS_VIEW,
+};
+use crate::methods::Input;
+use crate::passes::hi_z::HiZPass;
+use crate::passes::{HITS, LIT_COLOR};
+
+/// What makes a reflection of what the method made, and hits, if they are wanted.
+pub struct Finish {
+    reflection: Option<(GraphicsPipeline<CustomReflection<'static>>, Image, i32)>,
+    hits: Option<(HiZPass, GraphicsPipeline<CustomHits<'static>>, Image, i32)>,
+}
+
+impl Finish {
+    pub fn new(gpu: &Gpu, manifest: &Manifest, extent: [u32; 2], hits: bool) -> Result<Self> {
+        let output = &manifest.output;
+        let section = &manifest.images[&output.reflection];
+        let is_ours =
+            output.alpha == Alpha::Fade && section.scale == 1.0 && format_of(&section.format) == Some(LIT_COLOR);
+        let alpha = match output.alpha {
+            Alpha::Fade => ALPHA_FADE,
+            Alpha::Premultiplied => ALPHA_PREMULTIPLIED,
+            Alpha::None => ALPHA_NONE,
+        };
+        let reflection = (!is_ours)
+            .then(|| -> Result<_> {
+                let image = Image::target(gpu, "reflection", LIT_COLOR, extent)?;
+                Ok((GraphicsPipeline::fullscreen(gpu, [LIT_COLOR])?, image, alpha))
+            })
+            .transpose()?;
+        let encoding = match output.hits_are {
+            HitEncoding::Uv => HITS_UV,
+            HitEncoding::UvMasked => HITS_UV_MASKED,
+            HitEncoding::UvDepth => HITS_UV_DEPTH,
+            HitEncoding::Pixel => HITS_PIXEL,
+            HitEncoding::ViewPosition => HITS_VIEW,
+        };
+        let hits = (hits && output.hits.is_some())
+            .then(|| -> Result<_> {
+                let image = Image::target(gpu, "hits", HITS, extent)?;
+                Ok((HiZPass::depth_alone(gpu, extent)?, GraphicsPipeline::fullscreen(gpu, [HITS])?, image, encoding))
+            })
+            .transpose()?;
+        Ok(Self { reflection, hits })
+    }
+
+    /// The reflection, of the image that the method made it in.
+    pub fn reflection<'a>(&'a self, frame: &mut Frame, input: &Input<'_, '_>, made: &'a Image) -> Result<&'a Image> {
+        let Some((pipeline, image, alpha)) = &self.reflection else { return Ok(made) };
+        let extent = input.gbuffer.depth.extent();
+        let resolution = extent.map(|v| v as f32);
+        let block = CustomOutputBlock { resolution, alpha: *alpha, ..CustomOutputBlock::default() };
+        let level = made.level(0);
+        let is_same = made.extent() == extent;
+        let program = CustomReflection {
+            reflection_buffer: if is_same { Sampled::nearest(level) } else { Sampled::trilinear(level) },
+            material_buffer: Sampled::nearest(input.gbuffer.material.all()),
+            given: &block,
+        };
+        frame.fullscreen("reflection", pipeline, [Target::overwrite(image.all())], &program)?;
+        Ok(image)
+    }
+
+    /// The hits, of the image that the method made them in, if they are wanted.
+    pub fn hits<'a>(
+        &'a self,
+        frame: &mut Frame,
+        input: &Input<'_, '_>,
+        made: &Image,
+        state: &FrameState,
+    ) -> Result<Option<&'a Image>> {
+        let Some((depth, pipeline, image, encoding)) = &self.hits else { return Ok(None) };
+        let standard = depth.record(frame, &input.gbuffer)?;
+        let block = CustomHitsBlock {
+            view_to_clip: state.view_to_clip(input.camera).as_mat4().to_cols_array_2d(),
+            resolution: input.gbuffer.depth.extent().map(|v| v as f32),
+            encoding: *encoding,
+            ..CustomHitsBlock::default()
+        };
+        let program = CustomHits {
+            hit_buffer: Sampled::nearest(made.level(0)),
+            material_buffer: Sampled::nearest(input.gbuffer.material.all()),
+            depth_buffer: Sampled::nearest(standard.0.level(0)),
+            given: &block,
+        };
+        frame.fullscreen("hits", pipeline, [Target::overwrite(image.all())], &program)?;
+        Ok(Some(image))
+    }
+}

@@ -1,0 +1,71 @@
+//! The parameters that a manifest declares, as the tables of methods have them.
+
+use super::Manifest;
+use super::sections::ParameterSection;
+use crate::error::Result;
+use crate::parameter::{Choice, Domain, Parameter, Preset, Value};
+use toml::Spanned;
+
+impl Manifest {
+    /// Its own parameters. What they borrow lives as long as the program.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] for a default outside its range, and the like.
+    pub fn parameters(&self) -> Result<Vec<Parameter>> {
+        self.parameters.iter().map(|(name, section)| self.parameter(name, section)).collect()
+    }
+
+    fn parameter(&self, name: &str, section: &Spanned<ParameterSection>) -> Result<Parameter> {
+        let at = section.span();
+        let of = section.get_ref();
+        let wrong = |message: &str| self.error(&at, format!("parameter {name}: {message}"));
+        let leak = |text: &str| -> &'static str { text.to_owned().leak() };
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-') {
+            return Err(wrong("the name must consist of small letters, digits and hyphens"));
+        }
+        let choices: &'static [Choice] =
+            of.choices.iter().map(|c| Choice { name: leak(c), help: "" }).collect::<Vec<_>>().leak();
+        let value = |value: &toml::Value| -> Option<Value> {
+            Some(match value {
+                toml::Value::Boolean(on) => Value::Switch(*on),
+                toml::Value::Integer(n) => Value::Count(u32::try_from(*n).ok()?),
+                toml::Value::Float(n) => Value::Number(*n as f32),
+                toml::Value::String(s) => Value::Choice(choices.iter().find(|c| c.name == s)?.name),
+                _ => return None,
+            })
+        };
+        let none = "the default must be true, false, a number, or one of the choices; 1.0 is a number, 1 a whole one";
+        let published = value(&of.default).ok_or_else(|| wrong(none))?;
+        let domain = match (published, of.range) {
+            (Value::Switch(_), None) => Domain::Switch,
+            (Value::Choice(_), None) => Domain::Choices(choices),
+            (Value::Count(_), Some([least, most])) => Domain::Count(least as u32, most as u32),
+            (Value::Number(_), Some([least, most])) => {
+                Domain::Number { least: least as f32, with_least: true, most: most as f32 }
+            }
+            (Value::Count(_) | Value::Number(_), None) => return Err(wrong("a number needs a range")),
+            _ => return Err(wrong("only numbers have a range")),
+        };
+        let sweep = of.sweep.iter().map(|v| value(v).ok_or_else(|| wrong("the sweep has values of another type")));
+        let sweep: Vec<Value> = sweep.collect::<Result<_>>()?;
+        if let Some(outside) = [published].iter().chain(&sweep).find(|v| !domain.has(**v)) {
+            return Err(wrong(&format!("{outside} is outside {domain}")));
+        }
+        let help = of.help.trim();
+        let help = if help.ends_with('.') { help.to_owned() } else { format!("{help}.") };
+        let name: &'static str = name.replace('-', "_").leak();
+        if crate::methods::parameters().iter().any(|(p, _)| p.name == name && p.domain != domain) {
+            return Err(wrong("another method has a parameter of this name that takes other values; rename it"));
+        }
+        Ok(Parameter {
+            name,
+            help,
+            unit: leak(&of.unit),
+            domain,
+            published,
+            author: published,
+            source: leak(&self.name),
+            sweep: sweep.into_iter().map(|v| (Preset::Published, v)).collect(),
+        })
+    }
+}

@@ -1,0 +1,200 @@
+//! The passes of a manifest, checked: over what each of them runs, and what the names of its shader stand for. What the
+//! shader itself says is checked in `bindings`.
+
+use super::sections::{BufferSection, ImageSection, InputSection, PassSection, PassStage, SamplerName};
+use crate::custom::source::ImageSource;
+use crate::custom::values::Feed;
+use crate::error::{Error, Result};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use toml::Spanned;
+
+/// Which level of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LevelOf {
+    /// All of them, of an image that is sampled.
+    All,
+    /// This one.
+    Number(u32),
+    /// The one that the pass is recorded for, less so many.
+    Current(u32),
+}
+
+/// What a name of a shader stands for.
+#[derive(Debug, Clone)]
+pub struct PassInput {
+    pub what: InputKind,
+    pub sampler: Option<SamplerName>,
+    pub level: LevelOf,
+    at: Range<usize>,
+}
+
+/// An image or a buffer.
+#[derive(Debug, Clone, PartialEq)]
+pub enum InputKind {
+    Image(ImageSource),
+    Buffer(String),
+}
+
+/// A pass, checked but for what its shader says.
+#[derive(Debug, Clone)]
+pub struct Pass {
+    pub name: String,
+    pub shader: PathBuf,
+    pub stage: PassStage,
+    pub defines: Vec<String>,
+    pub targets: Vec<(String, LevelOf)>,
+    pub reach: PassReach,
+    /// The levels that it is recorded for, one after another, both ends included.
+    pub levels: Option<[u32; 2]>,
+    pub inputs: BTreeMap<String, PassInput>,
+    pub values: BTreeMap<String, (Feed, Range<usize>)>,
+    pub at: Range<usize>,
+}
+
+/// How far a compute pass reaches.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PassReach {
+    /// A fragment pass: over its targets.
+    Targets,
+    /// A thread for each texel of an image's level.
+    Threads(String, LevelOf),
+    Workgroups([u32; 3]),
+    Indirect(String),
+}
+
+/// What passes may name.
+pub(super) struct Known<'a> {
+    pub(super) images: &'a BTreeMap<String, ImageSection>,
+    pub(super) buffers: &'a BTreeMap<String, BufferSection>,
+}
+
+/// Inputs and values that hold for every pass.
+type Shared<'a> = (&'a BTreeMap<String, Spanned<InputSection>>, &'a BTreeMap<String, Spanned<toml::Value>>);
+
+impl Known<'_> {
+    pub(super) fn pass(
+        &self,
+        folder: &Path,
+        section: &Spanned<PassSection>,
+        (inputs, values): Shared,
+        parameters: &[String],
+        wrong: &impl Fn(Range<usize>, String) -> Error,
+    ) -> Result<Pass> {
+        let of = section.get_ref();
+        let shader = folder.join(of.shader.get_ref());
+        let by_name = match shader.extension().and_then(|e| e.to_str()) {
+            Some("frag" | "fs" | "fsh" | "glslf") => Some(PassStage::Fragment),
+            Some("comp" | "cs" | "glslc") => Some(PassStage::Compute),
+            _ => None,
+        };
+        let Some(stage) = of.stage.or(by_name) else {
+            let message = format!("{}: say stage = \"fragment\" or \"compute\"", of.shader.get_ref().display());
+            return Err(wrong(of.shader.span(), message));
+        };
+        let image = |text: &Spanned<String>| -> Result<(String, LevelOf)> {
+            let (name, level) = level_of(text.get_ref()).map_err(|m| wrong(text.span(), m))?;
+            if !self.images.contains_key(name) {
+                return Err(wrong(text.span(), format!("there is no [image.{name}]")));
+            }
+            // What is written is one level.
+            let level = if level == LevelOf::All { LevelOf::Number(0) } else { level };
+            Ok((name.to_owned(), level))
+        };
+        let targets: Vec<_> = of.targets.iter().map(image).collect::<Result<_>>()?;
+        let reach = match (stage, &of.threads, of.workgroups, &of.indirect) {
+            (PassStage::Fragment, None, None, None) if !targets.is_empty() => PassReach::Targets,
+            (PassStage::Fragment, ..) => {
+                return Err(wrong(
+                    section.span(),
+                    "a fragment pass has targets, and neither threads nor workgroups".into(),
+                ));
+            }
+            (PassStage::Compute, ..) if !targets.is_empty() => {
+                return Err(wrong(section.span(), "a compute pass has no targets; it stores to images".into()));
+            }
+            (PassStage::Compute, Some(of), None, None) => {
+                let (name, level) = image(of)?;
+                PassReach::Threads(name, level)
+            }
+            (PassStage::Compute, None, Some(groups), None) => PassReach::Workgroups(groups),
+            (PassStage::Compute, None, None, Some(buffer)) => {
+                if !self.buffers.contains_key(buffer.get_ref()) {
+                    return Err(wrong(buffer.span(), format!("there is no [buffer.{}]", buffer.get_ref())));
+                }
+                PassReach::Indirect(buffer.get_ref().clone())
+            }
+            (PassStage::Compute, ..) => {
+                let message = "a compute pass says one of threads (an image), workgroups or indirect (a buffer)";
+                return Err(wrong(section.span(), message.into()));
+            }
+        };
+        let mut all_inputs = BTreeMap::new();
+        for (name, input) in inputs.iter().chain(&of.inputs) {
+            all_inputs.insert(name.clone(), self.input(input, wrong)?);
+        }
+        let mut all_values = BTreeMap::new();
+        for (name, value) in values.iter().chain(&of.values) {
+            let given =
+                Feed::parse(value.get_ref(), parameters).map_err(|m| wrong(value.span(), format!("{name}: {m}")))?;
+            all_values.insert(name.clone(), (given, value.span()));
+        }
+        if of.levels.is_some_and(|[first, last]| first > last || last > 31) {
+            return Err(wrong(section.span(), "levels must be the first and the last of some levels up to 31".into()));
+        }
+        Ok(Pass {
+            name: of.name.get_ref().clone(),
+            shader,
+            stage,
+            defines: of.defines.clone(),
+            targets,
+            reach,
+            levels: of.levels,
+            inputs: all_inputs,
+            values: all_values,
+            at: section.span(),
+        })
+    }
+
+    fn input(
+        &self,
+        section: &Spanned<InputSection>,
+        wrong: &impl Fn(Range<usize>, String) -> Error,
+    ) -> Result<PassInput> {
+        let (text, sampler) = match section.get_ref() {
+            InputSection::Plain(text) => (text, None),
+            InputSection::With { image, sampler } => (image, Some(*sampler)),
+        };
+        let at = section.span();
+        if self.buffers.contains_key(text) {
+            return Ok(PassInput { what: InputKind::Buffer(text.clone()), sampler, level: LevelOf::All, at });
+        }
+        let own = |name: &str| self.images.contains_key(name);
+        // A level stands behind the name of an image of the method's own.
+        let (name, level) = match text.split_once(':') {
+            Some((name, _)) if own(name) => level_of(text).map_err(|m| wrong(at.clone(), m))?,
+            _ => (text.as_str(), LevelOf::All),
+        };
+        let source = ImageSource::parse(name, own).map_err(|m| wrong(at.clone(), m))?;
+        Ok(PassInput { what: InputKind::Image(source), sampler, level, at })
+    }
+}
+
+impl PassInput {
+    /// Where the manifest says it.
+    pub fn at(&self) -> &Range<usize> {
+        &self.at
+    }
+}
+
+/// An image and its level: `name`, `name:2`, `name:level`, `name:level-1`.
+fn level_of(text: &str) -> std::result::Result<(&str, LevelOf), String> {
+    let Some((name, level)) = text.split_once(':') else { return Ok((text, LevelOf::All)) };
+    let parsed = match level.strip_prefix("level") {
+        Some("") => Some(LevelOf::Current(0)),
+        Some(less) => less.strip_prefix('-').and_then(|n| n.parse().ok()).map(LevelOf::Current),
+        None => level.parse().ok().map(LevelOf::Number),
+    };
+    parsed.map(|level| (name, level)).ok_or_else(|| format!("{text:?}: a level is a number, level, or level-1"))
+}

@@ -1,0 +1,232 @@
+//! The sections of a manifest as serde reads them: their keys, what these are if they are left out, and the words that
+//! they may have. What keys mean together is checked in `manifest` and `passes`.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use toml::Spanned;
+
+/// In which conventions a shader thinks.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Conventions {
+    /// Which hand view space follows: `left`, looking along +z, `right`, along −z, or `right-z-up`, along +y.
+    #[serde(default)]
+    pub view: Hand,
+    /// Which hand world space follows: `left`, `right`, in which z is turned, or `right-z-up`, in which y and z change places.
+    #[serde(default)]
+    pub world: Hand,
+    /// How matrices lie in memory.
+    #[serde(default)]
+    pub matrices: MatrixLayout,
+    /// Which way y of clip space points.
+    #[serde(default)]
+    pub clip_y: ClipAxis,
+    /// The depth of clip space that matrices give.
+    #[serde(default)]
+    pub clip_depth: ClipDepth,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Hand {
+    #[default]
+    Left,
+    Right,
+    /// x to the right, y forwards, z up.
+    RightZUp,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MatrixLayout {
+    #[default]
+    Columns,
+    Rows,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClipAxis {
+    #[default]
+    Up,
+    Down,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClipDepth {
+    #[default]
+    Standard,
+    Reversed,
+    /// From −1 to 1, as OpenGL has it.
+    MinusOneToOne,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct Sections {
+    pub(super) name: Spanned<String>,
+    pub(super) summary: String,
+    #[serde(default)]
+    pub(super) source: Option<String>,
+    #[serde(default)]
+    pub(super) include: Option<PathBuf>,
+    #[serde(default)]
+    pub(super) captures: bool,
+    #[serde(default)]
+    pub(super) patience_s: Option<Spanned<f64>>,
+    #[serde(default)]
+    pub(super) conventions: Conventions,
+    #[serde(default)]
+    pub(super) parameter: BTreeMap<String, Spanned<ParameterSection>>,
+    #[serde(default)]
+    pub(super) image: BTreeMap<String, Spanned<ImageSection>>,
+    #[serde(default)]
+    pub(super) buffer: BTreeMap<String, Spanned<BufferSection>>,
+    #[serde(default)]
+    pub(super) inputs: BTreeMap<String, Spanned<InputSection>>,
+    #[serde(default)]
+    pub(super) values: BTreeMap<String, Spanned<toml::Value>>,
+    pub(super) pass: Vec<Spanned<PassSection>>,
+    pub(super) output: Spanned<OutputSection>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct ParameterSection {
+    pub(super) help: String,
+    pub(super) default: toml::Value,
+    #[serde(default)]
+    pub(super) range: Option<[f64; 2]>,
+    #[serde(default)]
+    pub(super) choices: Vec<String>,
+    #[serde(default)]
+    pub(super) unit: String,
+    #[serde(default)]
+    pub(super) sweep: Vec<toml::Value>,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct ImageSection {
+    /// Name of the format.
+    pub format: String,
+    /// Its side over that of the frame.
+    #[serde(default = "one")]
+    pub scale: f32,
+    /// Levels; 0 for all.
+    #[serde(default = "one_level")]
+    pub levels: u32,
+    /// Whether what it held in the frame before can be read.
+    #[serde(default)]
+    pub history: bool,
+    /// Whether it is cleared to 0 at the beginning of each frame.
+    #[serde(default)]
+    pub clear: bool,
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+fn one_level() -> u32 {
+    1
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct BufferSection {
+    /// Bytes, whatever the frame's size.
+    #[serde(default)]
+    pub bytes: u64,
+    /// Further bytes for each pixel.
+    #[serde(default)]
+    pub bytes_per_pixel: f64,
+    /// The word that it is filled with at the beginning of each frame.
+    #[serde(default)]
+    pub fill: Option<u32>,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged)]
+pub(super) enum InputSection {
+    Plain(String),
+    With { image: String, sampler: SamplerName },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplerName {
+    Nearest,
+    Linear,
+    Repeat,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub(super) struct PassSection {
+    pub(super) name: Spanned<String>,
+    pub(super) shader: Spanned<PathBuf>,
+    #[serde(default)]
+    pub(super) stage: Option<PassStage>,
+    #[serde(default)]
+    pub(super) defines: Vec<String>,
+    #[serde(default)]
+    pub(super) targets: Vec<Spanned<String>>,
+    #[serde(default)]
+    pub(super) threads: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(super) workgroups: Option<[u32; 3]>,
+    #[serde(default)]
+    pub(super) indirect: Option<Spanned<String>>,
+    #[serde(default)]
+    pub(super) levels: Option<[u32; 2]>,
+    #[serde(default)]
+    pub(super) inputs: BTreeMap<String, Spanned<InputSection>>,
+    #[serde(default)]
+    pub(super) values: BTreeMap<String, Spanned<toml::Value>>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PassStage {
+    Fragment,
+    Compute,
+}
+
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct OutputSection {
+    /// The image with the reflection.
+    pub reflection: String,
+    /// What is in its fourth channel.
+    #[serde(default)]
+    pub alpha: Alpha,
+    /// The image with the hits.
+    #[serde(default)]
+    pub hits: Option<String>,
+    /// How they are encoded.
+    #[serde(default)]
+    pub hits_are: HitEncoding,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Alpha {
+    #[default]
+    Fade,
+    Premultiplied,
+    None,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HitEncoding {
+    #[default]
+    Uv,
+    UvMasked,
+    UvDepth,
+    Pixel,
+    ViewPosition,
+}

@@ -1,0 +1,73 @@
+//! The other devices of this machine: what they make of a view, held against what one of them makes of it.
+
+use super::agreement::{self, AgreementRecord, AgreementSpec, DrawnRecord};
+use super::stage::Globals;
+use crate::error::Result;
+use crate::gpu::{DeviceQuery, Gpu, device};
+
+/// Opens every device that can be used but `base`.
+///
+/// # Errors
+/// Those of opening a device.
+pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
+    let listing = device::devices()?.into_iter();
+    let usable = listing.filter(|d| d.unsuitable.is_none() && Some(d.index) != base.index());
+    usable.map(|d| open(Some(d.index), validation, false)).collect()
+}
+
+/// Opens a device once more, under the validation layers.
+///
+/// # Errors
+/// Those of opening a device; [`crate::error::Error::Usage`] where the layers are not installed.
+pub fn validated(gpu: &Gpu) -> Result<Gpu> {
+    open(gpu.index(), true, false)
+}
+
+fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> {
+    let device = index.map(|index| index.to_string());
+    Gpu::open(&DeviceQuery { device, validation, isotropic, ..DeviceQuery::default() })
+}
+
+/// What devices make of the G-buffer that `base` draws, against what `base` makes of it.
+///
+/// # Errors
+/// Those of the devices.
+pub fn compare<'g>(
+    base: &Gpu,
+    others: impl IntoIterator<Item = &'g Gpu>,
+    spec: &AgreementSpec,
+) -> Result<Vec<AgreementRecord>> {
+    let data = agreement::draw(base, spec)?;
+    let expected = agreement::images(base, spec, &data)?;
+    let mut records = Vec::new();
+    for gpu in others {
+        let made = agreement::images(gpu, spec, &data)?;
+        records.extend(agreement::compare(gpu, base.info(), spec, &data, [&expected, &made]));
+    }
+    Ok(records)
+}
+
+/// The G-buffers that two devices draw, the first of them the base: as methods see them, without anisotropy, and without
+/// normal maps, too.
+///
+/// # Errors
+/// Those of the devices.
+pub fn compare_drawn(devices: [&Gpu; 2], validation: bool, spec: &AgreementSpec) -> Result<Vec<DrawnRecord>> {
+    let again = |gpu: &Gpu| open(gpu.index(), validation, true);
+    let isotropic = [again(devices[0])?, again(devices[1])?];
+    let plain = Globals { normal_deviation: Some(0.0), ..spec.globals };
+    let mut records = Vec::new();
+    for (gpus, globals, is_isotropic) in [
+        (devices, spec.globals, false),
+        (isotropic.each_ref(), spec.globals, true),
+        (isotropic.each_ref(), plain, true),
+    ] {
+        let spec = AgreementSpec { globals, ..spec.clone() };
+        let [base, drawn] = gpus.map(|gpu| agreement::draw(gpu, &spec));
+        records.push(agreement::compare_drawn(gpus, &spec, [&base?, &drawn?], is_isotropic));
+    }
+    for gpu in &isotropic {
+        gpu.check_validation()?;
+    }
+    Ok(records)
+}

@@ -1,0 +1,39 @@
+//! The page on maps, docs/gbuffer-maps.md, has every key of every section, and no other.
+
+use super::errors::{folder, said};
+use crate::common::repository;
+
+#[test]
+fn the_page_has_every_key() {
+    let page = std::fs::read_to_string(repository().join("docs/gbuffer-maps.md")).unwrap();
+    let folder = folder();
+    let metallic = "[metallic]\nvalue = 1\n[base-color]\nvalue = 1\n[f0]\nvalue = 0.04";
+    for (section, change) in [
+        ("[conventions]", vec![]),
+        ("[camera]", vec![]),
+        ("[depth]", vec![]),
+        ("[normal]", vec![]),
+        ("[roughness]", vec![]),
+        ("[reflectivity]", vec![]),
+        ("[metallic]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
+        ("[base-color]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
+        ("[f0]", vec![("[reflectivity]\nvalue = 0.5", metallic)]),
+        ("[sky]", vec![("[reflectivity]", "[sky]\nchannel = \"Z\"\n[reflectivity]")]),
+        ("[[color]]", vec![]),
+    ] {
+        let unknown = format!("{section}\nunknown-key = 1");
+        let text = said(&folder, &[&change[..], &[(section, &unknown)]].concat());
+        let (_, keys) = text.split_once("there is no key \"unknown-key\" here; there are ").expect(&text);
+        let heading = format!("### `{section}`");
+        let (_, below) = page.split_once(&format!("{heading}\n")).unwrap_or_else(|| panic!("no {heading}"));
+        let below = below.split("\n#").next().unwrap();
+        let rows = below.lines().filter(|l| l.starts_with("| `") && !l.starts_with("| `\""));
+        let mut documented: Vec<&str> =
+            rows.flat_map(|line| line[1..].split('|').next().unwrap().split('`').skip(1).step_by(2)).collect();
+        let mut keys: Vec<&str> = keys.split(", ").collect();
+        documented.sort_unstable();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(documented, keys, "{section}");
+    }
+}
