@@ -193,7 +193,7 @@ fn findings(
     for (scene, view) in places {
         let (globals, methods, setup) = (of_roughness(0.0), Vec::new(), Setup::new(plan.size));
         let spec = AgreementSpec { scene, view, globals, methods, setup };
-        steps.push(steps::count(gpu, [&scene.name, &view.name], &agreement::draw(gpu, &spec)?));
+        steps.extend(steps::count(gpu, scene, view, &spec.globals, &agreement::draw(gpu, &spec)?)?);
         progress::step(bar)?;
     }
     let (scene, view) = &places[0];

@@ -112,7 +112,8 @@ fn page(
             ),
             (
                 "Steps",
-                "How many cells a mirror ray of unified looks at, counted by its twin on the CPU, which takes the same steps.",
+                "How many cells a mirror ray of unified looks at, counted by its twin on the CPU, which takes the same steps. \
+                 Mean of eight: the mean of the most among eight rays beside each other, as threads wait that walk together.",
                 &step_cells(&found.steps),
             ),
             ("The same on other devices", agreement_report::ABOUT_METHODS, &some(agreement_report::cells(&found.same))),
@@ -214,13 +215,15 @@ fn rate_cells(copy: &BandwidthRecord, rates: &[BandwidthRecord]) -> Vec<Vec<Stri
 }
 
 fn step_cells(records: &[StepsRecord]) -> Vec<Vec<String>> {
-    let mut rows = header(&["view", "size", "rays", "mean", "median", "p99", "most"]);
+    let mut rows = header(&["view", "size", "in", "rays", "mean", "mean of eight", "median", "p99", "most"]);
     rows.extend(records.iter().map(|r| {
         vec![
             format!("{} {}", r.scene, r.view),
             format!("{} x {}", r.width, r.height),
+            r.images.label().to_owned(),
             r.rays.to_string(),
             format!("{:.1}", r.mean),
+            format!("{:.1}", r.mean_of_eight),
             r.median.to_string(),
             r.p99.to_string(),
             r.most.to_string(),

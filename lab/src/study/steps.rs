@@ -1,11 +1,42 @@
 //! How many cells the rays of `unified` look at. The plain twin of its traversal counts them, since it takes the same steps.
 
+use super::gbuffer;
 use super::record::Provenance;
+use super::stage::{Globals, Stage};
+use crate::error::Result;
 use crate::gpu::Gpu;
-use crate::reference::unified::Traversal;
-use crate::scene::GBufferData;
+use crate::reference::CaptureData;
+use crate::reference::unified::{CubeWalk, Seen, Traversal};
+use crate::scene::placement::{self, Wanted};
+use crate::scene::{GBufferData, Scene, View};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+
+/// How many threads of a device that is a CPU walk together, and wait for the slowest.
+const TOGETHER: usize = 8;
+
+/// Where rays are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StepsIn {
+    /// On the screen, which is the only image.
+    Screen,
+    /// On the screen, with captures behind it: a ray ends there as soon as the screen loses it.
+    ScreenBeforeCaptures,
+    /// In captures: the rays that the screen lost.
+    Captures,
+}
+
+impl StepsIn {
+    /// As a page calls it.
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Screen => "the screen alone",
+            Self::ScreenBeforeCaptures => "the screen, before captures",
+            Self::Captures => "four captures",
+        }
+    }
+}
 
 /// The steps of the mirror rays of a view.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -23,10 +54,15 @@ pub struct StepsRecord {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Rays: one for each pixel that reflects.
+    /// Where the rays are counted.
+    pub images: StepsIn,
+    /// Rays: one for each pixel that reflects, or of these those that the screen lost.
     pub rays: usize,
     /// Mean of their steps.
     pub mean: f64,
+    /// Mean, over groups of eight rays of pixels beside each other, of the most steps in a group: what eight threads take
+    /// that wait for each other.
+    pub mean_of_eight: f64,
     /// Median.
     pub median: u32,
     /// 99th percentile.
@@ -35,24 +71,78 @@ pub struct StepsRecord {
     pub most: u32,
 }
 
-/// Counts the steps on a G-buffer.
-pub fn count(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData) -> StepsRecord {
-    let traversal = Traversal::new(data);
-    let steps = |i: u32| traversal.mirror_steps(i % data.width, i / data.width);
-    let mut all: Vec<u32> = (0..data.depth.len() as u32).into_par_iter().filter_map(steps).collect();
-    all.sort_unstable();
-    let rank = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1)));
-    StepsRecord {
-        kind: "steps".into(),
-        program: Provenance::on(gpu),
-        scene: scene.to_owned(),
-        view: view.to_owned(),
-        width: data.width,
-        height: data.height,
-        rays: all.len(),
-        mean: all.iter().map(|n| f64::from(*n)).sum::<f64>() / all.len().max(1) as f64,
-        median: rank(0.5).copied().unwrap_or(0),
-        p99: rank(0.99).copied().unwrap_or(0),
-        most: all.last().copied().unwrap_or(0),
+/// Counts the steps on a G-buffer of a view: without captures, and with four that the program places.
+///
+/// # Errors
+/// Those of the device.
+pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GBufferData) -> Result<[StepsRecord; 3]> {
+    let alone = Traversal::new(data);
+    let pixels = blocks(data);
+    let on_screen = |(x, y): &(u32, u32)| alone.mirror_steps(*x, *y);
+    let on_screen: Vec<u32> = pixels.par_iter().filter_map(on_screen).collect();
+
+    let captures = captures(gpu, scene, view, globals)?;
+    let (screen, walk) = (Traversal::new(data).followed(), CubeWalk::new(&data.camera, &captures));
+    let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
+    let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
+    let lost = |(x, y): &(u32, u32)| match walk.on_screen(&screen, *x, *y) {
+        Seen::Lost(ray) if data.reflects(data.index(*x, *y)) => Some(walk.follow_ray(&ray).steps.max(0) as u32),
+        _ => None,
+    };
+    let lost: Vec<u32> = pixels.par_iter().filter_map(lost).collect();
+
+    let record = |images, steps: Vec<u32>| StepsRecord::of(gpu, [&scene.name, &view.name], data, images, steps);
+    Ok([
+        record(StepsIn::Screen, on_screen),
+        record(StepsIn::ScreenBeforeCaptures, before),
+        record(StepsIn::Captures, lost),
+    ])
+}
+
+/// The pixels in the order of blocks of 4 x 2.
+fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
+    let block = |y: u32| (0..data.width.div_ceil(4)).map(move |x| (4 * x, 2 * y));
+    let corners = (0..data.height.div_ceil(2)).flat_map(block);
+    let all = corners.flat_map(|(x, y)| (0..8).map(move |i| (x + i % 4, y + i / 4)));
+    all.filter(|(x, y)| *x < data.width && *y < data.height).collect()
+}
+
+/// Four captures, placed by the program, as the device draws them.
+fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<Vec<CaptureData>> {
+    let mut scene = scene.clone();
+    placement::with_captures(&mut scene, Wanted::Count(4));
+    let materials = globals.materials(&scene, view);
+    let mut drawn: Vec<CaptureData> =
+        scene.captures.iter().map(|c| CaptureData { place: c.position, faces: Vec::new() }).collect();
+    let mut stage = Stage::new(gpu, &scene)?;
+    gbuffer::draw_captures(&mut stage, &materials, &scene.captures, |k, _, face| {
+        drawn[k].faces.push(face);
+        Ok(())
+    })?;
+    Ok(drawn)
+}
+
+impl StepsRecord {
+    fn of(gpu: &Gpu, [scene, view]: [&str; 2], data: &GBufferData, images: StepsIn, mut all: Vec<u32>) -> Self {
+        let groups = all.chunks(TOGETHER);
+        let (count, most) = (groups.len(), groups.map(|g| f64::from(g.iter().copied().max().unwrap_or(0))));
+        let mean_of_eight = most.sum::<f64>() / count.max(1) as f64;
+        all.sort_unstable();
+        let rank = |share: f64| all.get(((all.len() as f64 * share) as usize).min(all.len().saturating_sub(1)));
+        Self {
+            kind: "steps".into(),
+            program: Provenance::on(gpu),
+            scene: scene.to_owned(),
+            view: view.to_owned(),
+            width: data.width,
+            height: data.height,
+            images,
+            rays: all.len(),
+            mean: all.iter().map(|n| f64::from(*n)).sum::<f64>() / all.len().max(1) as f64,
+            mean_of_eight,
+            median: rank(0.5).copied().unwrap_or(0),
+            p99: rank(0.99).copied().unwrap_or(0),
+            most: all.last().copied().unwrap_or(0),
+        }
     }
 }
