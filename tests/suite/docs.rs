@@ -9,6 +9,7 @@ mod coverage;
 mod dda;
 mod figures;
 mod films;
+mod follow;
 mod headline;
 mod layers;
 mod machines;

@@ -4,7 +4,7 @@ use super::figures::{
     ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
     median_and_range, number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, claims, dda, films, layers, outlook, stochastic, thesis};
+use super::{beside, beyond, captions, claims, dda, films, follow, layers, outlook, stochastic, thesis};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -31,6 +31,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["views-above", limit, behind, roughness] => beyond::views_above(folders, limit, behind, roughness)?,
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
+        ["capture-steps"] => follow::steps(first)?,
+        ["capture-sides"] => follow::sides(first)?,
         ["noise", roughness] => noise(folders, roughness)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
         ["methods"] => methods(first)?,
