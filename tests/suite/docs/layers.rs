@@ -161,3 +161,23 @@ pub fn camera_behind(folder: &Path) -> Result<String> {
     let head = ["scene", "error of `ssct`, nothing behind", "`camera`", "`auto`"];
     table(&head, with_means(rows, &[error, error, error], &["*all six*"]))
 }
+
+/// What the size of the faces of four captures changes for mirrors, by scene: errors, right places, and times over `ssct`.
+pub fn face_sizes(folder: &Path) -> Result<String> {
+    const SIDES: [&str; 3] = ["128", "256", "512"];
+    let mut rows = Vec::new();
+    for scene in SCENES {
+        let runs = SIDES.map(|side| Run::of(folder, side, scene)).into_iter().collect::<Result<Vec<_>>>()?;
+        let mut values = runs.iter().map(|run| run.error("unified", "0")).collect::<Result<Vec<_>>>()?;
+        values.extend(runs.iter().map(|run| run.places("unified")).collect::<Result<Vec<_>>>()?);
+        values.extend(runs.iter().map(|run| run.time("unified", "0")).collect::<Result<Vec<_>>>()?);
+        rows.push((vec![scene.to_owned()], values));
+    }
+    let write: [fn(f64) -> String; 9] = [error, error, error, share, share, share, ratio, ratio, ratio];
+    let head: Vec<String> = ["error", "right places", "time"]
+        .iter()
+        .flat_map(|what| SIDES.iter().map(move |side| format!("{what}, {side}²")))
+        .collect();
+    let head: Vec<&str> = ["scene"].into_iter().chain(head.iter().map(String::as_str)).collect();
+    table(&head, with_means(rows, &write, &["*all six*"]))
+}

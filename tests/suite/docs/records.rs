@@ -76,6 +76,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["layers-gloss"] => layers::layers_gloss(first)?,
         ["camera-capture"] => layers::camera_capture(first)?,
         ["camera-by-scene"] => layers::camera_by_scene(first)?,
+        ["face-sizes"] => layers::face_sizes(first)?,
         ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
         ["stress"] => stress(first)?,
