@@ -11,11 +11,13 @@ mod figures;
 mod films;
 mod follow;
 mod headline;
+mod large_gltf;
 mod layers;
 mod machines;
 mod outlook;
 mod records;
 mod stochastic;
+mod stress;
 mod thesis;
 mod world;
 

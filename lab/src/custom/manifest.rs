@@ -72,8 +72,7 @@ impl Manifest {
         let source = SourceText { path: &path, text: &text };
         let wrong = |at: Range<usize>, message: String| source.error(at, message);
         let name = sections.name.get_ref();
-        let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
-        if name.is_empty() || !name.chars().all(is_word) {
+        if !is_word(name) {
             let message = format!("the name {name:?} must consist of small letters, digits and hyphens");
             return Err(wrong(sections.name.span(), message));
         }
@@ -114,16 +113,14 @@ impl Manifest {
         let mut ordered: Vec<_> = sections.parameter.into_iter().collect();
         ordered.sort_by_key(|(_, section)| section.span().start);
         let mut passes = Vec::new();
-        let mut names: Vec<String> = Vec::new();
         if sections.pass.is_empty() {
             return Err(Error::malformed(&path, None, "there is no [[pass]]"));
         }
         for pass in &sections.pass {
             let checked = known.pass(folder, pass, (&sections.inputs, &sections.values), &parameters, &wrong)?;
-            if names.contains(&checked.name) {
+            if passes.iter().any(|p: &Pass| p.name == checked.name) {
                 return Err(wrong(pass.span(), format!("there are two passes {:?}", checked.name)));
             }
-            names.push(checked.name.clone());
             passes.push(checked);
         }
         let output = sections.output.get_ref().clone();
@@ -172,6 +169,11 @@ impl Manifest {
     pub fn reads_value(&self, name: &str) -> bool {
         self.passes.iter().any(|p| p.values.values().any(|(given, _)| given.is_named(name)))
     }
+}
+
+/// Whether a name is one that a flag or a file may have as it is.
+fn is_word(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-')
 }
 
 /// Formats of images that a method keeps, as GLSL names them.

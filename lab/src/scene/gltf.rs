@@ -50,7 +50,8 @@ pub fn is_named(path: &Path) -> bool {
 ///   is negated. A mesh that several nodes place stands there several times.
 /// - Reflectivity is the luminance of the reflection at normal incidence, from `KHR_materials_ior` and the metallic
 ///   factor; albedo is what a metal leaves of the base colour. Roughness becomes ϱ by the width of the lobe
-///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour, metallic-roughness, normals and emission count; those of occlusion do not.
+///   ([`roughness_of_perceptual`](super::material_terms::roughness_of_perceptual)). Images of base colour,
+///   metallic-roughness, normals and emission count; those of occlusion do not.
 /// - Emission, and `KHR_materials_unlit`, are lit colour that no light changes; brighter than 1 counts as 1.
 /// - `MASK` cuts holes at its cutoff; `BLEND` is cut at one half. Materials that are not double-sided are not seen
 ///   from behind.

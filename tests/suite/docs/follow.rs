@@ -22,16 +22,15 @@ pub fn steps(folder: &Path) -> Result<String> {
         let of: Vec<&Value> =
             IMAGES.iter().filter_map(|images| views.iter().find(|r| r["images"] == *images)).collect();
         let [alone, before, captures] = of[..] else { return Err("a view lacks images".to_owned()) };
-        let cells = |r: &Value| Ok::<_, String>(format!("{:.1}", figure(r, "mean")?));
-        let of_eight = |r: &Value| Ok::<_, String>(format!("{:.1}", figure(r, "mean_of_eight")?));
+        let cells = |r: &Value, field| Ok::<_, String>(format!("{:.1}", figure(r, field)?));
         Ok(vec![
             [&alone["scene"], &alone["view"]].map(|name| name.as_str().unwrap_or("–")).join(", "),
-            cells(alone)?,
-            cells(before)?,
-            of_eight(before)?,
+            cells(alone, "mean")?,
+            cells(before, "mean")?,
+            cells(before, "mean_of_eight")?,
             percent(figure(captures, "rays")? / figure(before, "rays")?, 0),
-            cells(captures)?,
-            of_eight(captures)?,
+            cells(captures, "mean")?,
+            cells(captures, "mean_of_eight")?,
         ])
     };
     let rows = records.chunk_by(|a, b| a["view"] == b["view"]).map(row).collect::<Result<_>>()?;

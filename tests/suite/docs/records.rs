@@ -1,10 +1,12 @@
 //! Tables and numbers of the pages, from the records of measurements: what a query says of some folders.
 
 use super::figures::{
-    ROUGHNESS, Result, Row, csv, figures, greatest, grouped, json, least, mean, median, median_and_greatest,
-    median_and_range, number, percent, ratio, shortest, table,
+    ROUGHNESS, Result, Row, csv, figures, greatest, json, least, mean, median, median_and_greatest, median_and_range,
+    number, percent, ratio, shortest, table,
 };
-use super::{beside, beyond, captions, claims, dda, films, follow, layers, outlook, stochastic, thesis};
+use super::{
+    beside, beyond, captions, claims, dda, films, follow, large_gltf, layers, outlook, stochastic, stress, thesis,
+};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -79,11 +81,12 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["face-sizes"] => layers::face_sizes(first)?,
         ["camera-behind"] => layers::camera_behind(first)?,
         ["door"] => door(first)?,
-        ["stress"] => stress(first)?,
-        ["stress-cases", method] => stress_cases(first, method)?,
-        ["stress-compared", method] => stress_hits(first, method)?.0,
-        ["stress-wrong", method] => stress_hits(first, method)?.1,
+        ["stress"] => stress::stress(first)?,
+        ["stress-cases", method] => stress::cases(first, method)?,
+        ["stress-compared", method] => stress::hits(first, method)?.0,
+        ["stress-wrong", method] => stress::hits(first, method)?.1,
         ["precision"] => precision(first)?,
+        ["large-gltf", figure, side] => large_gltf::large_gltf(first, figure, side)?,
         ["commit"] => commit(first)?,
         _ => return Err(format!("nothing is called {query:?}")),
     };
@@ -440,62 +443,6 @@ fn door(folder: &Path) -> Result<String> {
     };
     let head = ["method", "effect over the command's", "`import` in ms", "MB on the device"];
     table(&head, ["unified", "ssct", "hzct"].iter().map(row).collect::<Result<_>>()?)
-}
-
-/// Cases of the stress suite by method, in the order of the records.
-fn stress_rows(folder: &Path) -> Result<Vec<(String, Vec<Row>)>> {
-    let mut methods: Vec<(String, Vec<Row>)> = Vec::new();
-    for row in csv(folder, "stress.csv")? {
-        let name = row["method"].clone();
-        match methods.iter_mut().find(|(m, _)| *m == name) {
-            Some((_, rows)) => rows.push(row),
-            None => methods.push((name, vec![row])),
-        }
-    }
-    Ok(methods)
-}
-
-fn count(row: &Row, field: &str) -> u64 {
-    row.get(field).and_then(|v| v.parse().ok()).unwrap_or(0)
-}
-
-/// Hits that were compared, and those that are not the oracle's.
-fn compared(rows: &[Row]) -> Result<(u64, u64)> {
-    let (mut all, mut wrong) = (0, 0);
-    for row in rows.iter().filter(|r| !r["hit_agreement"].is_empty()) {
-        let n = count(row, "compared");
-        all += n;
-        wrong += n - (number(row, "hit_agreement")? * n as f64).round() as u64;
-    }
-    Ok((all, wrong))
-}
-
-fn stress(folder: &Path) -> Result<String> {
-    let mut rows = Vec::new();
-    for (method, cases) in stress_rows(folder)? {
-        let passed = cases.iter().filter(|r| r["pass"].eq_ignore_ascii_case("true")).count();
-        let bad = ["nan", "inf", "negative", "exhausted"]
-            .map(|field| cases.iter().filter(|r| count(r, field) > 0).count().to_string());
-        let (all, wrong) = compared(&cases)?;
-        let right = if all == 0 { "–".to_owned() } else { percent(1.0 - wrong as f64 / all as f64, 2) };
-        let head = [format!("`{method}`"), cases.len().to_string(), passed.to_string()];
-        rows.push(head.into_iter().chain(bad).chain([right]).collect());
-    }
-    table(&["method", "cases", "passed", "with NaN", "infinite", "negative", "exhausted", "right hits"], rows)
-}
-
-/// How many cases the method with most of them has.
-fn stress_cases(folder: &Path, method: &str) -> Result<String> {
-    let all = stress_rows(folder)?;
-    let of = all.iter().find(|(m, _)| m == method);
-    of.map(|(_, rows)| rows.len().to_string()).ok_or_else(|| format!("no {method}"))
-}
-
-fn stress_hits(folder: &Path, method: &str) -> Result<(String, String)> {
-    let all = stress_rows(folder)?;
-    let (_, rows) = all.iter().find(|(m, _)| m == method).ok_or_else(|| format!("no {method}"))?;
-    let (all, wrong) = compared(rows)?;
-    Ok((grouped(all), grouped(wrong)))
 }
 
 /// Errors by the formats of a G-buffer, mean over the views.

@@ -1,7 +1,7 @@
 //! The parameters that a manifest declares, as the tables of methods have them.
 
-use super::Manifest;
 use super::sections::ParameterSection;
+use super::{Manifest, is_word};
 use crate::error::Result;
 use crate::parameter::{Choice, Domain, Parameter, Preset, Value};
 use toml::Spanned;
@@ -20,7 +20,7 @@ impl Manifest {
         let of = section.get_ref();
         let wrong = |message: &str| self.error(&at, format!("parameter {name}: {message}"));
         let leak = |text: &str| -> &'static str { text.to_owned().leak() };
-        if name.is_empty() || !name.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-') {
+        if !is_word(name) {
             return Err(wrong("the name must consist of small letters, digits and hyphens"));
         }
         let choices: &'static [Choice] =
