@@ -11,6 +11,8 @@
 layout(std140, binding = 16) uniform CaptureBlock {
     mat4 view_to_world;          // the camera's; a rotation
     vec4 places[CAPTURE_SLOTS];  // from the eye to where each capture was made; w unused
+    vec4 least;                  // from the eye to the corners of a box outside of which nothing stands; w unused
+    vec4 greatest;
     int count;
     float view_unit;             // near (1 + k) of the camera: metres to one unit of ViewPoint
     float face_unit;             // the same of the faces' cameras

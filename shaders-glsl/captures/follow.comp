@@ -7,7 +7,7 @@
 //
 // A ray goes on in the nearest capture that sees the point where the last image lost it. Where none does, what is behind
 // shows (`--fallback`), or, without anything behind, what hides the point from the nearest capture: the ray most likely
-// hits that.
+// hits that. Outside the scene's bounds there is nothing left to hit.
 
 #define LOST_ACCESS readonly
 #define FACES
@@ -71,6 +71,11 @@ int NearestThatSees(vec3 point, int left_out) {
     return k;
 }
 
+// Whether a point relative to the eye lies outside the scene's bounds, which a ray that begins inside leaves for good.
+bool IsOutside(vec3 point) {
+    return any(lessThan(point, captures.least.xyz)) || any(greaterThan(point, captures.greatest.xyz));
+}
+
 Answer FollowRay(LostRay ray) {
     Answer answer = Answer(PATH_UNKNOWN, ray.start, -1, 0.0);
     vec3 point = ray.start;
@@ -78,9 +83,12 @@ Answer FollowRay(LostRay ray) {
     bool exhausted = false;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
-        int k = NearestThatSees(point, left_out);
-        if (k < 0)
+        bool is_outside = IsOutside(point);
+        int k = is_outside ? -1 : NearestThatSees(point, left_out);
+        if (k < 0) {
+            answer.code = is_outside ? PATH_SKY : PATH_UNKNOWN;
             break;
+        }
         vec3 place = captures.places[k].xyz;
         Followed followed = Follow(k, point - place, ray.direction, exhausted);
         precise vec3 there = followed.place + place;

@@ -8,6 +8,7 @@ use crate::gpu::frame::Mode;
 use crate::methods::capture::{CaptureImages, FaceKeeper};
 use crate::passes::Reflectors;
 use crate::passes::import::{Factor, Foreign, ImportPass};
+use crate::scene::Aabb;
 use crate::scene::capture::{MAX_CAPTURES, MAX_RESOLUTION};
 use ash::vk;
 use glam::Vec3;
@@ -23,6 +24,9 @@ pub struct CaptureCubesInfo<'a> {
     pub view_to_clip: [f32; 16],
     /// Where the top of a face is in its clip space.
     pub clip_y: ClipY,
+    /// The least and the greatest corner of a box in world space outside of which nothing stands, so that rays that leave it
+    /// end in the sky; `None` if there is no such box.
+    pub bounds: Option<[[f32; 3]; 2]>,
     /// How many frames that renew faces may be under way at once.
     pub frames_in_flight: usize,
 }
@@ -56,7 +60,7 @@ impl CaptureCubes {
     /// Makes the images; they have no content yet.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a number of places, a side or a projection that is none; [`Error::Memory`].
+    /// [`Error::Usage`] for a number of places, a side, a projection or bounds that are none; [`Error::Memory`].
     pub fn new(context: &Context, info: &CaptureCubesInfo) -> Result<Self> {
         let count = info.places.len();
         if count == 0 || count > MAX_CAPTURES {
@@ -72,6 +76,11 @@ impl CaptureCubes {
         if places.iter().any(|p| !p.is_finite()) {
             return Err(Error::Usage("a capture's place has numbers that are not finite".into()));
         }
+        let bounds = info.bounds.map_or(Aabb::ALL, |[min, max]| Aabb { min: min.into(), max: max.into() });
+        if !bounds.is_sound() {
+            let message = "the captures' bounds are not the least and the greatest corner of a box, of finite numbers";
+            return Err(Error::Usage(message.into()));
+        }
         let identity = glam::Mat4::IDENTITY.to_cols_array();
         let input = CameraInput { world_to_view: identity, view_to_clip: info.view_to_clip, clip_y: info.clip_y };
         let camera = input.take()?;
@@ -85,7 +94,7 @@ impl CaptureCubes {
             frames: FrameContext::in_others(gpu, info.frames_in_flight)?,
             import: ImportPass::new(gpu, extent)?.labelled("capture/import"),
             keep: FaceKeeper::new(gpu, extent)?,
-            images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?,
+            images: CaptureImages::of_camera(gpu, places, info.side, &camera.camera)?.within(bounds),
             camera,
             taken: 0,
         })

@@ -14,7 +14,7 @@ use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, GBuffer, LIT_COLOR, lost};
 use crate::scene::capture::face_camera;
-use crate::scene::{Camera, Capture, GBufferData, Material};
+use crate::scene::{Aabb, Camera, Capture, GBufferData, Material};
 use ash::vk;
 use glam::Vec3;
 use std::cell::Cell;
@@ -91,6 +91,8 @@ pub struct CaptureImages {
     places: Vec<Cell<Vec3>>,
     face: UnifiedBlock,
     face_unit: f32,
+    /// Those of the scene when a face was last drawn.
+    bounds: Cell<Aabb>,
 }
 
 impl CaptureImages {
@@ -126,6 +128,13 @@ impl CaptureImages {
             context.once(|frame| passes.record(frame, scene, self, face))?;
         }
         self.make_ready(context)
+    }
+
+    /// With a box in the world, in metres, outside of which nothing stands: a ray that is lost there ends in the sky. What
+    /// is drawn from a scene has the scene's, anything else knows no bounds without this.
+    pub fn within(self, bounds: Aabb) -> Self {
+        self.bounds.set(bounds);
+        self
     }
 
     /// The same of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
@@ -181,6 +190,7 @@ impl CaptureImages {
             face: super::unified::parameters(forward, extent, false),
             face_unit: lost::unit(forward),
             places: places.into_iter().map(Cell::new).collect(),
+            bounds: Cell::new(Aabb::ALL),
         })
     }
 
@@ -226,8 +236,8 @@ impl CaptureImages {
 
     /// The captures as methods take them.
     pub fn captures(&self) -> Captures<'_> {
-        let Self { pyramid, normal, color, places, face, face_unit } = self;
-        Captures { pyramid, normal, color, places, face, face_unit: *face_unit }
+        let Self { pyramid, normal, color, places, face, face_unit, bounds } = self;
+        Captures { pyramid, normal, color, places, face, face_unit: *face_unit, bounds: bounds.get() }
     }
 }
 
@@ -266,6 +276,7 @@ impl FacePasses {
     fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages, number: u32) -> Result<()> {
         let camera = face_camera(into.places[number as usize / 6].get(), number as usize % 6, self.near_m);
         self.scene.record(frame, scene, &camera)?;
+        into.bounds.set(scene.data.bounds());
         into.take_face(frame, &self.keep, &self.scene.drawn().gbuffer(), number)
     }
 }

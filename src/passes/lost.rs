@@ -9,6 +9,7 @@ use crate::gpu::shader::CaptureBlock;
 use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, Sampled};
 use crate::scene::Camera;
 use ash::vk;
+use glam::Vec3;
 
 /// Bytes of a ray in the list (`LostRay` of `shaders-glsl/captures/lost.glsl`).
 const RAY_BYTES: u64 = 48;
@@ -93,6 +94,8 @@ pub fn capture_block(camera: &Camera, captures: Option<&Captures>) -> CaptureBlo
         }
         block.count = captures.places.len().min(block.places.len()) as i32;
         block.face_unit = captures.face_unit;
+        let corner = |corner: Vec3| (corner - eye).extend(0.0).to_array();
+        (block.least, block.greatest) = (corner(captures.bounds.min), corner(captures.bounds.max));
     }
     block
 }

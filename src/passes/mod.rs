@@ -48,7 +48,7 @@ use crate::gpu::shader::{CameraBlock, UnifiedBlock};
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Target};
 use crate::math::constants;
 use crate::parameter::choices;
-use crate::scene::Camera;
+use crate::scene::{Aabb, Camera};
 use ash::vk;
 use glam::Vec3;
 use std::cell::Cell;
@@ -245,6 +245,8 @@ pub struct Captures<'a> {
     pub face: &'a UnifiedBlock,
     /// Reversed depth of a face at z = 1 m, without its offset: near (1 + k).
     pub face_unit: f32,
+    /// A box in the world, in metres, outside of which nothing stands.
+    pub bounds: Aabb,
 }
 
 /// Reflection colour in rgb before fade and reflectivity, and the fade in a. A miss is 0. RGBA16F.

@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::MemoryPlace};
 use crate::math::constants;
-use crate::scene::capture::Wanted;
+use crate::scene::capture::{BOUNDS_MARGIN, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::sky::SkyCube;
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
@@ -113,6 +113,14 @@ impl SceneData {
             area_lights: scene.area_lights.clone(),
             planes: coplanar_groups(scene),
         })
+    }
+
+    /// A box outside of which nothing stands, for rays that captures lose: the bounds of all meshes where they stand now,
+    /// and [`BOUNDS_MARGIN`] of their diagonal more, so that what a capture shows behind an outer wall, for want of
+    /// resolution, is not taken for outside.
+    pub fn bounds(&self) -> Aabb {
+        let all = self.meshes.iter().map(|m| m.bounds.moved(m.offset));
+        all.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)
     }
 
     /// The sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.

@@ -13,6 +13,10 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
 
+/// By so much of their diagonal the bounds of a scene are grown on every side, before what is outside of them is taken for
+/// sky.
+pub const BOUNDS_MARGIN: f32 = 0.02;
+
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.
 pub const FAR_M: f32 = 10_000.0;
 

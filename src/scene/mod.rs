@@ -249,9 +249,31 @@ impl Aabb {
         })
     }
 
+    /// All there is.
+    pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
+
     /// The box around two boxes.
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The box moved by an offset.
+    pub fn moved(self, offset: Vec3) -> Self {
+        Self { min: self.min + offset, max: self.max + offset }
+    }
+
+    /// The box that is larger on every side by a share of this one's diagonal; [`Self::ALL`] for an empty box.
+    pub fn grown(self, share: f32) -> Self {
+        if !self.min.cmple(self.max).all() {
+            return Self::ALL;
+        }
+        let by = share * self.min.distance(self.max);
+        Self { min: self.min - by, max: self.max + by }
+    }
+
+    /// Whether the corners are numbers, and none of the greatest corner is less than the least's.
+    pub fn is_sound(&self) -> bool {
+        self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
     }
 }
 

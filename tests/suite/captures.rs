@@ -18,13 +18,15 @@ use ssct_lab::reference::images::EndInImages;
 use ssct_lab::reference::unified::{CubeWalk, Ended, Seen, Traversal};
 use ssct_lab::reference::{CaptureData, Images};
 use ssct_lab::scene::capture::face_camera;
-use ssct_lab::scene::{Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
+use ssct_lab::scene::{Aabb, Capture, GBufferData, Lens, Material, Scene, Surface, View, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
 
 /// What the device drew and where its rays ended.
 struct Drawn {
     data: GBufferData,
     captures: Vec<CaptureData>,
+    /// Of the scene, outside of which a ray that is lost has escaped.
+    bounds: Aabb,
     /// What mirror.glsl and follow.comp left.
     hits: Pixels,
     /// The reflection before fade and reflectivity.
@@ -79,7 +81,8 @@ fn draw(gpu: &Gpu, scene: &Scene, view: &View, extent: [u32; 2]) -> Drawn {
     let (_, _, output) = stage.output_in(Mode::Plain, &shot).unwrap();
     let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
     let reflection = gbuffer::reflection(&mut stage.context, &output).unwrap();
-    Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), captures, hits, reflection }
+    let bounds = stage.scene().bounds();
+    Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), captures, bounds, hits, reflection }
 }
 
 /// A scene with captures of some resolution at some places.
@@ -102,7 +105,7 @@ struct Count {
 /// Holds every pixel's code and place against the twin, bit by bit.
 fn check_twin(drawn: &Drawn) -> Count {
     let screen = Traversal::new(&drawn.data).followed();
-    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures);
+    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures).within(drawn.bounds, &drawn.data.camera);
     let mut count = Count::default();
     let mut wrong = Vec::new();
     for (i, found) in drawn.hits.texels().enumerate() {
@@ -180,9 +183,9 @@ fn agrees(found: &[f32], data: &GBufferData, end: Option<EndInImages>) -> bool {
 /// rounding; and those that end elsewhere all the same.
 fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let data = &drawn.data;
-    let images = Images::new(data, &drawn.captures);
+    let images = Images::new(data, &drawn.captures).within(drawn.bounds);
     let screen = Traversal::new(data).followed();
-    let twin = CubeWalk::new(&data.camera, &drawn.captures);
+    let twin = CubeWalk::new(&data.camera, &drawn.captures).within(drawn.bounds, &data.camera);
     let check = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         let found = drawn.hits.at(x, y);

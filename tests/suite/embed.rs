@@ -9,6 +9,7 @@ use ash::vk;
 use glam::Vec3;
 use ssct::gpu::{FrameContext, Gpu, Image};
 use ssct::methods::METHODS;
+use ssct::methods::capture::CaptureImages;
 use ssct::methods::{Setup, Wants};
 use ssct::{
     CaptureCubes, CaptureCubesInfo, CaptureFaceInput, ClipY, Context, DeviceHandles, DeviceMemory, FactorInput,
@@ -303,8 +304,12 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
         side: 64,
         view_to_clip: faces[0].camera.view_to_clip_reversed().to_cols_array(),
         clip_y: ClipY::Up,
+        bounds: Some([scene.bounds().min.to_array(), scene.bounds().max.to_array()]),
         frames_in_flight: 1,
     };
+    let turned = CaptureCubesInfo { bounds: Some([[1.0; 3], [0.0; 3]]), ..captures_info };
+    let refused = CaptureCubes::new(&context, &turned).err().unwrap().to_string();
+    assert!(refused.contains("bounds"), "{refused}");
     let mut captures = CaptureCubes::new(&context, &captures_info).unwrap();
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let with = ReflectionsInfo { captures: Some(64), ..info(&data, "unified") };
@@ -342,8 +347,8 @@ fn captures_of_the_caller_show_what_those_of_a_file_show() {
     let seen = engine.read(&recorded.composite.unwrap());
     // Beside the same captures from the host, whose normals are not made of depth.
     let mut host = FrameContext::new(&gpu).unwrap();
-    let given =
-        ssct::methods::capture::CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
+    let given = CaptureImages::of_faces(&mut host, &[capture], |_, f| Ok(faces[f].clone())).unwrap();
+    let given = given.within(scene.bounds());
     let method = ssct::methods::find("unified").unwrap();
     let setup = Setup::new([97, 61]);
     let effect = ssct::methods::Effect::with_captures(&mut host, method, &setup, Wants::REFLECTION, given).unwrap();

@@ -62,7 +62,7 @@ pub fn run(options: &CapturesOptions) -> anyhow::Result<()> {
         return Err(Error::Usage(format!("no place for a capture was found in scene {}: {why}", scene.name)).into());
     }
     if let Some(file) = &options.write {
-        files::write(file, capture_file::encode_list(&placement.captures).as_bytes())?;
+        files::write(file, capture_file::encode_tables(&placement.captures).as_bytes())?;
     }
     if let Some(file) = &options.map {
         files::write(file, captures::map(&placement).as_bytes())?;
@@ -106,7 +106,8 @@ fn draw(options: &CapturesOptions, scene: &Scene, captures: &[Capture], folder: 
     // The list comes last, so that a folder with a list has all of its faces.
     let near_m = common_near_m(captures);
     let drawn: Vec<Capture> = captures.iter().map(|c| Capture { near_m, ..*c }).collect();
-    files::write(&folder.join(capture_file::LIST), capture_file::encode_list(&drawn).as_bytes())?;
+    let list = capture_file::encode_list(&drawn, stage.scene().bounds());
+    files::write(&folder.join(capture_file::LIST), list.as_bytes())?;
     drop(stage);
     gpu.check_validation()?;
     Ok(())

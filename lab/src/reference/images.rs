@@ -18,13 +18,14 @@
 //!   than the thickness of the last block there: it came through the joint of a surface that both faces show.
 //! - **A ray that a capture lost** goes on in the nearest other capture that sees the point where it was lost. A capture
 //!   in which it did not get on is left out until it gets on in another. Where no capture is left, its end is unknown.
+//! - **Outside the scene's bounds** nothing stands. A ray that an image lost there ends in the sky.
 
 use super::capture_data::CaptureData;
 use super::oracle::{self, Oracle, Passed};
 use super::ray::{MissReason, Segment};
 use super::thickness::DepthBlock;
 use crate::math::constants::GETS_ON;
-use crate::scene::GBufferData;
+use crate::scene::{Aabb, GBufferData};
 use glam::{DMat3, DVec3};
 
 /// Where a ray ends.
@@ -73,6 +74,8 @@ pub struct Images<'a> {
     screen: Oracle<'a>,
     view_to_world: DMat3,
     captures: Vec<Cube<'a>>,
+    /// The corners of the scene's bounds relative to the eye.
+    bounds: [DVec3; 2],
 }
 
 /// A capture.
@@ -117,7 +120,14 @@ impl<'a> Images<'a> {
             screen: Oracle::new(screen),
             view_to_world: view_to_world(screen),
             captures: captures.iter().map(cube).collect(),
+            bounds: [DVec3::MIN, DVec3::MAX],
         }
+    }
+
+    /// With a box in the world, in metres, outside of which nothing stands.
+    pub fn within(self, bounds: Aabb) -> Self {
+        let eye = self.screen.rays.gbuffer.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
+        Self { bounds: [bounds.min, bounds.max].map(|corner| corner.as_dvec3() - eye), ..self }
     }
 
     /// Where the mirror ray of a pixel ends; `None` if there is no ray, or if it runs below the surface.
@@ -179,7 +189,11 @@ impl<'a> Images<'a> {
     /// Where a ray ends that the screen lost.
     pub fn follow(&self, lost: &Lost) -> EndInImages {
         let (mut point, mut left_out) = (lost.start, Vec::new());
-        while let Some(index) = self.nearest_that_sees(point, &left_out) {
+        loop {
+            if self.is_outside(point) {
+                return EndInImages::Sky;
+            }
+            let Some(index) = self.nearest_that_sees(point, &left_out) else { return EndInImages::Unknown };
             let cube = &self.captures[index];
             let (how, at) = cube.follow(point - cube.place, lost.direction);
             let place = at + cube.place;
@@ -195,7 +209,11 @@ impl<'a> Images<'a> {
             }
             left_out.push(index);
         }
-        EndInImages::Unknown
+    }
+
+    fn is_outside(&self, point: DVec3) -> bool {
+        let [least, greatest] = self.bounds;
+        point.cmplt(least).any() || point.cmpgt(greatest).any()
     }
 
     fn nearest_that_sees(&self, point: DVec3, left_out: &[usize]) -> Option<usize> {

@@ -2,7 +2,7 @@
 //! ([`gbuffer_file`](super::gbuffer_file)).
 //!
 //! ```text
-//! captures.toml                 where they stand: the [[capture]] tables of a scene file, and nothing else
+//! captures.toml                 where they stand: the [[capture]] tables of a scene file, and perhaps bounds
 //! 1/px.exr 1/nx.exr …           the six faces of the first capture
 //! 2/px.exr …                    of the second, and so on, at most eight
 //! sky/px.exr …                  what is seen at infinity; the folder may be absent
@@ -10,7 +10,9 @@
 //!
 //! `captures.toml` has a table for each capture, in the order of the folders: `place`, the centre of the cube in world
 //! space, in metres; `resolution`, the texels along a side of its faces, 1…4096; `near`, the distance of the near plane
-//! in metres. All captures of a folder have one resolution and one near plane.
+//! in metres. All captures of a folder have one resolution and one near plane. Before the tables there may be
+//! `bounds = [[x, y, z], [x, y, z]]`: the least and the greatest corner of a box in world space, in metres, outside of which
+//! nothing stands, so that rays that are lost there end in the sky.
 //!
 //! The faces `px nx py ny pz nz` look along +x −x +y −y +z −z. Their texels lie as in a cube map of Vulkan: in world
 //! axes, which are left-handed with y up, the texel at (u, v) from the top left looks along
@@ -31,7 +33,7 @@
 use super::capture::face_camera;
 use super::exr_channels::{self, ExrChannels, axis};
 use super::gbuffer_file::{MAX_BYTES, reversed_depth};
-use super::{Capture, GBufferData, Surface, bounded, scene_file};
+use super::{Aabb, Capture, GBufferData, Surface, bounded, scene_file};
 use crate::error::{Error, Result};
 use exr::meta::header::LayerAttributes;
 use glam::Vec3;
@@ -54,6 +56,7 @@ const SKY: &str = "sky";
 pub struct CaptureFolder {
     path: PathBuf,
     captures: Vec<Capture>,
+    bounds: Aabb,
 }
 
 impl CaptureFolder {
@@ -63,8 +66,13 @@ impl CaptureFolder {
     /// [`Error::Io`] if it cannot be read; [`Error::Malformed`], with the line where it is known, for a list without
     /// captures, an unknown key, a number out of range, or captures of several resolutions or near planes.
     pub fn open(path: &Path) -> Result<Self> {
-        let captures = scene_file::captures::load_list(&path.join(LIST))?;
-        Ok(Self { path: path.to_owned(), captures })
+        let (captures, bounds) = scene_file::captures::load_list(&path.join(LIST))?;
+        Ok(Self { path: path.to_owned(), captures, bounds })
+    }
+
+    /// A box in the world, in metres, outside of which nothing stands; [`Aabb::ALL`] if the list does not say.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
     }
 
     /// Where the captures stand; at least one, at most [`MAX_CAPTURES`](super::capture::MAX_CAPTURES).
@@ -164,7 +172,13 @@ pub fn sky_path(folder: &Path, face: usize) -> PathBuf {
 }
 
 /// The text of [`LIST`].
-pub fn encode_list(captures: &[Capture]) -> String {
+pub fn encode_list(captures: &[Capture], bounds: Aabb) -> String {
+    let [[a, b, c], [d, e, f]] = [bounds.min, bounds.max].map(|corner| corner.to_array());
+    format!("bounds = [[{a:?}, {b:?}, {c:?}], [{d:?}, {e:?}, {f:?}]]\n\n{}", encode_tables(captures))
+}
+
+/// The `[[capture]]` tables of a scene file.
+pub fn encode_tables(captures: &[Capture]) -> String {
     captures.iter().map(|c| c.to_toml()).collect::<Vec<_>>().join("\n")
 }
 
@@ -260,12 +274,14 @@ mod tests {
         }
     }
 
+    const BOUNDS: Aabb = Aabb { min: Vec3::new(-8.5, -0.1, -3.0), max: Vec3::new(1.0, 2.7, 1e-3) };
+
     /// A folder with two captures and a sky.
     fn written() -> (tempfile::TempDir, Vec<Capture>) {
         let folder = tempfile::tempdir().unwrap();
         let at = |x: f32| Capture { resolution: 2, ..Capture::at(Vec3::new(x, 1.5, -0.1)) };
         let captures = vec![at(0.1), at(-7.25)];
-        std::fs::write(folder.path().join(LIST), encode_list(&captures)).unwrap();
+        std::fs::write(folder.path().join(LIST), encode_list(&captures, BOUNDS)).unwrap();
         for (k, capture) in captures.iter().enumerate() {
             std::fs::create_dir(folder.path().join((k + 1).to_string())).unwrap();
             for f in 0..6 {
@@ -292,7 +308,10 @@ mod tests {
     #[test]
     fn a_folder_round_trips_every_bit() {
         let (folder, captures) = written();
-        assert_eq!(CaptureFolder::open(folder.path()).unwrap().captures(), captures);
+        let read = CaptureFolder::open(folder.path()).unwrap();
+        assert_eq!((read.captures(), read.bounds()), (&captures[..], BOUNDS));
+        std::fs::write(folder.path().join(LIST), encode_tables(&captures)).unwrap();
+        assert_eq!(CaptureFolder::open(folder.path()).unwrap().bounds(), Aabb::ALL);
         let (faces, sky) = all(folder.path()).unwrap();
         for (i, read) in faces.iter().enumerate() {
             assert!(*read == face(&captures[i / 6], i % 6), "face {i}");
@@ -357,6 +376,11 @@ mod tests {
             list(&(table("0.1", "2") + &table("0.1", "4"))),
             "DIR/captures.toml:8: all captures of a scene have one resolution: this one has 4, the first has 2"
         );
+        for (bounds, given) in [("turned", "[[0, 0, 0], [1, -1, 1]]"), ("endless", "[[0, 0, 0], [1, inf, 1]]")] {
+            let said = list(&format!("# {bounds}\nbounds = {given}\n{}", table("0.1", "2")));
+            let words = "bounds must be the least and the greatest corner of a box, of finite numbers";
+            assert_eq!(said, format!("DIR/captures.toml:2: {words}"));
+        }
         assert_eq!(list(&table("0.1", "4")), "DIR/1/px.exr: the face has 2x2 texels, where captures.toml says 4x4");
         assert_eq!(
             said(|folder, _| std::fs::remove_file(face_path(folder, 1, 3)).unwrap()),

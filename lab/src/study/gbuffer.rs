@@ -105,6 +105,7 @@ pub fn reflect(
     let effect = match captures {
         Some(folder) => {
             let given = CaptureImages::of_faces(&mut context, folder.captures(), |k, f| folder.face(k, f))?;
+            let given = given.within(folder.bounds());
             Effect::with_captures(&mut context, method, &setup, wants, given)?
         }
         None => Effect::new(&mut context, method, &setup, wants, None)?,

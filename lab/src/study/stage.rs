@@ -58,6 +58,11 @@ impl Stage {
         Ok(Self { context, data })
     }
 
+    /// The scene on the device.
+    pub fn scene(&self) -> &SceneData {
+        &self.data
+    }
+
     /// The scene on the device, to change what moves in it between frames.
     pub fn scene_mut(&mut self) -> &mut SceneData {
         &mut self.data

@@ -8,7 +8,7 @@ use crate::gpu::Gpu;
 use crate::reference::CaptureData;
 use crate::reference::unified::{CubeWalk, Seen, Traversal};
 use crate::scene::placement::{self, Wanted};
-use crate::scene::{GBufferData, Scene, View};
+use crate::scene::{Aabb, GBufferData, Scene, View};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -81,8 +81,8 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     let on_screen = |(x, y): &(u32, u32)| alone.mirror_steps(*x, *y);
     let on_screen: Vec<u32> = pixels.par_iter().filter_map(on_screen).collect();
 
-    let captures = captures(gpu, scene, view, globals)?;
-    let (screen, walk) = (alone.followed(), CubeWalk::new(&data.camera, &captures));
+    let (captures, bounds) = captures(gpu, scene, view, globals)?;
+    let (screen, walk) = (alone.followed(), CubeWalk::new(&data.camera, &captures).within(bounds, &data.camera));
     let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
     let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
     let lost = |(x, y): &(u32, u32)| match walk.on_screen(&screen, *x, *y) {
@@ -107,8 +107,8 @@ fn blocks(data: &GBufferData) -> Vec<(u32, u32)> {
     all.filter(|(x, y)| *x < data.width && *y < data.height).collect()
 }
 
-/// Four captures, placed by the program, as the device draws them.
-fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<Vec<CaptureData>> {
+/// Four captures, placed by the program, as the device draws them, and the scene's bounds.
+fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<(Vec<CaptureData>, Aabb)> {
     let mut scene = scene.clone();
     placement::with_captures(&mut scene, Wanted::Count(4));
     let materials = globals.materials(&scene, view);
@@ -119,7 +119,7 @@ fn captures(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals) -> Result<
         drawn[k].faces.push(face);
         Ok(())
     })?;
-    Ok(drawn)
+    Ok((drawn, stage.scene().bounds()))
 }
 
 impl StepsRecord {

@@ -5,7 +5,7 @@
 use super::{Code, Hit, NEVER, Over, Ray, Traversal, Walk, crossing, dot};
 use crate::math::constants;
 use crate::reference::CaptureData;
-use crate::scene::Camera;
+use crate::scene::{Aabb, Camera};
 use glam::{IVec2, Mat3, Vec2, Vec3};
 
 /// How far away the sky is put, in metres.
@@ -22,6 +22,8 @@ pub struct CubeWalk<'a> {
     view_to_world: Mat3,
     view_unit: f32,
     face_unit: f32,
+    /// Relative to the eye.
+    bounds: Aabb,
 }
 
 /// `LostRay`, but for its footprint.
@@ -111,7 +113,13 @@ impl<'a> CubeWalk<'a> {
             view_to_world: Mat3::from_mat4(camera.world_to_view.as_dmat4().inverse().as_mat4()),
             view_unit: unit(camera),
             face_unit: faces().next().map_or(0.0, |face| unit(&face.camera)),
+            bounds: Aabb::ALL,
         }
+    }
+
+    /// With a box in the world, in metres, outside of which nothing stands.
+    pub fn within(self, bounds: Aabb, camera: &Camera) -> Self {
+        Self { bounds: bounds.moved(-camera.eye()), ..self }
     }
 
     /// What the screen makes of the mirror ray of a pixel (`mirror.glsl`); its traversal must be
@@ -146,6 +154,10 @@ impl<'a> CubeWalk<'a> {
         let mut answer = Answer { ended: Ended::Unknown, place: ray.start, steps: 0, faces: 0, is_exhausted: false };
         let (mut point, mut left_out) = (ray.start, 0_u32);
         for _ in 0..2 * constants::CAPTURE_SLOTS {
+            if self.is_outside(point) {
+                (answer.ended, answer.place) = (Ended::Sky, ray.start + SKY_DISTANCE * ray.direction);
+                break;
+            }
             let Some(k) = self.nearest_that_sees(point, left_out) else { break };
             let place = self.places[k];
             let (how, followed) = self.follow(k, point - place, ray.direction, &mut answer);
@@ -169,6 +181,11 @@ impl<'a> CubeWalk<'a> {
             }
         }
         answer
+    }
+
+    /// `IsOutside`.
+    fn is_outside(&self, point: Vec3) -> bool {
+        point.cmplt(self.bounds.min).any() || point.cmpgt(self.bounds.max).any()
     }
 
     /// `NearestThatSees`.

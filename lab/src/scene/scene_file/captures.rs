@@ -3,7 +3,9 @@
 
 use crate::error::{Error, Result};
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
+use crate::scene::Aabb;
 use crate::scene::source_text::{self, SourceText};
+use glam::Vec3;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -11,15 +13,18 @@ use toml::Spanned;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ListOfCaptures {
+    /// The least and the greatest corner.
+    bounds: Option<Spanned<[[f32; 3]; 2]>>,
     #[serde(default)]
     capture: Vec<Spanned<CaptureSection>>,
 }
 
-/// Reads the captures of a file that has nothing but `[[capture]]` tables, at least one, all with one near plane.
+/// Reads the captures of a file that has `[[capture]]` tables, at least one, all with one near plane, and before them
+/// perhaps `bounds`, outside of which nothing stands; without, [`Aabb::ALL`].
 ///
 /// # Errors
 /// [`Error::Io`] if the file cannot be read; [`Error::Malformed`], with the line where it is known, for anything else.
-pub(in crate::scene) fn load_list(path: &Path) -> Result<Vec<Capture>> {
+pub(in crate::scene) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
     let text = source_text::read(path, "a list of captures", super::MAX_FILE_BYTES)?;
     let source = SourceText { path, text: &text };
     let list: ListOfCaptures = toml::from_str(&text).map_err(|e| source.syntax_error(&e))?;
@@ -34,7 +39,16 @@ pub(in crate::scene) fn load_list(path: &Path) -> Result<Vec<Capture>> {
         );
         return Err(source.error(section.span(), message));
     }
-    Ok(captures)
+    let mut bounds = Aabb::ALL;
+    if let Some(given) = &list.bounds {
+        let [min, max] = given.get_ref().map(Vec3::from);
+        bounds = Aabb { min, max };
+        if !bounds.is_sound() {
+            let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
+            return Err(source.error(given.span(), message));
+        }
+    }
+    Ok((captures, bounds))
 }
 
 #[derive(Deserialize)]

@@ -358,7 +358,7 @@ fn captures_are_put_where_the_eye_is_moved_and_removed() {
     let folder = tempfile::tempdir().unwrap();
     bench.viewer.captures.file = folder.path().join("c.toml").display().to_string();
     bench.viewer.captures.save(&placed);
-    let saved = crate::scene::capture_file::encode_list(&bench.viewer.captures_shown());
+    let saved = crate::scene::capture_file::encode_tables(&bench.viewer.captures_shown());
     assert_eq!(std::fs::read_to_string(folder.path().join("c.toml")).unwrap(), saved);
     bench.is_valid("captures");
 }

@@ -1,0 +1,135 @@
+//! Says where the rays of `unified` with captures end wrongly in the world, and what that adds to its error. Prints a table in
+//! CSV to standard output.
+//!
+//! All views of a scene, mirrors, 480×270, four captures that the program places. A row is one kind of pixels of a view: `share` of the reflecting pixels, and
+//! the part `of_error` of the summed squared error against the world reference (32 rays a pixel) that they have. Kinds are
+//! told apart by
+//!
+//! - `method`: where the method ended the ray: on the screen, in a capture, in the sky, where no image sees it
+//!   (`unknown`), or `none` for a pixel that is seen from below its normal;
+//! - `end`: whether that is right by place agreement; if not, whether it is `near` (off by less than a tenth of the ray's length), or
+//!   nearer than the true end, `before` it, or farther, `behind` it; `other` where there are not two places;
+//! - `truth`: what shows the ray's true end: `itself`, if that is within a thousandth of the pixel's distance or 1 mm of where
+//!   the ray begins, so that it hits the surface that it leaves; else `screen`, `capture`, `sky`, or nothing (`hidden`).
+//!
+//! Usage: `cargo bench --bench ends [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
+
+#![allow(clippy::expect_used)]
+
+use glam::DVec3;
+use ssct::gpu::{DeviceQuery, Gpu};
+use ssct::math::DefinitionsVersion;
+use ssct::methods::setup::{CaptureCount, EffectParams};
+use ssct::methods::{Setup, Wants, unified};
+use ssct::passes::PathCode;
+use ssct_lab::metrics::place::{RayEnd, is_right};
+use ssct_lab::reference::first_hits::{FirstHits, Receiver};
+use ssct_lab::reference::surface::World;
+use ssct_lab::reference::world::{Escape, WorldReference};
+use ssct_lab::reference::world_hits::{WorldHit, world_hits};
+use ssct_lab::scene::placement::sees;
+use ssct_lab::scene::{LoadOptions, Scene, Triangles, View, library, scene_file};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const SIZE: [u32; 2] = [480, 270];
+const RAYS: u32 = 32;
+
+/// Where a method ended a ray, how that compares, and what shows the true end.
+type Kind = [&'static str; 3];
+
+/// What of a scene shows a place.
+struct Shown<'a> {
+    triangles: &'a Triangles<'a>,
+    captures: Vec<DVec3>,
+    eye: DVec3,
+}
+
+impl Shown<'_> {
+    fn kind(&self, from: &Receiver, truth: &WorldHit, code: PathCode, end: &RayEnd) -> Option<Kind> {
+        let method = match (code, end) {
+            (PathCode::HiZ, _) => "screen",
+            (_, RayEnd::Place(_)) => "capture",
+            (_, RayEnd::Sky) => "sky",
+            (PathCode::None, _) => "none",
+            _ => "unknown",
+        };
+        let is_right = is_right(truth, end)?;
+        let WorldHit::Hit { position, length_m, visible, .. } = truth else {
+            return Some([method, if is_right { "right" } else { "other" }, "sky"]);
+        };
+        let end = match end {
+            _ if is_right => "right",
+            RayEnd::Place(place) if place.distance(*position) < 0.1 * length_m => "near",
+            RayEnd::Place(place) if place.distance(from.position) < *length_m => "before",
+            RayEnd::Place(_) => "behind",
+            _ => "other",
+        };
+        let truth = if *length_m <= 1e-3 * self.eye.distance(from.position).max(1.0) {
+            "itself"
+        } else if *visible {
+            "screen"
+        } else if self.captures.iter().any(|place| sees(self.triangles, *place, *position)) {
+            "capture"
+        } else {
+            "hidden"
+        };
+        Some([method, end, truth])
+    }
+}
+
+fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
+    let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
+    let setup = Setup::new(SIZE).with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+    let shot = Shot::new(stage, &unified::INFO, &setup, Wants::HITS, view.camera(scene, SIZE), materials.clone())
+        .expect("a shot");
+    let (_, _, output) = stage.output(&shot).expect("a frame");
+    let color = gbuffer::reflection(&mut stage.context, &output).expect("the reflection");
+    let hits = output.traced.hits.expect("hits of a trace that is a pass of its own");
+    let hits = stage.context.read(hits.0.all()).expect("the hits");
+    let data = gbuffer::read(&mut stage.context, &shot).expect("the G-buffer");
+    let ends = gbuffer::ray_ends(&hits, &data);
+    let codes = hits.texels().map(|t| PathCode::from_channel(t[3]).unwrap_or(PathCode::None));
+
+    let (world, triangles) = (World::new(scene, &materials), Triangles::new(scene, &materials));
+    let first = FirstHits::from_gbuffer(&data);
+    let reference = WorldReference::by(DefinitionsVersion::V2, &world, &first, &data.camera, Escape::Environment, 2);
+    let mut state = reference.start();
+    reference.add(&mut state, RAYS);
+    let truth = reference.image(&state).reflection;
+    let captures = shot.captures().expect("captures").1.iter().map(|c| c.position.as_dvec3()).collect();
+    let shown = Shown { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3() };
+
+    let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
+    let (mut count, mut sum) = (0, 0.0);
+    for (i, (hit, code)) in world_hits(&world, &data).iter().zip(codes).enumerate() {
+        let Some(kind) = first.receivers[i].as_ref().and_then(|r| shown.kind(r, hit, code, &ends[i])) else { continue };
+        let off = |c: usize| f64::from(color.values[i * color.channels + c] - truth[i][c]).powi(2) / 3.0;
+        let error: f64 = (0..3).map(off).sum();
+        let entry = kinds.entry(kind).or_default();
+        *entry = (entry.0 + 1, entry.1 + error);
+        (count, sum) = (count + 1, sum + error);
+    }
+    for ([method, end, truth], (pixels, error)) in kinds {
+        let (share, of_error) = (f64::from(pixels) / f64::from(count.max(1)), error / sum);
+        println!("{},{},{method},{end},{truth},{share:.5},{of_error:.5}", scene.name, view.name);
+    }
+}
+
+fn main() {
+    let mut names: Vec<_> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
+    if names.is_empty() {
+        names = library::names().iter().map(|n| n.to_string()).collect();
+    }
+    let gpu = Gpu::open(&DeviceQuery::default()).expect("a Vulkan device");
+    println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
+    println!("scene,view,method,end,truth,share,of_error");
+    for name in names {
+        let from_file =
+            || scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a built-in scene or a file of one");
+        let scene = library::scene(&name).unwrap_or_else(from_file);
+        let mut stage = Stage::new(&gpu, &scene).expect("device memory");
+        scene.views.iter().for_each(|view| print_view(&scene, view, &mut stage));
+    }
+}
