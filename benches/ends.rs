@@ -1,16 +1,17 @@
 //! Says where the rays of `unified` with captures end wrongly in the world, and what that adds to its error. Prints a table in
 //! CSV to standard output.
 //!
-//! All views of a scene, mirrors, 480×270, four captures that the program places. A row is one kind of pixels of a view: `share` of the reflecting pixels, and
-//! the part `of_error` of the summed squared error against the world reference (32 rays a pixel) that they have. Kinds are
+//! All views of a scene, mirrors, 480×270, four captures that the program places. A row is one kind of pixels of a view: their
+//! `share` of those that reflect, and
+//! the part `of_error` that they have of the summed squared error against the world reference (32 rays a pixel). Kinds are
 //! told apart by
 //!
 //! - `method`: where the method ended the ray: on the screen, in a capture, in the sky, where no image sees it
 //!   (`unknown`), or `none` for a pixel that is seen from below its normal;
 //! - `end`: whether that is right by place agreement; if not, whether it is `near` (off by less than a tenth of the ray's length), or
 //!   nearer than the true end, `before` it, or farther, `behind` it; `other` where there are not two places;
-//! - `truth`: what shows the ray's true end: `itself`, if that is within a thousandth of the pixel's distance or 1 mm of where
-//!   the ray begins, so that it hits the surface that it leaves; else `screen`, `capture`, `sky`, or nothing (`hidden`).
+//! - `truth`: what shows the ray's true end: `beside`, if the end is no farther from where the ray begins than two pixels are
+//!   wide there, which the screen cannot tell apart; else `screen`, `capture`, `sky`, or nothing (`hidden`).
 //!
 //! Usage: `cargo bench --bench ends [-- SCENE…]`, with names of built-in scenes or files, relative ones from `lab/`.
 
@@ -44,6 +45,8 @@ struct Shown<'a> {
     triangles: &'a Triangles<'a>,
     captures: Vec<DVec3>,
     eye: DVec3,
+    /// Height of a pixel of what is 1 m away, in metres.
+    pixel_at_1_m: f64,
 }
 
 impl Shown<'_> {
@@ -66,8 +69,8 @@ impl Shown<'_> {
             RayEnd::Place(_) => "behind",
             _ => "other",
         };
-        let truth = if *length_m <= 1e-3 * self.eye.distance(from.position).max(1.0) {
-            "itself"
+        let truth = if *length_m <= 2.0 * self.pixel_at_1_m * self.eye.distance(from.position) {
+            "beside"
         } else if *visible {
             "screen"
         } else if self.captures.iter().any(|place| sees(self.triangles, *place, *position)) {
@@ -99,7 +102,8 @@ fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     reference.add(&mut state, RAYS);
     let truth = reference.image(&state).reflection;
     let captures = shot.captures().expect("captures").1.iter().map(|c| c.position.as_dvec3()).collect();
-    let shown = Shown { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3() };
+    let pixel_at_1_m = 2.0 / (f64::from(data.camera.view_to_clip().y_axis.y.abs()) * f64::from(SIZE[1]));
+    let shown = Shown { triangles: &triangles, captures, eye: data.camera.eye().as_dvec3(), pixel_at_1_m };
 
     let mut kinds: BTreeMap<Kind, (u32, f64)> = BTreeMap::new();
     let (mut count, mut sum) = (0, 0.0);
