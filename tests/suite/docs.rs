@@ -7,6 +7,7 @@ mod captions;
 mod claims;
 mod coverage;
 mod dda;
+mod ends;
 mod figures;
 mod films;
 mod follow;

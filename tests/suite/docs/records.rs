@@ -5,7 +5,7 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, films, follow, large_gltf, layers, outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, dda, ends, films, follow, large_gltf, layers, outlook, stochastic, stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,6 +34,8 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["capture-steps"] => follow::steps(first)?,
+        ["ends"] => ends::ends(first)?,
+        ["motion-rays"] => follow::motion(folders)?,
         ["capture-sides"] => follow::sides(first)?,
         ["noise", roughness] => noise(folders, roughness)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,
