@@ -75,6 +75,13 @@ pub fn motion(folders: &[PathBuf]) -> Result<String> {
     table(&["what", "moved by an eighth of a pixel", "panned by a quarter of a pixel"], rows)
 }
 
+/// How much `unified` changes in a motion, over the world reference.
+pub fn motion_over(folder: &Path, motion: &str) -> Result<String> {
+    let records = json(folder, "motion.json")?;
+    let record = records.iter().find(|r| r["motion"] == motion).ok_or(format!("no {motion}"))?;
+    Ok(ratio(figure(&record["world"], "ratio")?))
+}
+
 /// The time of the pass that follows rays, over that with faces of 512²; that of the effect over that of `ssct`; and the
 /// same without the pass. By the side of the faces, medians of the rounds.
 pub fn sides(folder: &Path) -> Result<String> {

@@ -35,6 +35,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["capture-steps"] => follow::steps(first)?,
         ["ends"] => ends::ends(first)?,
+        ["motion-over", motion] => follow::motion_over(first, motion)?,
         ["motion-rays"] => follow::motion(folders)?,
         ["capture-sides"] => follow::sides(first)?,
         ["noise", roughness] => noise(folders, roughness)?,
