@@ -254,7 +254,7 @@ ivec2 Ahead(Ray ray) {
 #ifndef FACES
 
 Hit Traverse(Ray ray) {
-    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, 0.0);
+    Hit hit = Hit(PATH_MISS, ray.pixel, vec2(0.0), 0.0, 0, ray.end);
     ivec2 ahead = Ahead(ray);
 
     // The first step leaves the starting pixel unseen.
@@ -274,7 +274,6 @@ Hit Traverse(Ray ray) {
     Advance(ray, ahead, leaves, walk);
     hit.steps = walk.steps;
     hit.code = walk.entry < ray.end ? PATH_UNFINISHED : PATH_MISS;
-    hit.s = ray.end;
     if (walk.level < 0) {
         vec2 block = BLOCK_AT(PixelTexel(walk.pixel));
         float s = Crossing(ray, walk, ahead, block.x);

@@ -298,7 +298,7 @@ impl<'a> Traversal<'a> {
     /// The same, telling every cell that is looked at.
     pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
         let (pixel, position) = (ray.pixel, Vec2::ZERO);
-        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: 0.0 };
+        let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: ray.end };
         let ahead = ray.ahead();
 
         let sides = (ahead.as_vec2() - 0.5) * ray.inverse;
@@ -322,7 +322,7 @@ impl<'a> Traversal<'a> {
         let border = IVec2::MAX;
         let over = if self.is_followed { Over::Seen { passes: leaves, border } } else { Over::All };
         self.advance(ray, ahead, over, &mut walk, visit);
-        let hit = Hit { steps: walk.steps, s: ray.end, ..hit };
+        let hit = Hit { steps: walk.steps, ..hit };
         if walk.level >= 0 {
             return Hit { code: if walk.entry < ray.end { Code::Unfinished } else { Code::Nothing }, ..hit };
         }

@@ -2,8 +2,8 @@
 //! captures, which has that section alone ([`crate::scene::capture_file`]).
 
 use crate::error::{Error, Result};
-use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::Aabb;
+use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::source_text::{self, SourceText};
 use glam::Vec3;
 use serde::Deserialize;
