@@ -107,6 +107,14 @@ fn captured_over_in_all(folders: &[PathBuf], other: (&str, &str), roughness: &st
     Ok(BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
 }
 
+/// What the captures of `unified` took before the first frame of a scene, at most: seconds and bytes on the device.
+pub fn prepared(folder: &Path, scene: &str) -> Result<String> {
+    let records = of_scene(&[folder.to_owned()], scene)?;
+    let prepared = records.iter().filter(|r| r["method"] == CAPTURED.0).map(|r| &r["prepared"]);
+    let most = |field: &str| greatest(&prepared.clone().filter_map(|p| p[field].as_f64()).collect::<Vec<_>>());
+    Ok(format!("{:.1} s and {:.0} MB", 1e-3 * most("time_ms"), 1e-6 * most("device_bytes")))
+}
+
 /// The share of mirror rays that end where they do in the world: median and, in brackets, the least.
 fn right_places(records: &[Value]) -> Result<String> {
     let places: Vec<f64> = by_view(records, CAPTURED, "0", "place_agreement").into_values().collect();

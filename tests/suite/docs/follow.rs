@@ -1,6 +1,6 @@
 //! Tables of what following rays in captures takes: cells that are looked at, and time by the size of the faces.
 
-use super::figures::{Result, json, median, percent, ratio, table};
+use super::figures::{Result, greatest, json, median, percent, ratio, table};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -75,11 +75,20 @@ pub fn motion(folders: &[PathBuf]) -> Result<String> {
     table(&["what", "moved by an eighth of a pixel", "panned by a quarter of a pixel"], rows)
 }
 
-/// How much `unified` changes in a motion, over the world reference.
-pub fn motion_over(folder: &Path, motion: &str) -> Result<String> {
-    let records = json(folder, "motion.json")?;
-    let record = records.iter().find(|r| r["motion"] == motion).ok_or(format!("no {motion}"))?;
-    Ok(ratio(figure(&record["world"], "ratio")?))
+/// How much `unified` changes in a motion, over the world reference; the greatest of some records.
+pub fn motion_over(folders: &[PathBuf], motion: &str, roughness: &str) -> Result<String> {
+    let wanted: f64 = roughness.parse().map_err(|_| format!("{roughness} is no roughness"))?;
+    let mut ratios = Vec::new();
+    for folder in folders {
+        let records = json(folder, "motion.json")?;
+        let of = records.iter().filter(|r| [r["motion"].as_str(), Some("any")].contains(&Some(motion)));
+        let of = of.filter(|r| r["roughness"].as_f64().is_some_and(|r| (r - wanted).abs() < 1e-6));
+        ratios.append(&mut of.map(|r| figure(&r["world"], "ratio")).collect::<Result<Vec<_>>>()?);
+    }
+    if ratios.is_empty() {
+        return Err(format!("no {motion} at roughness {roughness}"));
+    }
+    Ok(ratio(greatest(&ratios)))
 }
 
 /// The time of the pass that follows rays, over that with faces of 512²; that of the effect over that of `ssct`; and the
