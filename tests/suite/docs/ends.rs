@@ -4,8 +4,11 @@ use super::figures::{Result, Row, csv, median, number, percent, table};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The columns, each with what it tells of a row of the record.
-const COLUMNS: [(&str, fn(&Kind) -> bool); 7] = [
+/// Which rows of the record count.
+type Counts = fn(&Kind) -> bool;
+
+/// The columns, each with the rows that it adds up.
+const COLUMNS: [(&str, Counts); 7] = [
     ("wrong", |k| k.end != "right"),
     ("ends beside its start", |k| k.end != "right" && k.truth == "beside"),
     ("hit too soon or too late by less than a tenth", |k| k.end == "near" && k.truth != "beside"),
@@ -46,7 +49,7 @@ pub fn ends(folder: &Path) -> Result<String> {
         }
         views.entry((scene, of("view")?)).or_default().push(row);
     }
-    let sum = |rows: &[&Row], field: &str, counts: fn(&Kind) -> bool| {
+    let sum = |rows: &[&Row], field: &str, counts: Counts| {
         let of = |row: &Row| {
             let [method, end, truth] = ["method", "end", "truth"].map(|f| row.get(f).map_or("", String::as_str));
             if counts(&Kind { method, end, truth }) { number(row, field) } else { Ok(0.0) }
@@ -55,12 +58,12 @@ pub fn ends(folder: &Path) -> Result<String> {
     };
     let row = |scene: &&str| {
         let of_scene: Vec<&Vec<&Row>> = views.iter().filter(|((s, _), _)| s == scene).map(|(_, rows)| rows).collect();
-        let middle = |field: &str, counts: fn(&Kind) -> bool| {
+        let middle = |field: &str, counts: Counts| {
             let values = of_scene.iter().map(|rows| sum(rows, field, counts)).collect::<Result<Vec<_>>>()?;
             Ok::<_, String>(percent(median(&values)?, 1))
         };
         let shares = COLUMNS.iter().map(|(_, counts)| middle("share", *counts));
-        let right: fn(&Kind) -> bool = |k| k.end == "right";
+        let right: Counts = |k| k.end == "right";
         let cells = std::iter::once(Ok((*scene).to_owned())).chain(shares);
         cells.chain(std::iter::once(middle("of_error", right))).collect::<Result<Vec<_>>>()
     };
