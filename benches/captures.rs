@@ -18,8 +18,7 @@ use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::RAY_START_M;
 use ssct_lab::scene::bvh::WorldRay;
 use ssct_lab::scene::placement::{Wanted, place, sees};
-use ssct_lab::scene::{Camera, Capture, LoadOptions, Scene, Triangles, View, library, scene_file};
-use std::path::Path;
+use ssct_lab::scene::{Camera, Capture, Scene, Triangles, View, library};
 use std::time::Instant;
 
 const SIZE: [u32; 2] = [192, 108];
@@ -81,8 +80,7 @@ fn main() {
     let named: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let names = if named.is_empty() { library::names().iter().map(|n| n.to_string()).collect() } else { named };
     for name in names {
-        let scene = library::scene(&name)
-            .unwrap_or_else(|| scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a scene"));
+        let scene = library::scene_or_file(&name).expect("a built-in scene or a file of one");
         measure(&scene);
     }
 }

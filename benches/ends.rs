@@ -1,15 +1,14 @@
 //! Says where the rays of `unified` with captures end wrongly in the world, and what that adds to its error. Prints a table in
 //! CSV to standard output.
 //!
-//! All views of a scene, mirrors, 480×270, four captures that the program places. A row is one kind of pixels of a view: their
-//! `share` of those that reflect, and
-//! the part `of_error` that they have of the summed squared error against the world reference (32 rays a pixel). Kinds are
-//! told apart by
+//! All views of a scene are drawn with mirrors at 480×270, and with four captures that the program places. Each row is of
+//! the pixels of one kind in one view: `share` is their number over that of all pixels that reflect, and `of_error` the part
+//! that they have in the summed squared error against the world reference (32 rays a pixel). Three columns say which kind:
 //!
-//! - `method`: where the method ended the ray: on the screen, in a capture, in the sky, where no image sees it
-//!   (`unknown`), or `none` for a pixel that is seen from below its normal;
-//! - `end`: whether that is right by place agreement; if not, whether it is `near` (off by less than a tenth of the ray's length), or
-//!   nearer than the true end, `before` it, or farther, `behind` it; `other` where there are not two places;
+//! - `method`: where the method ended the ray: on the `screen`, in a `capture`, in the `sky`, or where no image sees it
+//!   (`unknown`); `none` is a pixel that is seen from below its normal;
+//! - `end`: `right` by place agreement; else `near` (off by less than a tenth of the ray's length), `before` the true end
+//!   or `behind` it; `other` if one of the two is no place;
 //! - `truth`: what shows the ray's true end: `beside`, if the end is no farther from where the ray begins than two pixels are
 //!   wide there, which the screen cannot tell apart; else `screen`, `capture`, `sky`, or nothing (`hidden`).
 //!
@@ -29,10 +28,9 @@ use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world::{Escape, WorldReference};
 use ssct_lab::reference::world_hits::{WorldHit, world_hits};
 use ssct_lab::scene::placement::sees;
-use ssct_lab::scene::{LoadOptions, Scene, Triangles, View, library, scene_file};
+use ssct_lab::scene::{Scene, Triangles, View, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 const SIZE: [u32; 2] = [480, 270];
 const RAYS: u32 = 32;
@@ -130,9 +128,7 @@ fn main() {
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!("scene,view,method,end,truth,share,of_error");
     for name in names {
-        let from_file =
-            || scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a built-in scene or a file of one");
-        let scene = library::scene(&name).unwrap_or_else(from_file);
+        let scene = library::scene_or_file(&name).expect("a built-in scene or a file of one");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         scene.views.iter().for_each(|view| print_view(&scene, view, &mut stage));
     }

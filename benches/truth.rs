@@ -22,9 +22,8 @@ use ssct_lab::reference::oracle::{Meeting, Oracle};
 use ssct_lab::reference::ray::RaySetup;
 use ssct_lab::reference::surface::World;
 use ssct_lab::reference::world_hits::world_hits;
-use ssct_lab::scene::{LoadOptions, Scene, View, library, scene_file};
+use ssct_lab::scene::{Scene, View, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
-use std::path::Path;
 
 const SIZES: [[u32; 2]; 2] = [[960, 540], [641, 479]];
 
@@ -95,9 +94,7 @@ fn main() {
     println!("# {} ({}), ssct {}", gpu.info().name, gpu.info().driver, env!("CARGO_PKG_VERSION"));
     println!("scene,view,size,oracle,ssct,wrong,false_front,false_side,displaced,missed,least");
     for name in names {
-        let from_file =
-            || scene_file::load(Path::new(&name), &LoadOptions::default()).expect("a built-in scene or a file of one");
-        let scene = library::scene(&name).unwrap_or_else(from_file);
+        let scene = library::scene_or_file(&name).expect("a built-in scene or a file of one");
         let mut stage = Stage::new(&gpu, &scene).expect("device memory");
         for (view, size) in scene.views.iter().flat_map(|view| SIZES.map(|size| (view, size))) {
             print_view(&scene, view, size, &mut stage);

@@ -83,12 +83,13 @@ Answer FollowRay(LostRay ray) {
     bool exhausted = false;
     // Each time a ray is lost it has gone on, or a capture is left out that it has not gone on in.
     for (int i = 0; i < 2 * CAPTURE_SLOTS && answer.code == PATH_UNKNOWN; ++i) {
-        bool is_outside = IsOutside(point);
-        int k = is_outside ? -1 : NearestThatSees(point, left_out);
-        if (k < 0) {
-            answer.code = is_outside ? PATH_SKY : PATH_UNKNOWN;
+        if (IsOutside(point)) {
+            answer.code = PATH_SKY;
             break;
         }
+        int k = NearestThatSees(point, left_out);
+        if (k < 0)
+            break;
         vec3 place = captures.places[k].xyz;
         Followed followed = Follow(k, point - place, ray.direction, exhausted);
         precise vec3 there = followed.place + place;

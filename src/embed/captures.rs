@@ -76,11 +76,11 @@ impl CaptureCubes {
         if places.iter().any(|p| !p.is_finite()) {
             return Err(Error::Usage("a capture's place has numbers that are not finite".into()));
         }
-        let bounds = info.bounds.map_or(Aabb::ALL, |[min, max]| Aabb { min: min.into(), max: max.into() });
-        if !bounds.is_sound() {
-            let message = "the captures' bounds are not the least and the greatest corner of a box, of finite numbers";
-            return Err(Error::Usage(message.into()));
-        }
+        let bounds = info.bounds.map_or(Some(Aabb::ALL), Aabb::between).ok_or_else(|| {
+            Error::Usage(
+                "the captures' bounds are not the least and the greatest corner of a box, of finite numbers".into(),
+            )
+        })?;
         let identity = glam::Mat4::IDENTITY.to_cols_array();
         let input = CameraInput { world_to_view: identity, view_to_clip: info.view_to_clip, clip_y: info.clip_y };
         let camera = input.take()?;

@@ -91,7 +91,7 @@ pub struct CaptureImages {
     places: Vec<Cell<Vec3>>,
     face: UnifiedBlock,
     face_unit: f32,
-    /// Those of the scene when a face was last drawn.
+    /// A box in the world outside of which nothing stands: the scene's when a face was last drawn.
     bounds: Cell<Aabb>,
 }
 
@@ -130,8 +130,8 @@ impl CaptureImages {
         self.make_ready(context)
     }
 
-    /// With a box in the world, in metres, outside of which nothing stands: a ray that is lost there ends in the sky. What
-    /// is drawn from a scene has the scene's, anything else knows no bounds without this.
+    /// With a box in the world, in metres, outside of which nothing stands, so that a ray that is lost there ends in the sky.
+    /// Captures that are drawn from a scene have the scene's; others have no bounds without this.
     pub fn within(self, bounds: Aabb) -> Self {
         self.bounds.set(bounds);
         self

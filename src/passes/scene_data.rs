@@ -115,9 +115,8 @@ impl SceneData {
         })
     }
 
-    /// A box outside of which nothing stands, for rays that captures lose: the bounds of all meshes where they stand now,
-    /// and [`BOUNDS_MARGIN`] of their diagonal more, so that what a capture shows behind an outer wall, for want of
-    /// resolution, is not taken for outside.
+    /// A box in the world, in metres, outside of which nothing stands: that around all meshes where they stand now, grown by
+    /// [`BOUNDS_MARGIN`]. All there is if the scene has no mesh.
     pub fn bounds(&self) -> Aabb {
         let all = self.meshes.iter().map(|m| m.bounds.moved(m.offset));
         all.fold(Aabb::default(), Aabb::union).grown(BOUNDS_MARGIN)

@@ -13,8 +13,8 @@ pub const MAX_CAPTURES: usize = constants::CAPTURE_SLOTS as usize;
 /// The greatest side of a face, in texels.
 pub const MAX_RESOLUTION: u32 = 4096;
 
-/// By so much of their diagonal the bounds of a scene are grown on every side, before what is outside of them is taken for
-/// sky.
+/// The bounds of a scene are grown on every side by this share of their diagonal, before a ray that is lost outside of them
+/// is taken to end in the sky: a capture, for want of resolution, may lose a ray a little behind an outer wall.
 pub const BOUNDS_MARGIN: f32 = 0.02;
 
 /// How far the faces of a cube of images see, in metres. Reversed depth in floats bears the range.

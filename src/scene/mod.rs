@@ -241,6 +241,16 @@ impl Default for Aabb {
 }
 
 impl Aabb {
+    /// All there is.
+    pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
+
+    /// The box between its least and its greatest corner; `None` if a number is not finite, or if they are the other way
+    /// round.
+    pub fn between([min, max]: [[f32; 3]; 2]) -> Option<Self> {
+        let (min, max) = (Vec3::from(min), Vec3::from(max));
+        (min.is_finite() && max.is_finite() && min.cmple(max).all()).then_some(Self { min, max })
+    }
+
     /// The box around some vertices; empty for none.
     pub fn of(vertices: &[Vertex]) -> Self {
         vertices.iter().fold(Self::default(), |b, v| {
@@ -248,9 +258,6 @@ impl Aabb {
             Self { min: b.min.min(p), max: b.max.max(p) }
         })
     }
-
-    /// All there is.
-    pub const ALL: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
 
     /// The box around two boxes.
     pub fn union(self, other: Self) -> Self {
@@ -269,11 +276,6 @@ impl Aabb {
         }
         let by = share * self.min.distance(self.max);
         Self { min: self.min - by, max: self.max + by }
-    }
-
-    /// Whether the corners are numbers, and none of the greatest corner is less than the least's.
-    pub fn is_sound(&self) -> bool {
-        self.min.is_finite() && self.max.is_finite() && self.min.cmple(self.max).all()
     }
 }
 

@@ -107,7 +107,7 @@ struct Count {
 /// Holds every pixel's code and place against the twin, bit by bit.
 fn check_twin(drawn: &Drawn) -> Count {
     let screen = Traversal::new(&drawn.data).followed();
-    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures).within(drawn.bounds, &drawn.data.camera);
+    let twin = CubeWalk::new(&drawn.data.camera, &drawn.captures).within(drawn.bounds);
     let unbounded = CubeWalk::new(&drawn.data.camera, &drawn.captures);
     let mut count = Count::default();
     let mut wrong = Vec::new();
@@ -189,7 +189,7 @@ fn check_oracle(drawn: &Drawn) -> (usize, usize, Vec<String>) {
     let data = &drawn.data;
     let images = Images::new(data, &drawn.captures).within(drawn.bounds);
     let screen = Traversal::new(data).followed();
-    let twin = CubeWalk::new(&data.camera, &drawn.captures).within(drawn.bounds, &data.camera);
+    let twin = CubeWalk::new(&data.camera, &drawn.captures).within(drawn.bounds);
     let check = |i: usize| {
         let (x, y) = (i as u32 % data.width, i as u32 / data.width);
         let found = drawn.hits.at(x, y);

@@ -15,6 +15,7 @@ mod headline;
 mod large_gltf;
 mod layers;
 mod machines;
+mod motion;
 mod outlook;
 mod records;
 mod stochastic;

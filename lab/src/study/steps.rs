@@ -82,7 +82,7 @@ pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GB
     let on_screen: Vec<u32> = pixels.par_iter().filter_map(on_screen).collect();
 
     let (captures, bounds) = captures(gpu, scene, view, globals)?;
-    let (screen, walk) = (alone.followed(), CubeWalk::new(&data.camera, &captures).within(bounds, &data.camera));
+    let (screen, walk) = (alone.followed(), CubeWalk::new(&data.camera, &captures).within(bounds));
     let before = |(x, y): &(u32, u32)| screen.mirror_steps(*x, *y);
     let before: Vec<u32> = pixels.par_iter().filter_map(before).collect();
     let lost = |(x, y): &(u32, u32)| match walk.on_screen(&screen, *x, *y) {

@@ -5,7 +5,8 @@ use super::figures::{
     number, percent, ratio, shortest, table,
 };
 use super::{
-    beside, beyond, captions, claims, dda, ends, films, follow, large_gltf, layers, outlook, stochastic, stress, thesis,
+    beside, beyond, captions, claims, dda, ends, films, follow, large_gltf, layers, motion, outlook, stochastic,
+    stress, thesis,
 };
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,9 +36,9 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["captures-headline"] => beyond::captures_headline(folders)?,
         ["capture-steps"] => follow::steps(first)?,
         ["ends"] => ends::ends(first)?,
-        ["motion-over", motion, roughness] => follow::motion_over(folders, motion, roughness)?,
+        ["motion-most", roughness] => motion::most(first, roughness)?,
         ["prepared", scene] => beyond::prepared(first, scene)?,
-        ["motion-rays"] => follow::motion(folders)?,
+        ["motion-rays"] => motion::by_rays(folders)?,
         ["capture-sides"] => follow::sides(first)?,
         ["noise", roughness] => noise(folders, roughness)?,
         ["range", scene, size, method, over] => range(first, scene, size, method, over)?,

@@ -223,7 +223,7 @@ fn compare(case: u64, rays: u32) -> ([Count; KINDS as usize], Vec<String>) {
     let half = room.half.as_vec3();
     let bounds = if case.is_multiple_of(3) { Aabb { min: -half, max: half } } else { Aabb::ALL };
     let images = Images::new(&screen, &captures).within(bounds);
-    let twin = CubeWalk::new(&screen.camera, &captures).within(bounds, &screen.camera);
+    let twin = CubeWalk::new(&screen.camera, &captures).within(bounds);
     let (mut counts, mut unexplained) = ([Count::default(); KINDS as usize], Vec::new());
     for _ in 0..rays {
         let kind = random.below(KINDS);

@@ -22,7 +22,9 @@ pub struct CubeWalk<'a> {
     view_to_world: Mat3,
     view_unit: f32,
     face_unit: f32,
-    /// Relative to the eye.
+    /// Where the camera is, in the world, in metres.
+    eye: Vec3,
+    /// A box outside of which nothing stands, relative to the eye.
     bounds: Aabb,
 }
 
@@ -113,13 +115,14 @@ impl<'a> CubeWalk<'a> {
             view_to_world: Mat3::from_mat4(camera.world_to_view.as_dmat4().inverse().as_mat4()),
             view_unit: unit(camera),
             face_unit: faces().next().map_or(0.0, |face| unit(&face.camera)),
+            eye: camera.eye(),
             bounds: Aabb::ALL,
         }
     }
 
     /// With a box in the world, in metres, outside of which nothing stands.
-    pub fn within(self, bounds: Aabb, camera: &Camera) -> Self {
-        Self { bounds: bounds.moved(-camera.eye()), ..self }
+    pub fn within(self, bounds: Aabb) -> Self {
+        Self { bounds: bounds.moved(-self.eye), ..self }
     }
 
     /// What the screen makes of the mirror ray of a pixel (`mirror.glsl`); its traversal must be
@@ -155,7 +158,7 @@ impl<'a> CubeWalk<'a> {
         let (mut point, mut left_out) = (ray.start, 0_u32);
         for _ in 0..2 * constants::CAPTURE_SLOTS {
             if self.is_outside(point) {
-                (answer.ended, answer.place) = (Ended::Sky, ray.start + SKY_DISTANCE * ray.direction);
+                answer.ended = Ended::Sky;
                 break;
             }
             let Some(k) = self.nearest_that_sees(point, left_out) else { break };
@@ -165,7 +168,6 @@ impl<'a> CubeWalk<'a> {
             match how {
                 How::Sky => {
                     answer.ended = Ended::Sky;
-                    answer.place = ray.start + SKY_DISTANCE * ray.direction;
                     break;
                 }
                 How::Hit => {
@@ -179,6 +181,9 @@ impl<'a> CubeWalk<'a> {
             if has_moved {
                 point = there;
             }
+        }
+        if answer.ended == Ended::Sky {
+            answer.place = ray.start + SKY_DISTANCE * ray.direction;
         }
         answer
     }

@@ -17,14 +17,24 @@ mod skeleton;
 mod street;
 
 use super::pattern::{self, Pattern, Picture};
-use super::{Aabb, Lens, Material, Probe, Scene, Surface, Texture, View};
+use super::{Aabb, Lens, LoadOptions, Material, Probe, Scene, Surface, Texture, View, scene_file};
+use crate::error::Result;
 use builder::MeshBuilder;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::path::Path;
 
 /// The names that [`scene`] knows.
 pub fn names() -> &'static [&'static str] {
     &["rooms", "atrium", "street", "museum", "cathedral", "corridor"]
+}
+
+/// A built-in scene, or else that of a scene file of this path.
+///
+/// # Errors
+/// As for [`scene_file::load`].
+pub fn scene_or_file(name: &str) -> Result<Scene> {
+    scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
 }
 
 /// A built-in scene; `None` if the name is not in [`names`].

@@ -5,7 +5,6 @@ use crate::error::{Error, Result};
 use crate::scene::Aabb;
 use crate::scene::capture::{Capture, MAX_CAPTURES, MAX_RESOLUTION};
 use crate::scene::source_text::{self, SourceText};
-use glam::Vec3;
 use serde::Deserialize;
 use std::path::Path;
 use toml::Spanned;
@@ -39,15 +38,11 @@ pub(in crate::scene) fn load_list(path: &Path) -> Result<(Vec<Capture>, Aabb)> {
         );
         return Err(source.error(section.span(), message));
     }
-    let mut bounds = Aabb::ALL;
-    if let Some(given) = &list.bounds {
-        let [min, max] = given.get_ref().map(Vec3::from);
-        bounds = Aabb { min, max };
-        if !bounds.is_sound() {
-            let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
-            return Err(source.error(given.span(), message));
-        }
-    }
+    let between = |given: &Spanned<[[f32; 3]; 2]>| {
+        let message = "bounds must be the least and the greatest corner of a box, of finite numbers";
+        Aabb::between(*given.get_ref()).ok_or_else(|| source.error(given.span(), message))
+    };
+    let bounds = list.bounds.as_ref().map_or(Ok(Aabb::ALL), between)?;
     Ok((captures, bounds))
 }
 
