@@ -172,6 +172,7 @@ fn declared_program(program: &Named, file: &str, interface: &Interface) -> Strin
         let (ty, resource) = match (*kind, *count, *read_only) {
             ("SampledImage", 1, _) => ("Sampled<'a>".to_owned(), format!("Sampled(self.{field})")),
             ("SampledImage", n, _) => (format!("[Sampled<'a>; {n}]"), format!("SampledArray(&self.{field})")),
+            ("StorageTexels", ..) => ("&'a TexelBuffer".to_owned(), format!("Texels(self.{field})")),
             ("StorageImage", _, true) => ("ImageSlice<'a>".to_owned(), format!("Loaded(self.{field})")),
             ("StorageImage", _, false) => ("ImageSlice<'a>".to_owned(), format!("Storage(self.{field})")),
             ("UniformBuffer", ..) => (format!("&'a {block}"), format!("Uniform(bytemuck::bytes_of(self.{field}))")),

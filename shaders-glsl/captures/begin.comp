@@ -35,5 +35,5 @@ void main() {
     float pixel_side = 2.0 * unified.pixel_to_view.y;
     bool is_mirror = material.y <= 0.0;
     Push(uvec2(pixel), point, direction, is_mirror ? length(point) : 0.0,
-         is_mirror ? pixel_side : 2.0 * tan(0.5 * material.y));
+         is_mirror ? pixel_side : 2.0 * tan(0.5 * material.y), NO_TRIANGLE);
 }

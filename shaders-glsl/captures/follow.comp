@@ -21,23 +21,7 @@ layout(binding = 1, rg32f) uniform readonly image2DArray pyramid;             //
 layout(binding = 2, rgba8_snorm) uniform readonly image2DArray normal_buffer; // view space of the face
 layout(binding = 4) uniform samplerCubeArray color_cubes; // lit colour; 0 where the sky is seen, and in a how much is not sky
 
-#ifdef MIRRORS
-layout(constant_id = 8) const bool COMPOSITE = false;  // the finished image is wanted
-layout(constant_id = 6) const bool REFLECTION = false; // the reflection is wanted as an image of its own
-layout(constant_id = 7) const bool HITS = false;       // so are the hits
-
-layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness; of the screen
-layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
-layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
-layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
-layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image of this format without HITS
-#elif defined(NARROW)
-layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
-#else
-layout(binding = 6, rgba32f) uniform image2D place_image; // TraceWide
-layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
-#endif
-
+#include "captures/finish.glsl"
 #include "captures/faces.glsl"
 
 // How a ray ended.
@@ -127,39 +111,7 @@ void main() {
     if (index >= lost_counts.count)
         return;
     LostRay ray = lost.rays[index];
-    ivec2 pixel = ivec2(ray.pixel.xy);
     Answer answer = FollowRay(ray);
     bool is_known = answer.code == PATH_SKY || answer.code >= PATH_CAPTURE;
-    bool has_seen = is_known || !OVER;
-    vec3 color = Shown(answer, ray);
-    // A point far along the ray stands for the sky.
-    precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
-    vec3 place = answer.code == PATH_SKY ? far : answer.place;
-#ifdef MIRRORS
-    if (has_seen) {
-        if (COMPOSITE) {
-            float reflectivity = imageLoad(material_buffer, pixel).x;
-            vec3 finished = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * color;
-            imageStore(composite_image, pixel, vec4(min(finished, GREATEST_HALF), 1.0));
-        }
-        if (REFLECTION)
-            imageStore(reflection_image, pixel, vec4(color, 1.0));
-    }
-    if (HITS)
-        imageStore(hits_image, pixel, vec4(is_known ? place : vec3(-1.0), float(answer.code)));
-#elif defined(NARROW)
-    if (has_seen) {
-        uvec4 words = imageLoad(seen_image, pixel);
-        words.y &= 0x7fffffffu; // the sign says that it missed
-        words.z = packHalf2x16(color.rg);
-        words.w = packHalf2x16(vec2(color.b, 1.0));
-        imageStore(seen_image, pixel, words);
-    }
-#else
-    if (has_seen) {
-        float density = abs(imageLoad(place_image, pixel).w);
-        imageStore(place_image, pixel, vec4(ToView(place) / captures.view_unit, density));
-        imageStore(seen_image, pixel, vec4(color, 1.0));
-    }
-#endif
+    Finish(ray, Saw(Shown(answer, ray), is_known || !OVER, answer.place, answer.code));
 }

@@ -1,4 +1,5 @@
-// The list of rays that the screen lost: what the passes that trace the screen write, and what captures/follow.comp reads.
+// The list of rays that the screen lost: what the passes that trace the screen write, and what captures/follow.comp and
+// triangles/follow.comp read.
 
 #ifndef CAPTURES_LOST_GLSL
 #define CAPTURES_LOST_GLSL
@@ -11,7 +12,7 @@ struct LostRay {
     float before;   // metres that its footprint has widened up to the start
     vec3 direction; // unit, world axes
     float spread;   // width of its footprint for each metre
-    uvec4 pixel;    // or cell that it is of: x, y; z and w unused
+    uvec4 pixel;    // or cell that it is of: x, y; z: the triangle that it begins on, or NO_TRIANGLE; w unused
 };
 
 layout(std430, binding = 18) LOST_ACCESS buffer LostCounts {

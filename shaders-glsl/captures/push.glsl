@@ -7,7 +7,7 @@
 #include "captures/lost.glsl"
 
 // `start` in view space and metres, `direction` in view space and of any length; the rest as LostRay has it.
-void Push(uvec2 pixel, vec3 start, vec3 direction, float before, float spread) {
+void Push(uvec2 pixel, vec3 start, vec3 direction, float before, float spread, uint triangle) {
     uint index = atomicAdd(lost_counts.count, 1u);
     if (index % uint(LOST_GROUP) == 0u)
         atomicAdd(lost_counts.groups[0], 1u);
@@ -20,7 +20,7 @@ void Push(uvec2 pixel, vec3 start, vec3 direction, float before, float spread) {
     vec3 along = ToWorld(direction);
     precise float squared = along.x * along.x + along.y * along.y + along.z * along.z;
     precise vec3 unit = along * (1.0 / sqrt(squared));
-    lost.rays[index] = LostRay(ToWorld(start), before, unit, spread, uvec4(pixel, 0u, 0u));
+    lost.rays[index] = LostRay(ToWorld(start), before, unit, spread, uvec4(pixel, triangle, 0u));
 }
 
 #endif

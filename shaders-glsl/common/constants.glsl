@@ -40,6 +40,7 @@ const int PATH_MISS_BEHIND = 11;  // `unified`: left the frustum behind geometry
 const int PATH_SKY = 12;          // With captures: ends in the sky.
 const int PATH_UNKNOWN = 13;      // With captures: goes where no image sees it.
 const int PATH_LINEAR_EXHAUSTED = 14;  // `dda`: out of steps, and taken for a miss.
+const int PATH_TRIANGLE = 15;     // With triangles: hit one of them.
 const int PATH_CAPTURE = 16;      // Hit in capture k: this plus k.
 const int CAPTURE_SLOTS = 8;      // The most captures that a frame takes.
 const float SKY_DISTANCE = 1e5;   // So far away, in metres, the point of a ray that captures let into the sky is put.
@@ -47,6 +48,12 @@ const float GETS_ON = 1e-4;       // A ray that a capture loses has got on in it
 const int FACE_LEVEL = 4;         // Level of the cell that a walk over a face looks at first, if the pyramid has it.
 const float GOLDEN_ANGLE = 2.399963229728653; // 2 pi (1 - 1 / golden ratio): a turn that spreads any number of points.
 const int LOST_GROUP = 64;        // Rays that the screen lost to a workgroup that follows them.
+
+const int TREE_LEVELS = 32;       // The most levels of a tree of triangles: a walk has room for so many.
+const uint NO_TRIANGLE = 0xffffffffu; // The number of no triangle.
+const uint ASKS_MATERIAL = 0x80000000u; // The bit of a triangle's number whose material decides whether it is there.
+const uint MATERIAL_SKY = 1u;     // The bit of a material that shows the sky,
+const uint MATERIAL_SINGLE_SIDED = 2u; // and of one that is not there from behind.
 
 // How another renderer stores normals (`passes::import`).
 const int NORMAL_FLOAT = 0;             // As they are.

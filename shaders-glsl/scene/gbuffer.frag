@@ -1,13 +1,14 @@
 #version 460
 #pragma program(GBufferFragment)
 #pragma program(GBufferPeeled, PEELED)
-// Albedo, normal and material of the nearest surface. The shading normal is
-// normalize(mix(geometric, normal-mapped, deviation)), as in the author's program.
-// PEELED draws the nearest surface behind those of another depth buffer: depth peeling (Everitt 2001).
+#pragma program(GBufferNumbered, NUMBERED)
+// Albedo, normal and material of the nearest surface. NUMBERED also writes which triangle each pixel shows. PEELED draws
+// the nearest surface behind those of another depth buffer: depth peeling (Everitt 2001).
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
 #include "scene/draw.glsl"
+#include "scene/shading_normal.glsl"
 
 layout(binding = 1) uniform sampler2D albedo_map;
 layout(binding = 2) uniform sampler2D normal_map;
@@ -25,10 +26,14 @@ layout(std140, binding = 6) uniform PeelBlock {
 layout(location = 0) in vec3 in_normal;
 layout(location = 1) in vec2 in_uv;
 layout(location = 2) in vec4 in_tangent;
+layout(location = 3) flat in uint in_first_triangle; // the number of the mesh's first triangle among the scene's
 
 layout(location = 0) out vec4 out_albedo;    // a: 0 shows the sky, 1 lit, less by what is emitted (EMISSION)
 layout(location = 1) out vec4 out_normal;    // view space, unit
 layout(location = 2) out vec2 out_material;  // reflectivity, roughness
+#ifdef NUMBERED
+layout(location = 3) out uint out_triangle;  // its number among the scene's triangles
+#endif
 
 // Repeats of a map in a pixel from which on it is seen as its mean.
 #define MOST_REPEATS 16.0
@@ -80,14 +85,7 @@ void main() {
     vec3 geometric = normalize(in_normal);
     vec3 normal = geometric;
     if ((draw.maps & NORMAL_MAP) != 0u && draw.normal_deviation > 0.0) {
-        vec3 tangent = in_tangent.xyz - geometric * dot(geometric, in_tangent.xyz);
-        float size = length(tangent);
-        if (size > 1e-6) {
-            tangent /= size;
-            vec3 bitangent = in_tangent.w * cross(geometric, tangent);
-            vec3 bumped = normalize(tangent * mapped.x + bitangent * mapped.y + geometric * max(mapped.z, 1e-3));
-            normal = normalize(mix(geometric, bumped, draw.normal_deviation));
-        }
+        normal = ShadingNormal(geometric, in_tangent, mapped, draw.normal_deviation);
     }
     // Seen from behind, a surface shows its other side.
     if (behind) {
@@ -95,5 +93,8 @@ void main() {
     }
     out_albedo = vec4(albedo.rgb * draw.albedo.rgb, draw.albedo.a - EMISSION * draw.emission * albedo.a);
     out_normal = vec4(normal, 0.0);
+#ifdef NUMBERED
+    out_triangle = in_first_triangle + uint(gl_PrimitiveID);
+#endif
     out_material = vec2(draw.reflectivity * reflectivity, draw.roughness * roughness);
 }

@@ -13,11 +13,14 @@ layout(location = 3) in vec4 tangent;
 layout(location = 0) out vec3 out_normal;   // view space
 layout(location = 1) out vec2 out_uv;
 layout(location = 2) out vec4 out_tangent;  // view space; w is the bitangent's sign
+layout(location = 3) flat out uint out_first_triangle; // the number of the mesh's first triangle among the scene's
 
 void main() {
     gl_Position = draw.world_to_clip * vec4(position, 1.0);
     out_normal = mat3(camera.world_to_view) * normal;
     out_uv = uv;
+    // The one instance of a mesh has this number.
+    out_first_triangle = uint(gl_InstanceIndex);
     // A mirrored view turns the handedness of a tangent space round.
     mat3 turn = mat3(camera.world_to_view);
     out_tangent = vec4(turn * tangent.xyz, tangent.w * sign(determinant(turn)));

@@ -1,20 +1,10 @@
 #version 460
 #pragma program(Lighting)
-// Lit colour = albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows, and as under full light for the share
-// of it that is emitted (docs/definitions.md, "Surfaces"); the sky where nothing stands or where a surface shows it.
+// Lit colour of what the G-buffer shows (lit.glsl); the sky where nothing stands or where a surface shows it.
 
 #include "common/camera.glsl"
 #include "common/constants.glsl"
-
-struct LightData {
-    vec4 place;      // point: view-space position, 1; directional: view-space direction to the light, 0
-    vec4 energy;     // x: energy
-};
-
-layout(std140, binding = 1) uniform LightBlock {
-    LightData lights[MAX_LIGHTS];
-    uint count;
-} scene;
+#include "scene/lit.glsl"
 
 layout(binding = 2) uniform sampler2D depth_buffer;    // reversed
 layout(binding = 3) uniform sampler2D albedo_buffer;
@@ -41,19 +31,6 @@ void main() {
     vec3 position = h.xyz / h.w;
     vec3 normal = normalize(texelFetch(normal_buffer, pixel, 0).xyz);
 
-    float shading = 0.0;
-    for (uint i = 0u; i < scene.count; ++i) {
-        LightData light = scene.lights[i];
-        float energy = light.energy.x;
-        if (light.place.w > 0.5) {
-            vec3 to_light = light.place.xyz - position;
-            float d = length(to_light);
-            float attenuation = 1.0 / (1.0 + d / energy + d * d / energy);
-            shading += max(0.0, dot(normal, to_light / max(d, 1e-6))) * attenuation;
-        } else {
-            shading += max(0.0, dot(normal, light.place.xyz)) * energy;
-        }
-    }
     float emission = clamp((1.0 - albedo.a) / EMISSION, 0.0, 1.0);
-    out_color = vec4(albedo.rgb * mix(mix(0.2, 1.0, min(shading, 1.0)), 1.0, emission), 1.0);
+    out_color = vec4(LitColor(albedo.rgb, emission, position, normal), 1.0);
 }

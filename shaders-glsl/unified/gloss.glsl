@@ -20,7 +20,7 @@
 #ifdef NARROW
 #include "common/octahedral.glsl"
 #else
-#include "unified/pyramid.glsl"
+#include "unified/depth.glsl"
 #endif
 
 struct Lobe {
@@ -107,7 +107,7 @@ ivec2 WidePixel(ivec2 cell, out float roughness) {
     for (int i = 0; i < 4 && !(roughness > 0.0); ++i) {
         ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
         vec2 material = imageLoad(material_buffer, p).rg;
-        if (Reflects(material) && ListOf(material) == WIDE_LIST && imageLoad(pyramid, PixelTexel(p)).r > 0.0) {
+        if (Reflects(material) && ListOf(material) == WIDE_LIST && DepthAt(p) > 0.0) {
             pixel = p;
             roughness = material.g;
         }

@@ -252,7 +252,7 @@ void Gather(inout Sum sum, Here here, Gathered row[5]) {
 Cell CellOf(ivec2 cell) {
     float roughness;
     ivec2 pixel = WidePixel(cell, roughness);
-    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, roughness);
@@ -314,7 +314,7 @@ vec4 Wide(ivec2 pixel, float depth, vec3 normal, float power) {
 // False for a pixel that is left as it is.
 bool Show(ivec2 pixel, out Shown shown) {
     vec2 material = imageLoad(material_buffer, pixel).rg;
-    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    float depth = DepthAt(pixel);
     bool reflects = Reflects(material) && depth > 0.0;
     if (!WHOLE && (!reflects || ListOf(material) != WIDE_LIST))
         return false;

@@ -10,6 +10,7 @@ layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view spa
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with its coarser levels
 
+#include "unified/depth.glsl"
 #include "unified/gloss.glsl"
 #include "unified/traverse.glsl"
 #include "captures/seen.glsl"
@@ -32,6 +33,12 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
     Ray ray = RayAlong(pixel, depth, direction);
+    // The width of the ray's footprint at a metre, as FootprintLevel takes it.
+    float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
+    if (!SCREEN) {
+        PushFromPixel(uvec2(at), ray, 0.0, spread);
+        return seen;
+    }
     hit = Traverse(ray);
     vec3 along = SkyAlong(direction);
     if (EndsInSky(ray, hit)) {
@@ -41,8 +48,7 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
         seen.color = vec4(along, 1.0);
         return seen;
     }
-    // The width of the ray's footprint at a metre, as FootprintLevel takes it.
-    PushIfLost(uvec2(at), ray, hit, 0.0, sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density)));
+    PushIfLost(uvec2(at), ray, hit, 0.0, spread);
     if (hit.code != PATH_HI_Z)
         return seen;
     float level = FootprintLevel(point, ViewPoint(hit.position, hit.depth), density, share);
@@ -55,7 +61,7 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
 
 uvec4 RecordOf(ivec2 pixel) {
     vec2 material = imageLoad(material_buffer, pixel).rg;
-    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool narrow = Reflects(material) && ListOf(material) == NARROW_LIST;
     if (!narrow || !(depth > 0.0) || !(dot(normal, normal) > 0.0))
@@ -105,7 +111,7 @@ CellRay RayOf(ivec2 cell) {
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);
         vec2 u = LatticePoint(cell, 5, 7, stratum);
-        float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+        float depth = DepthAt(pixel);
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));

@@ -18,6 +18,7 @@ layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view spa
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
+#include "unified/depth.glsl"
 #include "unified/traverse.glsl"
 #include "captures/seen.glsl"
 
@@ -30,7 +31,7 @@ struct Shown {
 // False for a pixel that is left as it is.
 bool Show(ivec2 pixel, out Shown shown) {
     vec2 material = imageLoad(material_buffer, pixel).xy;
-    float depth = imageLoad(pyramid, PixelTexel(pixel)).r;
+    float depth = DepthAt(pixel);
     vec3 normal = imageLoad(normal_buffer, pixel).xyz;
     bool traced = Reflects(material) && depth > 0.0 && normal != vec3(0.0);
     shown.reflection = vec4(0.0);
@@ -42,6 +43,14 @@ bool Show(ivec2 pixel, out Shown shown) {
         return true;
     bool faces;
     Ray ray = MirrorRay(pixel, depth, normal, faces);
+    // A mirror's footprint is the pixel's, which has widened since the eye.
+    float before = length(ViewPoint(ray.start, depth)) * captures.view_unit;
+    float spread = 2.0 * unified.pixel_to_view.y;
+    if (!SCREEN) {
+        if (faces)
+            PushFromPixel(uvec2(pixel), ray, before, spread);
+        return true;
+    }
     Hit hit = Traverse(ray);
     bool is_hit = hit.code == PATH_HI_Z && faces;
     bool in_sky = faces && EndsInSky(ray, hit);
@@ -51,8 +60,7 @@ bool Show(ivec2 pixel, out Shown shown) {
                                   : vec4(ColorMirrored(hit.position, along),
                                          Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {
-        PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit,
-                   2.0 * unified.pixel_to_view.y);
+        PushIfLost(uvec2(pixel), ray, hit, before, spread);
     }
     if (is_hit || in_sky) {
         vec3 seen = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;

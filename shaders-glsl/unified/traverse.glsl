@@ -16,7 +16,7 @@
 #define NORMAL_AT(pixel) imageLoad(normal_buffer, pixel).xyz
 
 layout(constant_id = 1) const int ORACLE = 1; // which version of the oracle says what is hit; 2 with FOLLOWED
-layout(constant_id = 5) const bool FOLLOWED = false; // rays that the screen loses go on in captures
+layout(constant_id = 5) const bool FOLLOWED = false; // rays that the screen loses go on in captures or among triangles
 #endif
 
 // A ray in the image: a straight line in (pixel x, pixel y, reversed depth), by a parameter s >= 0

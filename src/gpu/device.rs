@@ -147,6 +147,7 @@ pub struct Shared {
     pub(crate) has_pipeline_statistics: bool,
     /// Pixels along a side of the largest point.
     pub(crate) largest_point: f32,
+    pub(crate) numbers_triangles: bool,
 }
 
 /// How long a frame may take, and what is called with a sentence if one takes longer.
@@ -326,6 +327,12 @@ impl Gpu {
     /// Pixels along a side of the largest point.
     pub fn largest_point(&self) -> f32 {
         self.shared.largest_point
+    }
+
+    /// Whether fragment shaders are told the number of the triangle that they are of (`gl_PrimitiveID`): with the feature
+    /// `geometryShader`, which a device may lack.
+    pub fn numbers_triangles(&self) -> bool {
+        self.shared.numbers_triangles
     }
 
     /// The largest width and height of an image that is drawn into; viewports are up to twice as large.

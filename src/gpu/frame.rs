@@ -15,7 +15,7 @@ mod uniforms;
 
 use super::device::vulkan;
 use super::image::{Image, ImageSlice};
-use super::memory::Buffer;
+use super::memory::{Buffer, TexelBuffer};
 use super::program::Sampled;
 use super::sync::{Access, ImageUse, State, Tracked, Transition};
 use super::timing::{PassTime, PassWork};
@@ -54,6 +54,8 @@ pub enum Resource<'a> {
     Loaded(ImageSlice<'a>),
     /// The bytes of a uniform block.
     Uniform(&'a [u8]),
+    /// A buffer, read as texels.
+    Texels(&'a TexelBuffer),
     /// A storage buffer, read and written.
     Buffer(&'a Buffer),
     /// A storage buffer, only read.
@@ -356,6 +358,7 @@ impl Frame<'_> {
                 Resource::SampledArray(images) => images.iter().for_each(|s| self.use_image(s.0, sampled)),
                 Resource::Storage(slice) => self.use_image(slice, stored),
                 Resource::Loaded(slice) => self.use_image(slice, read),
+                Resource::Texels(texels) => self.use_buffer(texels.buffer(), read),
                 Resource::Buffer(b) => self.use_buffer(b, stored),
                 Resource::ReadBuffer(b) => self.use_buffer(b, read),
                 Resource::Uniform(_) => {}

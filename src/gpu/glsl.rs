@@ -10,7 +10,7 @@
 //! ```
 
 use rspirv::dr::{Module, Operand};
-use rspirv::spirv::{Decoration, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
+use rspirv::spirv::{Decoration, Dim, ExecutionMode, ExecutionModel, Op, StorageClass, Word};
 use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 
@@ -359,7 +359,9 @@ impl<'a> Reflection<'a> {
                 count = self.constant_u32(self.operand_id(pointee, 1)?)?;
                 definition = self.definition(self.operand_id(pointee, 0)?).ok_or("no type")?;
             }
+            let is_buffer = definition.operands.get(1) == Some(&Operand::Dim(Dim::DimBuffer));
             let kind = match (class, definition.class.opcode) {
+                (StorageClass::UniformConstant, Op::TypeImage) if is_buffer => "StorageTexels",
                 (StorageClass::UniformConstant, Op::TypeSampledImage) => "SampledImage",
                 (StorageClass::UniformConstant, Op::TypeImage) => "StorageImage",
                 (StorageClass::Uniform, _) => "UniformBuffer",

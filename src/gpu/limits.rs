@@ -30,11 +30,15 @@ fn excess(
     local_size: [u32; 3],
     bindings: &[Binding],
 ) -> Option<(&'static str, u32, u32)> {
-    let count = |kind| bindings.iter().filter(|b| b.kind == kind).map(|b| b.count).sum();
+    let count = |kind| -> u32 { bindings.iter().filter(|b| b.kind == kind).map(|b| b.count).sum() };
     let sampled = limits.max_per_stage_descriptor_sampled_images.min(limits.max_per_stage_descriptor_samplers);
     [
         ("sampled images", count(BindingKind::SampledImage), sampled),
-        ("storage images", count(BindingKind::StorageImage), limits.max_per_stage_descriptor_storage_images),
+        (
+            "storage images",
+            count(BindingKind::StorageImage) + count(BindingKind::StorageTexels),
+            limits.max_per_stage_descriptor_storage_images,
+        ),
         ("uniform blocks", count(BindingKind::UniformBuffer), limits.max_per_stage_descriptor_uniform_buffers),
         ("storage blocks", count(BindingKind::StorageBuffer), limits.max_per_stage_descriptor_storage_buffers),
         ("threads a workgroup", local_size.iter().product(), limits.max_compute_work_group_invocations),

@@ -42,6 +42,7 @@ pub fn shader(name: String, spirv: Vec<u8>, interface: &Interface) -> Result<&'s
     let kind = |kind: &str| match kind {
         "SampledImage" => Ok(BindingKind::SampledImage),
         "StorageImage" => Ok(BindingKind::StorageImage),
+        "StorageTexels" => Ok(BindingKind::StorageTexels),
         "UniformBuffer" => Ok(BindingKind::UniformBuffer),
         "StorageBuffer" => Ok(BindingKind::StorageBuffer),
         other => Err(Error::Usage(format!("{name}: a binding of kind {other}"))),

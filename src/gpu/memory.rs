@@ -251,6 +251,59 @@ impl Drop for Buffer {
     }
 }
 
+/// A buffer that shaders read as texels of a format, which some devices do faster than a storage block, and as a storage
+/// block where it has more texels than the device can tell apart.
+pub struct TexelBuffer {
+    view: vk::BufferView,
+    buffer: Buffer,
+    is_whole: bool,
+}
+
+impl TexelBuffer {
+    /// Takes over a buffer that was made with [`Self::USAGE`], with a view of its texels of `texel_bytes` bytes each: of
+    /// all of them, or of as many as the device can tell apart.
+    ///
+    /// # Errors
+    /// [`Error::Vulkan`] without memory.
+    pub fn new(buffer: Buffer, format: vk::Format, texel_bytes: u64) -> Result<Self> {
+        let most = texel_bytes * u64::from(buffer.gpu.shared().limits.max_texel_buffer_elements);
+        let bytes = buffer.size / texel_bytes * texel_bytes;
+        let info =
+            vk::BufferViewCreateInfo::default().buffer(buffer.handle).format(format).range(bytes.min(most));
+        // SAFETY: the buffer has the usage, by the contract of this function; the view is destroyed in `drop`.
+        let view = unsafe { buffer.gpu.raw().create_buffer_view(&info, None) }
+            .map_err(vulkan(format!("vkCreateBufferView for {}", buffer.name)))?;
+        buffer.gpu.name(view, &buffer.name);
+        Ok(Self { view, is_whole: bytes <= most, buffer })
+    }
+
+    /// The usage of a buffer that becomes one.
+    pub const USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
+        vk::BufferUsageFlags::STORAGE_TEXEL_BUFFER.as_raw() | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw(),
+    );
+
+    /// Whether the view shows all texels, so that shaders can read them through it.
+    pub fn is_whole(&self) -> bool {
+        self.is_whole
+    }
+
+    /// The buffer, to be read as a storage block.
+    pub fn buffer(&self) -> &Buffer {
+        &self.buffer
+    }
+
+    pub(super) fn view(&self) -> vk::BufferView {
+        self.view
+    }
+}
+
+impl Drop for TexelBuffer {
+    fn drop(&mut self) {
+        // SAFETY: submissions are waited for before resources go (`FrameContext`).
+        unsafe { self.buffer.gpu.raw().destroy_buffer_view(self.view, None) };
+    }
+}
+
 /// Memory for a resource, named after it.
 pub(super) fn allocate(
     gpu: &Gpu,

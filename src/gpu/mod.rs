@@ -29,7 +29,7 @@ pub mod validation;
 pub use device::{DeviceInfo, DeviceQuery, Gpu, Precision};
 pub use frame::{Frame, FrameContext, FrameReport, Resource, Skipped, Target};
 pub use image::{Image, ImageDesc, ImageSlice};
-pub use memory::Buffer;
+pub use memory::{Buffer, TexelBuffer};
 pub use pipeline::{ComputePipeline, GraphicsPipeline};
 pub use program::Sampled;
 pub use readback::Pixels;

@@ -133,6 +133,7 @@ impl BindingKind {
         match self {
             Self::SampledImage => vk::DescriptorType::COMBINED_IMAGE_SAMPLER,
             Self::StorageImage => vk::DescriptorType::STORAGE_IMAGE,
+            Self::StorageTexels => vk::DescriptorType::STORAGE_TEXEL_BUFFER,
             Self::UniformBuffer => vk::DescriptorType::UNIFORM_BUFFER,
             Self::StorageBuffer => vk::DescriptorType::STORAGE_BUFFER,
         }

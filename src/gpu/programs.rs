@@ -39,7 +39,7 @@
 
 use super::frame::Resource;
 use super::image::ImageSlice;
-use super::memory::Buffer;
+use super::memory::{Buffer, TexelBuffer};
 use super::program::{Compute, Constants, Fragment, Program, Sampled, VertexProgram};
 use super::shader::*;
 

@@ -39,6 +39,8 @@ pub enum BindingKind {
     SampledImage,
     /// An image for load and store.
     StorageImage,
+    /// A buffer that is read as texels of a format.
+    StorageTexels,
     /// A uniform block.
     UniformBuffer,
     /// A storage block.

@@ -58,7 +58,7 @@ impl Method for CapturesMethod {
         };
         let parameters = super::unified::parameters(input.camera, gbuffer.depth.extent(), false);
         let block = capture_block(input.camera, Some(&captures));
-        let beyond = self.lost.beyond(frame, &block, input.sky)?;
+        let beyond = self.lost.beyond(frame, &block, input.sky, false)?;
         self.lost.clear(frame)?;
         follow.record_begin(frame, beyond, &gbuffer, input.in_front, &parameters)?;
         let canvas = Canvas { composite: None, reflection: Some(&self.reflection) };

@@ -2,7 +2,7 @@
 
 use super::capture::{CaptureImages, Renewal, captured_of};
 use super::layers::{LayerParams, SecondLayer};
-use super::setup::{CaptureCount, HistoryUse};
+use super::setup::{Beyond, CaptureCount, HistoryUse};
 use super::{EffectParams, Input, Making, Method, MethodInfo, SceneInput, Setup, Traced, Wants};
 use crate::error::{Error, Result};
 use crate::gpu::{Frame, FrameContext, Gpu, Image};
@@ -12,12 +12,14 @@ use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
+use crate::passes::triangle_scene::{TriangleScene, TriangleTable};
 use crate::passes::{Captures, GBuffer};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Faces of the capture at the camera, all of which each frame draws.
@@ -47,7 +49,14 @@ pub struct Effect {
     /// None where no image with the reflection in it is wanted.
     composite: Option<CompositePass>,
     captures: Option<Captured>,
+    triangles: Option<AmongTriangles>,
     prepared: Prepared,
+}
+
+/// The triangles of the scene, and the table of the materials that they show.
+struct AmongTriangles {
+    scene: Arc<TriangleScene>,
+    table: Option<TriangleTable>,
 }
 
 /// What a method made of its scene once, and is counted in no frame: captures and their pyramids, cube maps, filtered skies.
@@ -98,7 +107,7 @@ impl Effect {
     ) -> Result<Self> {
         let effect = setup.effect();
         let (places, placement_ms) = taken(info, &effect, scene)?;
-        let at_camera = effect.captures == CaptureCount::Camera && !places.is_empty();
+        let at_camera = effect.captures_wanted() == CaptureCount::Camera && !places.is_empty();
         if at_camera && effect.captures_per_frame > 0 {
             let message =
                 "captures per frame are for captures that stand: the one at the camera is drawn anew in each frame";
@@ -112,9 +121,10 @@ impl Effect {
             let (images, of) = (None, Vec::new());
             Captured { places, face, images, of, renewal, at_camera }
         });
-        let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured))?;
-        let Some(scene) = scene else { return Ok(made) };
         let (held, begun) = (context.gpu().allocated_bytes(), Instant::now());
+        let triangles = triangles_for(context, info, &effect, scene)?;
+        let mut made = Self::beside(context, info, setup, wants, (scene.is_some(), captured, triangles))?;
+        let Some(scene) = scene else { return Ok(made) };
         made.prepare(context, scene)?;
         made.prepared = Prepared {
             time_ms: placement_ms + 1e3 * begun.elapsed().as_secs_f64(),
@@ -138,7 +148,7 @@ impl Effect {
     ) -> Result<Self> {
         takes_captures(info, setup)?;
         let captured = Captured::from_elsewhere(captures.extent(), Some(captures));
-        Self::beside(context, info, setup, wants, (false, Some(captured)))
+        Self::beside(context, info, setup, wants, (false, Some(captured), None))
     }
 
     /// The same for captures that each input brings along ([`Input::captures`]), with faces of a size in texels.
@@ -153,7 +163,7 @@ impl Effect {
         face: [u32; 2],
     ) -> Result<Self> {
         takes_captures(info, setup)?;
-        Self::beside(context, info, setup, wants, (false, Some(Captured::from_elsewhere(face, None))))
+        Self::beside(context, info, setup, wants, (false, Some(Captured::from_elsewhere(face, None)), None))
     }
 
     fn beside(
@@ -161,7 +171,7 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured): (bool, Option<Captured>),
+        (has_scene, captured, triangles): (bool, Option<Captured>, Option<Arc<TriangleScene>>),
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
@@ -196,6 +206,7 @@ impl Effect {
         }
         let gpu: Gpu = context.gpu().clone();
         let face = captured.as_ref().map(|c| c.face);
+        let reading = triangles.as_ref().map(|t| t.reading());
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -214,6 +225,7 @@ impl Effect {
                 reflection: true,
                 composite: false,
                 captures: face,
+                triangles: None,
                 behind: true,
             };
             Ok((behind.make(&gpu, &making)?, FallbackPass::new(&gpu, extent)?))
@@ -232,6 +244,7 @@ impl Effect {
             reflection: wants.reflection || !composite,
             composite,
             captures: face,
+            triangles: reading,
             behind: false,
         };
         if divisor != 1 {
@@ -257,6 +270,7 @@ impl Effect {
             bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
+            triangles: triangles.map(|scene| AmongTriangles { scene, table: None }),
             prepared: Prepared::default(),
         };
         Ok(effect)
@@ -275,10 +289,18 @@ impl Effect {
                 captured.of = of;
             }
         }
+        if let Some(triangles) = &mut self.triangles {
+            triangles.table = Some(triangles.scene.table(context, scene.materials)?);
+        }
         if let Some((behind, _)) = &mut self.fallback {
             behind.prepare(context, scene)?;
         }
         self.method.prepare(context, scene)
+    }
+
+    /// Whether the G-buffer should say which triangle each pixel shows.
+    pub fn wants_triangles(&self) -> bool {
+        self.triangles.is_some()
     }
 
     /// How many frames of a camera at rest an image of it takes: one, but with a history.
@@ -362,7 +384,8 @@ impl Effect {
             Some(layer) => Some(layer.record(frame, input.scene()?, &shading, input.camera)?),
             None => None,
         };
-        let mut input = Input { captures, gbuffer, behind, frame: frames, ..*input };
+        let triangles = self.triangles.as_ref().and_then(|t| Some(t.scene.bound(t.table.as_ref()?)));
+        let mut input = Input { captures, triangles, gbuffer, behind, frame: frames, ..*input };
         let mut traced = self.reflect(frame, &input, &shading)?;
         for bounce in 1..self.bounces.as_ref().map_or(1, |(bounces, _)| *bounces) {
             let (Some(reflection), Some((_, pass))) = (traced.reflection, &self.bounces) else { break };
@@ -416,6 +439,35 @@ impl Effect {
     }
 }
 
+/// The triangles of a scene, for a method that follows rays among them; `None` if it does not.
+///
+/// # Errors
+/// [`Error::Usage`] if it is to, and the scene's triangles are not known.
+fn triangles_for(
+    context: &mut FrameContext,
+    info: &MethodInfo,
+    effect: &EffectParams,
+    scene: Option<&SceneInput>,
+) -> Result<Option<Arc<TriangleScene>>> {
+    // A method of the scene that follows rays among triangles has nothing else to look into.
+    let is_all = info.takes_triangles && !info.is_screen_space();
+    if !is_all && !(info.takes_triangles && effect.beyond() == Beyond::Triangles) {
+        return Ok(None);
+    }
+    let known = match scene {
+        Some(scene) => scene.data.triangles(context)?,
+        None => None,
+    };
+    match known {
+        Some(triangles) => Ok(Some(triangles)),
+        None => Err(Error::Usage(format!(
+            "the method {} follows rays among the triangles of the scene, which are not known here; a G-buffer alone does \
+             not have them",
+            info.name
+        ))),
+    }
+}
+
 /// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place
 /// for one; and the milliseconds that finding their places took.
 ///
@@ -424,7 +476,7 @@ impl Effect {
 fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -> Result<(Vec<Capture>, f64)> {
     let behind = effect.fallback.method().is_some_and(|m| m.takes_captures);
     let is_all = !info.is_screen_space() && info.takes_captures;
-    let is_asked_for = effect.captures != CaptureCount::None && (behind || info.takes_captures);
+    let is_asked_for = effect.captures_wanted() != CaptureCount::None && (behind || info.takes_captures);
     // Where captures are all that is looked into, they are taken without being asked for.
     if !is_asked_for && !behind && !is_all {
         return Ok((Vec::new(), 0.0));
@@ -434,11 +486,11 @@ fn taken(info: &MethodInfo, effect: &EffectParams, scene: Option<&SceneInput>) -
     };
     let side = effect.capture_side.texels();
     let sized = |c: &Capture| Capture { resolution: side.unwrap_or(c.resolution), ..*c };
-    if effect.captures == CaptureCount::Camera {
+    if effect.captures_wanted() == CaptureCount::Camera {
         // Each frame moves it.
         return Ok((vec![sized(&Capture::at(Vec3::ZERO))], 0.0));
     }
-    let placed = scene.data.captures(effect.captures.wanted().unwrap_or(Wanted::Auto));
+    let placed = scene.data.captures(effect.captures_wanted().wanted().unwrap_or(Wanted::Auto));
     Ok((placed.captures.iter().map(sized).collect(), placed.time_ms))
 }
 
@@ -454,7 +506,7 @@ fn takes_captures(info: &MethodInfo, setup: &Setup) -> Result<()> {
              captures behind every screen-space method"
         )));
     }
-    if effect.captures_per_frame > 0 || effect.captures == CaptureCount::Camera {
+    if effect.captures_per_frame > 0 || effect.captures_wanted() == CaptureCount::Camera {
         return Err(Error::Usage("captures without their scene cannot be drawn anew in frames".into()));
     }
     Ok(())

@@ -24,6 +24,7 @@ pub mod ssr;
 pub mod ssr_fast;
 pub mod stochastic;
 pub mod thesis;
+pub mod traced;
 pub mod unified;
 
 use crate::error::{Error, Result};
@@ -31,6 +32,7 @@ use crate::gpu::{Frame, FrameContext, Gpu, Image};
 use crate::parameter::{Parameter, Parameters, Preset};
 use crate::passes::scene_data::SceneData;
 use crate::passes::trace_normals::TraceNormals;
+use crate::passes::triangle_scene::{TriangleReading, Triangles};
 use crate::passes::{Captures, Content, GBuffer, Hits, Reflection};
 use crate::scene::{Camera, Material};
 pub use effect::{Effect, Output, Prepared};
@@ -51,6 +53,8 @@ pub struct Input<'a, 's> {
     pub sky: Option<&'s Image>,
     /// Captures of the scene, where there are any.
     pub captures: Option<Captures<'a>>,
+    /// The triangles of the scene, where rays are followed among them.
+    pub triangles: Option<Triangles<'a>>,
     /// The second layer of depth, at the size of the G-buffer, where the method is set up for one ([`layers`]). What
     /// lies behind no surface has the depth 0.
     pub behind: Option<GBuffer<'a>>,
@@ -72,6 +76,7 @@ impl<'a, 's> Input<'a, 's> {
             scene: None,
             sky: None,
             captures: None,
+            triangles: None,
             behind: None,
             in_front: None,
             frame: 0,
@@ -175,6 +180,8 @@ pub struct Making {
     pub composite: bool,
     /// Width and height of the faces of the captures that it gets; `None` if it gets none.
     pub captures: Option<[u32; 2]>,
+    /// How the triangles are read that it gets; `None` if it gets none.
+    pub triangles: Option<TriangleReading>,
     /// Whether another reflection stands in front of what the method makes ([`Input::in_front`]).
     pub behind: bool,
 }
@@ -210,6 +217,8 @@ pub struct MethodInfo {
     pub follows_oracle: bool,
     /// Whether it follows rays in captures of the scene, if there are any.
     pub takes_captures: bool,
+    /// Whether it follows rays among the triangles of the scene, if it is to.
+    pub takes_triangles: bool,
     /// Whether it traces through the thesis's Hi-Z chain, whose steps a twin on the CPU can follow.
     pub traces_hi_z: bool,
     /// Its own parameters, if it is of the table.
@@ -233,6 +242,7 @@ impl MethodInfo {
             fades: true,
             follows_oracle: false,
             takes_captures: false,
+            takes_triangles: false,
             traces_hi_z: false,
             parameters: Vec::new,
             combinations: |_| Vec::new(),
@@ -252,7 +262,15 @@ impl MethodInfo {
     /// Those of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection, composite } = wants;
-        let making = Making { setup: setup.clone(), hits, reflection, composite, captures: None, behind: false };
+        let making = Making {
+            setup: setup.clone(),
+            hits,
+            reflection,
+            composite,
+            captures: None,
+            triangles: None,
+            behind: false,
+        };
         self.make(gpu, &making)
     }
 
@@ -293,6 +311,7 @@ impl MethodInfo {
         let reads = |p: &Parameter| match p.name {
             "fade" => self.fades,
             "oracle" => self.follows_oracle,
+            "beyond" => self.takes_captures && self.takes_triangles,
             "captures" | "capture_side" | "captures_per_frame" => self.takes_captures,
             "definitions" => true,
             _ => self.is_screen_space(),
@@ -344,6 +363,7 @@ pub const METHODS: &[MethodInfo] = &[
     area_light::INFO,
     environment::INFO,
     captures::INFO,
+    traced::INFO,
     unified::INFO,
 ];
 

@@ -32,6 +32,20 @@ choices! {
 }
 
 choices! {
+    /// Where rays go on that the screen loses.
+    pub enum Beyond {
+        /// In captures where some are asked for, else nowhere.
+        Auto = "auto",
+        /// Nowhere: the screen is all there is.
+        None = "none",
+        /// Among the triangles of the scene.
+        Triangles = "triangles",
+        /// In captures of the scene.
+        Captures = "captures",
+    }
+}
+
+choices! {
     /// How many captures of the scene `unified` follows rays in that the screen loses.
     pub enum CaptureCount {
         /// None: the screen is all there is.
@@ -140,6 +154,9 @@ parameters! {
         oracle: OracleVersion = Parameter::new(OracleVersion::V1)
             .sweep(Preset::Published, &[OracleVersion::V2])
             .source("this project"),
+        /// Where unified follows the rays that the screen loses. Where they go on, it hits what version 2 of the oracle says,
+        /// and its reflections do not fade at the screen's border.
+        beyond: Beyond = Parameter::new(Beyond::Auto).source("this project"),
         /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
         /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
         captures: CaptureCount = Parameter::new(CaptureCount::None)
@@ -158,6 +175,24 @@ parameters! {
 }
 
 impl EffectParams {
+    /// Where a method that can do either follows the rays that the screen loses.
+    pub fn beyond(&self) -> Beyond {
+        match (self.beyond, self.captures) {
+            (Beyond::Auto, CaptureCount::None) => Beyond::None,
+            (Beyond::Auto, _) => Beyond::Captures,
+            (said, _) => said,
+        }
+    }
+
+    /// The captures that are asked for: those of `--captures`, and as many as the scene needs where rays are to go on in
+    /// captures and nobody says in how many.
+    pub fn captures_wanted(&self) -> CaptureCount {
+        match (self.beyond, self.captures) {
+            (Beyond::Captures, CaptureCount::None) => CaptureCount::Auto,
+            (_, asked) => asked,
+        }
+    }
+
     /// Full pixels a side of a pixel that is traced: 1, 2 or 4.
     pub fn divisor(&self) -> u32 {
         (1.0 / self.resolution_scale).round() as u32

@@ -112,6 +112,7 @@ impl ThesisMethod {
             reflection: true,
             composite: false,
             captures: None,
+            triangles: None,
             behind: false,
         };
         let drawn = ThesisDrawing { split: true, ..parameters.drawn };

@@ -157,7 +157,7 @@ impl Method for StochasticMethod {
         let mut unified = unified::parameters(input.camera, extent, self.fade);
         unified.sky = i32::from(self.sky && input.sky.is_some());
         let camera = capture_block(input.camera, None);
-        let beyond = self.lost.beyond(frame, &camera, input.sky)?;
+        let beyond = self.lost.beyond(frame, &camera, input.sky, false)?;
         let mut intermediates = Vec::new();
         let hits = match &self.walk {
             Walk::Exact(pyramid, trace) => {

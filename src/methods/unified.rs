@@ -76,22 +76,24 @@ use crate::error::Result;
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image};
 use crate::math::{DefinitionsVersion, OracleVersion};
-use crate::parameter::{Parameter, Parameters, parameters};
+use crate::parameter::{Parameter, Parameters, choices, parameters};
 use crate::passes::classify::ClassifyPass;
 use crate::passes::color_chain::ColorChainPass;
 use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
-use crate::passes::unified_gloss::{UnifiedGlossInput, UnifiedGlossPass};
+use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
+use crate::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
-use crate::passes::{Canvas, LIT_COLOR, Reflection, Reflectors};
+use crate::passes::{Canvas, GBuffer, Hits, LIT_COLOR, Reflection, Reflectors};
 use crate::scene::Camera;
 
 /// The table's row.
 pub const INFO: MethodInfo = MethodInfo {
     follows_oracle: true,
     takes_captures: true,
+    takes_triangles: true,
     parameters: UnifiedParams::table,
     ..MethodInfo::screen(
         "unified",
@@ -101,9 +103,27 @@ pub const INFO: MethodInfo = MethodInfo {
     )
 };
 
+/// Up to this number of triangles, the triangles answer every ray where nobody says otherwise (docs/unified.md).
+const FIRST_UP_TO: u32 = 60_000;
+
+choices! {
+    /// Who is asked first where a ray ends.
+    pub enum First {
+        /// The triangles of a scene that has few of them, else the screen.
+        Auto = "auto",
+        /// The screen; the triangles where it does not know.
+        Screen = "screen",
+        /// The triangles.
+        Triangles = "triangles",
+    }
+}
+
 parameters! {
-    /// The shader stages in which `unified` runs. They change no image.
+    /// Who answers rays in `unified`, and the shader stages in which it runs.
     pub struct UnifiedParams {
+        /// Who is asked first where a ray ends, with --beyond triangles: the screen, whose rays go on among the triangles where
+        /// it loses them; or the triangles, and no ray walks over the screen. auto: the triangles of a scene with few of them.
+        first: First = Parameter::new(First::Auto).source("this project (docs/unified.md)"),
         /// The shaders that trace the rays of unified (passes trace/mirrors, trace/narrow and trace/wide). The image is the
         /// same; on lavapipe fragment shaders are faster, on another device compute shaders may be (docs/unified.md).
         trace_stage: TileStage = Parameter::new(TileStage::Fragment).source("this project"),
@@ -121,7 +141,9 @@ pub struct UnifiedMethod {
     trace: UnifiedTracePass,
     gloss: UnifiedGlossPass,
     lost: LostRays,
-    follow: Option<FollowPass>,
+    beyond: Option<BeyondPass>,
+    /// Whether rays walk over the screen before they go beyond it.
+    screen: bool,
     /// Where the image is finished by the passes that know the reflection.
     composite: Option<Image>,
     reflection: Option<Image>,
@@ -130,11 +152,78 @@ pub struct UnifiedMethod {
     sky: bool,
 }
 
+/// What follows the rays on the list.
+enum BeyondPass {
+    Captures(FollowPass),
+    Triangles(TriangleTracePass),
+}
+
+/// What the rays on the list are followed in, in a frame.
+enum BeyondInput<'a> {
+    Captures(FollowInput<'a>),
+    Triangles(TriangleInput<'a>),
+}
+
+impl BeyondPass {
+    fn mirrors(
+        &self,
+        frame: &mut Frame,
+        input: &BeyondInput,
+        (gbuffer, canvas, hits): (&GBuffer, Canvas, Option<Hits>),
+    ) -> Result<()> {
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => {
+                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
+            }
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
+                pass.record_mirrors(frame, *input, gbuffer, canvas, hits)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => {
+                pass.record_narrow(frame, *input, &between.records)
+            }
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
+                pass.record_narrow(frame, *input, &between.records)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn wide(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
+        let images = [&between.place, &between.seen];
+        match (self, input) {
+            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_wide(frame, *input, images),
+            (Self::Triangles(pass), BeyondInput::Triangles(input)) => pass.record_wide(frame, *input, images),
+            _ => Ok(()),
+        }
+    }
+}
+
 impl UnifiedMethod {
     /// Makes pipelines and images.
     pub(super) fn new(gpu: &Gpu, making: &Making) -> Result<Self> {
+        let UnifiedParams { first, trace_stage, resolve_stage } = making.setup.of();
+        let screen = match (making.triangles, first) {
+            (None, _) | (_, First::Screen) => true,
+            (Some(_), First::Triangles) => false,
+            (Some(triangles), First::Auto) => triangles.count > FIRST_UP_TO,
+        };
+        Self::with(gpu, making, screen, [trace_stage, resolve_stage])
+    }
+
+    /// The same without a walk over the screen: every ray goes among the triangles.
+    pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
+        Self::with(gpu, making, false, [TileStage::Fragment; 2])
+    }
+
+    fn with(gpu: &Gpu, making: &Making, screen: bool, [trace, resolve]: [TileStage; 2]) -> Result<Self> {
         let (extent, effect, hits) = (making.setup.extent, making.setup.effect(), making.hits);
-        let UnifiedParams { trace_stage: trace, resolve_stage: resolve } = making.setup.of();
+        let followed = making.captures.is_some() || making.triangles.is_some();
         // Hits are an image beside both.
         let (composite, reflection) = (making.composite || hits, making.reflection || hits);
         let sky = effect.definitions == DefinitionsVersion::V2;
@@ -142,19 +231,30 @@ impl UnifiedMethod {
             extent,
             strip: pyramid::strip(extent),
             // A hit from behind is a worse guess than what a capture sees.
-            oracle: if making.captures.is_some() { OracleVersion::V2 } else { effect.oracle },
+            oracle: if followed { OracleVersion::V2 } else { effect.oracle },
             over: effect.fallback != Fallback::None,
             composite,
             reflection,
-            followed: making.captures.is_some(),
-            // A ray that captures let into the sky shows it by either version.
-            sky: sky || making.captures.is_some(),
+            screen,
+            followed,
+            triangles: making.triangles.is_some(),
+            // A ray that goes on and ends in the sky shows it by either version.
+            sky: sky || followed,
             trace,
             resolve,
         };
         let image = |name| parts.target(gpu, name, LIT_COLOR);
-        let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
-        let follow = |face| FollowPass::new(gpu, pyramid::strip(face), wanted);
+        let beyond = match (making.triangles, making.captures) {
+            (Some(triangles), _) => {
+                let wanted = TriangleWants { composite, reflection, hits };
+                Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
+            }
+            (None, Some(face)) => {
+                let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
+                Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
+            }
+            (None, None) => None,
+        };
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
             color: ColorChainPass::in_few_passes(gpu)?,
@@ -162,12 +262,13 @@ impl UnifiedMethod {
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
             lost: LostRays::new(gpu, extent, parts.followed)?,
-            follow: making.captures.map(follow).transpose()?,
+            beyond,
+            screen,
             composite: composite.then(|| image("composite")).transpose()?,
             reflection: reflection.then(|| image("reflection")).transpose()?,
             sky,
-            // Where the screen ends, captures go on.
-            fade: effect.fade && making.captures.is_none(),
+            // Where the screen ends, rays go on.
+            fade: effect.fade && !followed,
         })
     }
 }
@@ -175,7 +276,7 @@ impl UnifiedMethod {
 impl UnifiedMethod {
     /// Empties the list of lost rays before a pass that fills it.
     fn clear_lost(&self, frame: &mut Frame) -> Result<()> {
-        if self.follow.is_some() { self.lost.clear(frame) } else { Ok(()) }
+        if self.beyond.is_some() { self.lost.clear(frame) } else { Ok(()) }
     }
 }
 
@@ -222,15 +323,34 @@ impl Method for UnifiedMethod {
         let plan = Plan::new(gbuffer.reflectors);
         plan.skip(frame);
         let mut parameters = parameters(input.camera, gbuffer.depth.extent(), self.fade);
-        let followed = self.follow.as_ref().zip(input.captures);
         parameters.turn = input.frame as i32;
         parameters.sky = i32::from(self.sky && input.sky.is_some());
         let block = capture_block(input.camera, input.captures.as_ref());
-        let beyond = self.lost.beyond(frame, &block, input.sky)?;
+        let lit = input.triangles.zip(input.scene);
+        let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
+        let placed = input.triangles.map(|t| t.block(input.camera)).unwrap_or_default();
+        let wants_triangle = input.triangles.is_some() && gbuffer.triangle.is_none();
+        let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
+        let followed_in = match (input.triangles, input.captures) {
+            (Some(triangles), _) => {
+                let (parameters, block, lights) = (&parameters, &placed, &lights);
+                Some(BeyondInput::Triangles(TriangleInput { parameters, triangles, block, lights, beyond }))
+            }
+            (None, Some(captures)) => Some(BeyondInput::Captures(FollowInput { captures, beyond })),
+            (None, None) => None,
+        };
+        let followed = self.beyond.as_ref().zip(followed_in.as_ref());
         let canvas = Canvas { composite: self.composite.as_ref(), reflection: self.reflection.as_ref() };
 
-        let pyramid = input.once(|| self.pyramid.record(frame, &gbuffer, &parameters), || self.pyramid.made())?;
-        if plan.narrow || plan.wide {
+        let pyramid = if self.screen {
+            input.once(|| self.pyramid.record(frame, &gbuffer, &parameters), || self.pyramid.made())?
+        } else {
+            frame.skip("pyramid", "no ray walks over the screen");
+            self.pyramid.made()
+        };
+        if !self.screen {
+            frame.skip("color", "no ray looks up a colour on the screen");
+        } else if plan.narrow || plan.wide {
             self.color.record(frame, &gbuffer)?;
         }
         let tiles = if plan.whole {
@@ -244,8 +364,8 @@ impl Method for UnifiedMethod {
             let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond };
             self.clear_lost(frame)?;
             let hits = self.trace.record(frame, &input, &parameters)?;
-            if let Some((follow, captures)) = followed {
-                follow.record_mirrors(frame, FollowInput { captures, beyond }, &gbuffer, canvas, hits)?;
+            if let Some((pass, followed_in)) = followed {
+                pass.mirrors(frame, followed_in, (&gbuffer, canvas, hits))?;
             }
             hits
         } else {
@@ -256,16 +376,16 @@ impl Method for UnifiedMethod {
         if plan.narrow {
             self.clear_lost(frame)?;
             self.gloss.trace_narrow(frame, &gloss, &parameters)?;
-            if let Some((follow, captures)) = followed {
-                follow.record_narrow(frame, FollowInput { captures, beyond }, &between.records)?;
+            if let Some((pass, followed_in)) = followed {
+                pass.narrow(frame, followed_in, between)?;
             }
             self.gloss.resolve_narrow(frame, &gloss, &parameters)?;
         }
         if plan.wide {
             self.clear_lost(frame)?;
             self.gloss.trace_wide(frame, &gloss, &parameters)?;
-            if let Some((follow, captures)) = followed {
-                follow.record_wide(frame, FollowInput { captures, beyond }, [&between.place, &between.seen])?;
+            if let Some((pass, followed_in)) = followed {
+                pass.wide(frame, followed_in, between)?;
             }
             self.gloss.resolve_wide(frame, &gloss, &parameters)?;
         }

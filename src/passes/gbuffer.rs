@@ -7,13 +7,13 @@ use crate::error::Result;
 use crate::gpu::frame::Raster;
 use crate::gpu::pipeline::VertexInput;
 use crate::gpu::program::Fragment;
-use crate::gpu::programs::{GBufferFragment, GBufferPeeled, GBufferVertex};
+use crate::gpu::programs::{GBufferFragment, GBufferNumbered, GBufferPeeled, GBufferVertex};
 use crate::gpu::shader::{CameraBlock, DrawBlock, PeelBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{
     Buffer, Frame, FrameContext, Gpu, GraphicsPipeline, Image, ImageDesc, Sampled, Sampler, Target, image,
 };
-use crate::math::constants::{ALPHA_MASK, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
+use crate::math::constants::{ALPHA_MASK, NO_TRIANGLE, NORMAL_MAP, ROUGHNESS_MAP, SINGLE_SIDED};
 use crate::math::frustum::Frustum;
 use crate::scene::{Camera, GBufferData, Material, Surface, Vertex};
 use ash::vk;
@@ -28,17 +28,24 @@ pub struct GBufferImages {
     color: Image,
 }
 
+/// What stands in the image of triangles where nothing stands.
+const NOTHING: [f32; 4] = [f32::from_bits(NO_TRIANGLE); 4];
+
 /// Pipeline and images of one size.
 pub struct GBufferPass {
     pipeline: GBufferPipeline,
     images: GBufferImages,
     albedo: Image,
+    /// The number of the triangle that each pixel shows, where it is asked for.
+    triangle: Option<Image>,
     label: &'static str,
 }
 
 enum GBufferPipeline {
     /// Draws the nearest surfaces.
     Nearest(GraphicsPipeline<GBufferFragment<'static>, GBufferVertex<'static>>),
+    /// Draws the nearest surfaces, and which triangle each pixel shows.
+    Numbered(GraphicsPipeline<GBufferNumbered<'static>, GBufferVertex<'static>>),
     /// Draws the nearest of what lies behind another depth buffer.
     Peeled(GraphicsPipeline<GBufferPeeled<'static>, GBufferVertex<'static>>),
 }
@@ -50,6 +57,22 @@ pub struct Peel<'a> {
     pub depth: &'a Image,
     /// By how much a surface must lie behind it, in metres of view depth.
     pub separation_m: f32,
+}
+
+/// A fragment program with what it reads of a surface, and of nothing else what it has of its own.
+macro_rules! drawn_by {
+    ($program:ident, $view:expr, $surface:expr $(, $field:ident: $value:expr)*) => {
+        $program {
+            camera: &$view.camera,
+            albedo_map: $surface.albedo_map,
+            normal_map: $surface.normal_map,
+            alpha_mask: $surface.alpha_mask,
+            reflectivity_map: $surface.reflectivity_map,
+            roughness_map: $surface.roughness_map,
+            draw: $surface.draw,
+            $($field: $value,)*
+        }
+    };
 }
 
 /// What was drawn.
@@ -68,6 +91,7 @@ pub struct Drawn {
 
 const ALBEDO: vk::Format = vk::Format::R8G8B8A8_SRGB;
 const DEPTH: vk::Format = vk::Format::D32_SFLOAT;
+const TRIANGLE: vk::Format = vk::Format::R32_UINT;
 
 /// Format of the depth of [`GBufferPass::where_marked`].
 pub const DEPTH_STENCIL: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
@@ -146,8 +170,23 @@ impl GBufferImages {
             normal: &self.normal,
             material: &self.material,
             color: &self.color,
+            triangle: None,
             reflectors: Reflectors::UNKNOWN,
         }
+    }
+}
+
+fn vertex_input() -> VertexInput<'static> {
+    VertexInput {
+        stride: size_of::<Vertex>() as u32,
+        attributes: const {
+            &[
+                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
+                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal) as u32),
+                (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
+                (vk::Format::R32G32B32A32_SFLOAT, offset_of!(Vertex, tangent) as u32),
+            ]
+        },
     }
 }
 
@@ -174,6 +213,21 @@ impl GBufferPass {
         Self::of(gpu, extent, DEPTH, false)
     }
 
+    /// A pass that also writes which triangle each pixel shows ([`GBuffer::triangle`]), where the device numbers them.
+    pub fn numbered(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
+        let plain = Self::new(gpu, extent)?;
+        if !gpu.numbers_triangles() {
+            return Ok(plain);
+        }
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::STORAGE;
+        let pipeline = GraphicsPipeline::mesh(gpu, vertex_input(), [ALBEDO, NORMAL, MATERIAL, TRIANGLE], DEPTH)?;
+        Ok(Self {
+            pipeline: GBufferPipeline::Numbered(pipeline),
+            triangle: Some(image_of(gpu, "triangle", TRIANGLE, extent, 1, usage)?),
+            ..plain
+        })
+    }
+
     /// A pass that draws what lies behind another one's surfaces: the next layer of depth peeling (Everitt 2001).
     pub fn behind(gpu: &Gpu, extent: [u32; 2]) -> Result<Self> {
         Self::of(gpu, extent, DEPTH, true)
@@ -185,15 +239,7 @@ impl GBufferPass {
     }
 
     fn of(gpu: &Gpu, extent: [u32; 2], depth: vk::Format, peeled: bool) -> Result<Self> {
-        let input = VertexInput {
-            stride: size_of::<Vertex>() as u32,
-            attributes: &[
-                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, position) as u32),
-                (vk::Format::R32G32B32_SFLOAT, offset_of!(Vertex, normal) as u32),
-                (vk::Format::R32G32_SFLOAT, offset_of!(Vertex, uv) as u32),
-                (vk::Format::R32G32B32A32_SFLOAT, offset_of!(Vertex, tangent) as u32),
-            ],
-        };
+        let input = vertex_input();
         let targets = [ALBEDO, NORMAL, MATERIAL];
         let pipeline = if peeled {
             GBufferPipeline::Peeled(GraphicsPipeline::mesh(gpu, input, targets, depth)?)
@@ -206,6 +252,7 @@ impl GBufferPass {
             pipeline,
             images: GBufferImages::with_depth(gpu, extent, depth)?,
             albedo: image_of(gpu, "albedo", ALBEDO, extent, 1, vk::ImageUsageFlags::COLOR_ATTACHMENT)?,
+            triangle: None,
             label: "g-buffer",
         })
     }
@@ -217,7 +264,7 @@ impl GBufferPass {
 
     /// The images, whose colour the lighting pass writes.
     pub fn gbuffer(&self) -> GBuffer<'_> {
-        self.images.gbuffer()
+        GBuffer { triangle: self.triangle.as_ref(), ..self.images.gbuffer() }
     }
 
     /// Albedo (a: 1 lit, 0 shows the sky).
@@ -233,24 +280,29 @@ impl GBufferPass {
         materials: &[Material],
         camera: &Camera,
     ) -> Result<Drawn> {
-        let GBufferPipeline::Nearest(pipeline) = &self.pipeline else {
-            unreachable!("a pass of GBufferPass::behind records by record_behind");
-        };
         let view = SceneView::new(scene, materials, camera, self.albedo.extent());
-        frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
-            view.draw(raster, |raster, surface| {
-                let fragment = GBufferFragment {
-                    camera: &view.camera,
-                    albedo_map: surface.albedo_map,
-                    normal_map: surface.normal_map,
-                    alpha_mask: surface.alpha_mask,
-                    reflectivity_map: surface.reflectivity_map,
-                    roughness_map: surface.roughness_map,
-                    draw: surface.draw,
-                };
-                raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
-            })
-        })?;
+        let depth = self.depth_target();
+        match (&self.pipeline, &self.triangle) {
+            (GBufferPipeline::Nearest(pipeline), _) => {
+                frame.raster(self.label, pipeline, self.targets(), depth, |raster| {
+                    view.draw(raster, |raster, surface| {
+                        let fragment = drawn_by!(GBufferFragment, view, surface);
+                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                    })
+                })?;
+            }
+            (GBufferPipeline::Numbered(pipeline), Some(triangle)) => {
+                let [albedo, normal, material] = self.targets();
+                let targets = [albedo, normal, material, Target::cleared(triangle.all(), NOTHING)];
+                frame.raster(self.label, pipeline, targets, depth, |raster| {
+                    view.draw(raster, |raster, surface| {
+                        let fragment = drawn_by!(GBufferNumbered, view, surface);
+                        raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
+                    })
+                })?;
+            }
+            _ => unreachable!("a pass of GBufferPass::behind records by record_behind"),
+        }
         Ok(view.drawn())
     }
 
@@ -271,17 +323,8 @@ impl GBufferPass {
         frame.make_ready(peel.depth.all(), Access::FragmentSampled);
         frame.raster(self.label, pipeline, self.targets(), self.depth_target(), |raster| {
             view.draw(raster, |raster, surface| {
-                let fragment = GBufferPeeled {
-                    camera: &view.camera,
-                    albedo_map: surface.albedo_map,
-                    normal_map: surface.normal_map,
-                    alpha_mask: surface.alpha_mask,
-                    reflectivity_map: surface.reflectivity_map,
-                    roughness_map: surface.roughness_map,
-                    first_depth: Sampled::nearest(peel.depth.all()),
-                    peel: &block,
-                    draw: surface.draw,
-                };
+                let first_depth = Sampled::nearest(peel.depth.all());
+                let fragment = drawn_by!(GBufferPeeled, view, surface, first_depth: first_depth, peel: &block);
                 raster.bind(&fragment, &GBufferVertex { camera: &view.camera, draw: surface.draw })
             })
         })?;
@@ -363,7 +406,7 @@ impl<'a> SceneView<'a> {
                 bind(raster, &surface)?;
                 bound = Some((mesh.material, mesh.offset));
             }
-            raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count);
+            raster.draw(&mesh.vertices, &mesh.indices, mesh.index_count, mesh.first_triangle);
         }
         Ok(())
     }

@@ -114,6 +114,7 @@ impl ImportPass {
         let of_constants = Reflectors::of(from.material[0].constant(), from.material[1].constant());
         let reflectors = from.reflectors.and(of_constants);
         Ok(GBuffer {
+            triangle: None,
             depth: &self.depth,
             normal: &self.normal,
             material: &self.material,

@@ -3,9 +3,8 @@
 use super::scene_data::SceneData;
 use super::{GBuffer, LIT_COLOR, camera_block};
 use crate::error::Result;
-use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::{Frame, Gpu, GraphicsPipeline, Image, Sampled, Target, programs};
-use crate::scene::{Camera, Light};
+use crate::scene::Camera;
 
 /// The pipeline.
 pub struct LightingPass {
@@ -45,7 +44,7 @@ impl LightingPass {
         camera: &Camera,
     ) -> Result<()> {
         let camera_data = camera_block(camera, gbuffer.depth.extent());
-        let lights = light_block(&scene.lights, camera);
+        let lights = scene.light_block(camera.world_to_view);
         frame.fullscreen(
             self.label,
             &self.pipeline,
@@ -60,19 +59,4 @@ impl LightingPass {
             },
         )
     }
-}
-
-/// Lights in view space, no more than [`SceneData`] uploads.
-fn light_block(lights: &[Light], camera: &Camera) -> LightBlock {
-    let mut block = LightBlock { count: lights.len() as u32, ..LightBlock::default() };
-    for (data, light) in block.lights.iter_mut().zip(lights) {
-        let (place, energy) = match *light {
-            Light::Point { position, energy } => (camera.world_to_view.transform_point3(position).extend(1.0), energy),
-            Light::Directional { direction, energy } => {
-                (-camera.world_to_view.transform_vector3(direction).normalize().extend(0.0), energy)
-            }
-        };
-        *data = LightData { place: place.to_array(), energy: [energy, 0.0, 0.0, 0.0] };
-    }
-    block
 }

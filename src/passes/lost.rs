@@ -1,12 +1,13 @@
 //! What the passes that trace the screen share with those that follow rays through captures: the list of rays that the
 //! screen lost, the camera among the captures, and the sky.
 
-use super::Captures;
+use super::{Captures, GBuffer, stored_target};
 use super::tiles::{self, TILE};
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::CaptureBlock;
-use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, Sampled};
+use crate::gpu::{Buffer, Frame, Gpu, Image, ImageDesc, ImageSlice, Sampled};
+use crate::math::constants::NO_TRIANGLE;
 use crate::scene::Camera;
 use ash::vk;
 use glam::Vec3;
@@ -20,6 +21,8 @@ pub struct LostRays {
     rays: Buffer,
     /// In place of a scene's sky, where there is no scene: black.
     no_sky: Image,
+    /// In place of the triangles of a G-buffer that has none: one texel, which says so.
+    no_triangle: Image,
 }
 
 /// What those passes bind.
@@ -33,6 +36,18 @@ pub struct Beyond<'a> {
     pub counts: &'a Buffer,
     /// The rays.
     pub rays: &'a Buffer,
+    /// In place of the triangles of a G-buffer that has none.
+    no_triangle: &'a Image,
+}
+
+impl<'a> Beyond<'a> {
+    /// The image of the triangles that pixels show.
+    pub(super) fn triangle_of<'i>(&self, gbuffer: &GBuffer<'i>) -> ImageSlice<'i>
+    where
+        'a: 'i,
+    {
+        gbuffer.triangle.unwrap_or(self.no_triangle).all()
+    }
 }
 
 impl LostRays {
@@ -46,6 +61,7 @@ impl LostRays {
         Ok(Self {
             counts: Buffer::new(gpu, "lost counts", 16, usage, MemoryPlace::Device)?,
             rays: Buffer::new(gpu, "lost rays", RAY_BYTES * count, U::STORAGE_BUFFER, MemoryPlace::Device)?,
+            no_triangle: stored_target(gpu, "no triangle", vk::Format::R32_UINT, [1, 1])?,
             no_sky: Image::new(
                 gpu,
                 &ImageDesc {
@@ -65,18 +81,23 @@ impl LostRays {
         frame.fill("lost/clear", &self.counts, 0)
     }
 
-    /// What a pass binds, with the scene's sky; without a scene it is black, by the pass "no sky".
+    /// What a pass binds, with the scene's sky; without a scene it is black, by the pass "no sky". `wants_triangle` says that
+    /// rays begin on triangles that the G-buffer does not know, which the pass "no triangle" says to shaders.
     pub fn beyond<'a>(
         &'a self,
         frame: &mut Frame,
         block: &'a CaptureBlock,
         sky: Option<&'a Image>,
+        wants_triangle: bool,
     ) -> Result<Beyond<'a>> {
         if sky.is_none() {
             frame.clear("no sky", self.no_sky.all(), [0.0; 4])?;
         }
+        if wants_triangle {
+            frame.clear("no triangle", self.no_triangle.all(), [f32::from_bits(NO_TRIANGLE); 4])?;
+        }
         let sky = Sampled::trilinear(sky.unwrap_or(&self.no_sky).faces());
-        Ok(Beyond { block, sky, counts: &self.counts, rays: &self.rays })
+        Ok(Beyond { block, sky, counts: &self.counts, rays: &self.rays, no_triangle: &self.no_triangle })
     }
 }
 

@@ -39,6 +39,8 @@ pub mod thesis_trace;
 pub mod tiles;
 pub mod trace_normals;
 pub mod traced;
+pub mod triangle_scene;
+pub mod triangle_trace;
 pub mod unified_gloss;
 pub mod unified_trace;
 pub mod visibility;
@@ -92,6 +94,9 @@ pub struct GBuffer<'a> {
     pub material: &'a Image,
     /// Lit colour, linear, in level 0 of a full mip chain. RGBA16F.
     pub color: &'a Image,
+    /// The number of the triangle that each pixel shows among those of the scene, `NO_TRIANGLE` where nothing stands. R32
+    /// uint; `None` where nobody has asked for it.
+    pub triangle: Option<&'a Image>,
     /// What reflects in it, as far as is known beforehand.
     pub reflectors: Reflectors,
 }
@@ -336,12 +341,14 @@ pub enum PathCode {
     MissSky = constants::PATH_MISS_SKY as isize,
     /// `unified`: left the frustum behind geometry.
     MissBehind = constants::PATH_MISS_BEHIND as isize,
-    /// With captures: ended in the sky.
+    /// With captures or triangles: ended in the sky.
     Sky = constants::PATH_SKY as isize,
     /// With captures: went where no image sees it.
     Unknown = constants::PATH_UNKNOWN as isize,
     /// `dda`: out of steps, and taken for a miss.
     LinearExhausted = constants::PATH_LINEAR_EXHAUSTED as isize,
+    /// With triangles: hit one of them.
+    Triangle = constants::PATH_TRIANGLE as isize,
     /// With captures: hit in one of them, which [`PathCode::capture`] tells.
     Capture = constants::PATH_CAPTURE as isize,
 }
@@ -349,7 +356,7 @@ pub enum PathCode {
 impl PathCode {
     /// The code of a channel value; `None` for a value that is no code.
     pub fn from_channel(value: f32) -> Option<Self> {
-        const CODES: [PathCode; 15] = [
+        const CODES: [PathCode; 16] = [
             PathCode::None,
             PathCode::HiZ,
             PathCode::Linear,
@@ -365,6 +372,7 @@ impl PathCode {
             PathCode::Sky,
             PathCode::Unknown,
             PathCode::LinearExhausted,
+            PathCode::Triangle,
         ];
         if Self::capture(value).is_some() {
             return Some(Self::Capture);
@@ -392,7 +400,7 @@ impl PathCode {
         match self {
             Self::HiZ | Self::Miss | Self::Exhausted | Self::Unfinished => Some(true),
             Self::MissScreen | Self::MissNear | Self::MissSky | Self::MissBehind => Some(true),
-            Self::Sky | Self::Unknown | Self::Capture => Some(true),
+            Self::Sky | Self::Unknown | Self::Triangle | Self::Capture => Some(true),
             Self::Linear | Self::LinearMiss | Self::LinearExhausted => Some(false),
             Self::None | Self::Untraced => None,
         }

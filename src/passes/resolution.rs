@@ -73,6 +73,7 @@ impl DownsamplePass {
             normal: &self.normal,
             material: &self.material,
             color: &self.color,
+            triangle: None,
             reflectors: gbuffer.reflectors,
         })
     }

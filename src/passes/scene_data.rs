@@ -1,18 +1,21 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
+use super::triangle_scene::TriangleScene;
 use crate::error::{Error, Result};
+use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, ImageDesc, image, memory::MemoryPlace};
 use crate::math::constants;
 use crate::scene::capture::{BOUNDS_MARGIN, Wanted};
 use crate::scene::planes::{CoplanarGroup, coplanar_groups};
 use crate::scene::sky::SkyCube;
+use crate::scene::tree::{Tree, TriangleRecords};
 use crate::scene::{Aabb, AreaLight, Capture, Encoding, Impostor, Light, Mesh, Probe, Scene, Texture, Vertex, sky};
 use ash::vk;
-use glam::Vec3;
+use glam::{Mat4, Vec3};
 use std::cell::RefCell;
 use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 /// The most lights that a scene can have; the size of `LightBlock` in `scene/lighting.frag`.
@@ -25,6 +28,7 @@ const SKY_SIZE: u32 = 256;
 pub struct SceneData {
     pub(super) meshes: Vec<MeshData>,
     pub(super) textures: Vec<Image>,
+    encodings: Vec<Encoding>,
     /// A white texel, for materials without a map.
     pub(super) white: Image,
     /// The environment as a cube map in world axes.
@@ -34,11 +38,16 @@ pub struct SceneData {
     /// The captures that the scene names itself.
     captures: Vec<Capture>,
     find_captures: Option<FindCaptures>,
+    build_tree: Option<BuildTree>,
+    triangle_scene: RefCell<Option<Arc<TriangleScene>>>,
     placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
     planes: Vec<CoplanarGroup>,
 }
+
+/// Builds the tree over a scene's triangles, with their records.
+pub type BuildTree = Box<dyn Fn() -> Result<(Tree, TriangleRecords)>>;
 
 /// Finds the captures of a scene that are wanted, given those that it names itself.
 pub type FindCaptures = Box<dyn Fn(&[Capture], Wanted) -> Vec<Capture>>;
@@ -57,6 +66,8 @@ pub(super) struct MeshData {
     pub vertices: Buffer,
     pub indices: Buffer,
     pub index_count: u32,
+    /// The number of its first triangle among those of the scene.
+    pub first_triangle: u32,
     pub material: usize,
     pub bounds: Aabb,
     name: String,
@@ -73,8 +84,12 @@ impl SceneData {
     pub fn upload(context: &mut FrameContext, scene: &Scene) -> Result<Self> {
         check_lights(&format!("scene {}", scene.name), &scene.lights)?;
         let mut meshes = Vec::with_capacity(scene.meshes.len());
+        let mut triangles = 0;
         for mesh in scene.meshes.iter().filter(|m| !m.indices.is_empty()) {
+            let first_triangle = triangles;
+            triangles += mesh.indices.len() as u32 / 3;
             meshes.push(MeshData {
+                first_triangle,
                 vertices: device_buffer(
                     context,
                     &mesh.name,
@@ -102,12 +117,15 @@ impl SceneData {
         Ok(Self {
             meshes,
             textures,
+            encodings: scene.textures.iter().map(|t| t.encoding).collect(),
             white: texture(context, &white)?,
             sky: environment(context)?,
             lights: scene.lights.clone(),
             probes: probes(scene),
             captures: scene.captures.clone(),
             find_captures: None,
+            build_tree: None,
+            triangle_scene: RefCell::default(),
             placed: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
@@ -143,6 +161,21 @@ impl SceneData {
         let found = Placed { captures: captures.into(), time_ms: 1e3 * begun.elapsed().as_secs_f64() };
         placed.push((wanted, found.clone()));
         found
+    }
+
+    /// The lights in a space that world space is turned and moved into, no more than are uploaded.
+    pub fn light_block(&self, world_to_space: Mat4) -> LightBlock {
+        let mut block = LightBlock { count: self.lights.len() as u32, ..LightBlock::default() };
+        for (data, light) in block.lights.iter_mut().zip(&self.lights) {
+            let (place, energy) = match *light {
+                Light::Point { position, energy } => (world_to_space.transform_point3(position).extend(1.0), energy),
+                Light::Directional { direction, energy } => {
+                    (-world_to_space.transform_vector3(direction).normalize().extend(0.0), energy)
+                }
+            };
+            *data = LightData { place: place.to_array(), energy: [energy, 0.0, 0.0, 0.0] };
+        }
+        block
     }
 
     /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.
@@ -187,6 +220,33 @@ impl SceneData {
     pub fn find_captures_by(&mut self, find: impl Fn(&[Capture], Wanted) -> Vec<Capture> + 'static) {
         self.find_captures = Some(Box::new(find));
         self.placed.get_mut().clear();
+    }
+
+    /// Says how the tree over the scene's triangles is built. It is asked once, when an effect first follows rays among
+    /// them; without it no effect can.
+    pub fn build_tree_by(&mut self, build: impl Fn() -> Result<(Tree, TriangleRecords)> + 'static) {
+        self.build_tree = Some(Box::new(build));
+        self.triangle_scene.get_mut().take();
+    }
+
+    /// Whether rays can be followed among the scene's triangles.
+    pub fn has_triangles(&self) -> bool {
+        self.build_tree.is_some()
+    }
+
+    /// The scene's triangles for rays that are followed among them; `None` if nobody said how their tree is built.
+    ///
+    /// # Errors
+    /// What building the tree returns, and [`Error::Memory`] without memory.
+    pub fn triangles(&self, context: &mut FrameContext) -> Result<Option<Arc<TriangleScene>>> {
+        let Some(build) = &self.build_tree else { return Ok(None) };
+        let mut known = self.triangle_scene.borrow_mut();
+        if known.is_none() {
+            let (tree, records) = build()?;
+            let images: Vec<_> = self.textures.iter().zip(self.encodings.iter().copied()).collect();
+            *known = Some(Arc::new(TriangleScene::new(context, &tree, &records, &images)?));
+        }
+        Ok(known.clone())
     }
 
     /// The rectangles that stand for things in reflections.
@@ -256,7 +316,7 @@ fn device_buffer(context: &mut FrameContext, name: &str, bytes: &[u8], usage: vk
     let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
     let buffer =
         Buffer::new(&gpu, name, bytes.len() as u64, usage | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)?;
-    context.once(|frame| frame.copy_vertices("upload", &staging, &buffer))?;
+    context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::VertexInput))?;
     Ok(buffer)
 }
 

@@ -46,8 +46,12 @@ pub struct UnifiedSetup {
     pub composite: bool,
     /// Whether the reflection is wanted as an image of its own. One of the two is.
     pub reflection: bool,
-    /// Whether rays that the screen loses go on in captures.
+    /// Whether rays walk over the screen. Without it all of them go on the list, and there is no pyramid.
+    pub screen: bool,
+    /// Whether rays that the screen loses go on, in captures or among triangles.
     pub followed: bool,
+    /// Whether they go on among triangles, from the pixel that they are of.
+    pub triangles: bool,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
     /// The stage that traces rays.

@@ -69,7 +69,7 @@ impl UnifiedGlossPass {
             Image::new(gpu, &ImageDesc { name, format, extent, levels: 1, layers: 1, usage })
         };
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { over, composite, followed, sky, trace, resolve, .. } = *setup;
+        let UnifiedSetup { over, composite, screen, followed, triangles, sky, trace, resolve, .. } = *setup;
         let (formats, beside) = (|| setup.formats(), setup.beside());
         let narrow = Over { list: NARROW_LIST, halved: false };
         let [pixels, halves] = [false, true].map(|halved| Over { list: WIDE_LIST, halved });
@@ -79,8 +79,8 @@ impl UnifiedGlossPass {
                 gpu,
                 (trace, narrow),
                 || [RECORD],
-                |_| TraceNarrowConstants { strip, oracle, followed, sky },
-                |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky },
+                |_| TraceNarrowConstants { strip, oracle, screen, followed, triangles, sky },
+                |whole| TraceNarrowComputeConstants { strip, oracle, whole, screen, followed, triangles, sky },
             )?,
             resolve_narrow: TiledPipeline::new(
                 gpu,
@@ -93,22 +93,22 @@ impl UnifiedGlossPass {
                 gpu,
                 (trace, halves),
                 || [PLACE, LIT_COLOR],
-                |_| TraceWideConstants { strip, oracle, followed, sky },
-                |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky },
+                |_| TraceWideConstants { strip, oracle, screen, followed, triangles, sky },
+                |whole| TraceWideComputeConstants { strip, oracle, whole, screen, followed, triangles, sky },
             )?,
             cells: TiledPipeline::new(
                 gpu,
                 (resolve, halves),
                 || [LIT_COLOR; 2],
-                |whole| CellsConstants { strip, over, whole },
-                |whole| CellsComputeConstants { strip, over, whole },
+                |whole| CellsConstants { strip, screen, over, whole },
+                |whole| CellsComputeConstants { strip, screen, over, whole },
             )?,
             resolve_wide: TiledPipeline::new(
                 gpu,
                 (resolve, pixels),
                 formats,
-                |whole| ResolveWideConstants { strip, over, whole, composite },
-                |whole| ResolveWideComputeConstants { strip, over, whole, composite, beside },
+                |whole| ResolveWideConstants { strip, screen, over, whole, composite },
+                |whole| ResolveWideComputeConstants { strip, screen, over, whole, composite, beside },
             )?,
             between: BetweenPasses {
                 records: image("seen", RECORD, setup.extent)?,
@@ -134,9 +134,11 @@ impl UnifiedGlossPass {
             TraceNarrowCompute over tiles => { record_image: records.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.all()),
+            triangle_buffer: beyond.triangle_of(gbuffer),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,
@@ -174,9 +176,11 @@ impl UnifiedGlossPass {
             TraceWideCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.all()),
+            triangle_buffer: beyond.triangle_of(gbuffer),
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,
@@ -197,6 +201,7 @@ impl UnifiedGlossPass {
             ResolveWideCompute over tiles => { color_image: color.all(), reflection_image: reflection.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
@@ -215,6 +220,7 @@ impl UnifiedGlossPass {
             CellsCompute over tiles => { reflection_image: cell_reflection.all(), surface_image: cell_surface.all() },
             unified: parameters,
             pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             place_image: place.all(),

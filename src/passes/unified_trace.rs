@@ -43,11 +43,23 @@ impl UnifiedTracePass {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { followed, composite, sky, trace: stage, .. } = *setup;
+        let UnifiedSetup { screen, followed, triangles, composite, sky, trace: stage, .. } = *setup;
         let over = Over { list: MIRROR_LIST, halved: false };
-        let fragment = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
+        let fragment =
+            |whole| MirrorConstants { strip, oracle, hits, whole, screen, followed, triangles, composite, sky };
         let beside = setup.beside();
-        let compute = |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
+        let compute = |whole| MirrorComputeConstants {
+            strip,
+            oracle,
+            hits,
+            whole,
+            screen,
+            followed,
+            triangles,
+            composite,
+            sky,
+            beside,
+        };
         Ok(Self {
             stage,
             mirrors: TiledPipeline::new(gpu, (stage, over), formats, fragment, compute)?,
@@ -83,6 +95,8 @@ impl UnifiedTracePass {
             },
             unified: parameters,
             pyramid: pyramid.0.all(),
+            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+            triangle_buffer: beyond.triangle_of(gbuffer),
             normal_buffer: gbuffer.normal.all(),
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::trilinear(gbuffer.color.level(0)),

@@ -11,6 +11,7 @@ pub mod planes;
 pub mod proxies;
 pub mod sky;
 pub mod texture;
+pub mod tree;
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;

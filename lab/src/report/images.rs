@@ -233,7 +233,7 @@ pub fn paths(hits: &Pixels) -> Rgb {
         Some(PathCode::Linear) => [220, 0, 0],
         Some(PathCode::LinearMiss | PathCode::Untraced) => [100, 0, 0],
         Some(PathCode::Sky) => [120, 180, 255],
-        Some(PathCode::Capture) => [0, 110, 200],
+        Some(PathCode::Capture | PathCode::Triangle) => [0, 110, 200],
         Some(PathCode::Unknown) => [120, 0, 120],
         Some(PathCode::None) | None => [0; 3],
     })

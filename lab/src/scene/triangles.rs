@@ -4,6 +4,8 @@
 use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
 use super::{Material, Scene, Vertex};
+use crate::error::Result;
+use ssct::scene::tree::{Tree, TriangleRecords};
 use glam::{DVec2, Vec3};
 
 /// The triangles of a scene with the materials of a view.
@@ -84,6 +86,21 @@ impl<'a> Triangles<'a> {
         let Some(mask) = material.alpha_mask else { return true };
         let (_, vertices) = self.surface(hit);
         bilinear(&self.scene.textures[mask], interpolate_uv(&vertices, hit)).x >= 0.5
+    }
+}
+
+/// Builds the tree over a scene's triangles, with their records, when it is asked for.
+pub fn tree_builder(scene: &Scene) -> impl Fn() -> Result<(Tree, TriangleRecords)> + use<> {
+    let bare = Scene {
+        name: scene.name.clone(),
+        meshes: scene.meshes.clone(),
+        materials: scene.materials.clone(),
+        ..Scene::default()
+    };
+    move || {
+        let tree = Tree::build(&bare)?;
+        let records = TriangleRecords::new(&bare, &tree);
+        Ok((tree, records))
     }
 }
 

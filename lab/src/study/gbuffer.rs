@@ -160,7 +160,7 @@ pub fn ray_ends(hits: &Pixels, gbuffer: &GBufferData) -> Vec<RayEnd> {
     let eye = gbuffer.camera.eye().as_dvec3();
     // In a capture the image holds the place relative to the eye, in world axes.
     let beyond = |t: &[f32]| match PathCode::from_channel(t[3]) {
-        Some(PathCode::Capture) => RayEnd::Place(eye + Vec3::from_slice(t).as_dvec3()),
+        Some(PathCode::Capture | PathCode::Triangle) => RayEnd::Place(eye + Vec3::from_slice(t).as_dvec3()),
         Some(PathCode::Sky) => RayEnd::Sky,
         _ => RayEnd::Unknown,
     };

@@ -8,7 +8,7 @@ use crate::passes::gbuffer::{Drawn, GBufferPass};
 use crate::passes::lighting::LightingPass;
 use crate::passes::scene_data::SceneData;
 use crate::passes::{Captures, GBuffer};
-use crate::scene::{Camera, Capture, Material, Scene, View, placement};
+use crate::scene::{Camera, Capture, Material, Scene, View, placement, triangles};
 use glam::Vec3;
 
 /// The global factors of the command line; they replace or scale every material's values
@@ -55,6 +55,7 @@ impl Stage {
         let mut context = FrameContext::new(gpu)?;
         let mut data = SceneData::upload(&mut context, scene)?;
         data.find_captures_by(placement::finder(scene));
+        data.build_tree_by(triangles::tree_builder(scene));
         Ok(Self { context, data })
     }
 
@@ -160,8 +161,9 @@ impl Shot {
         let scene = SceneInput { data, materials: &materials };
         let effect = Effect::new(context, method, setup, wants, Some(&scene))?;
         let gpu = context.gpu();
+        let gbuffer = if effect.wants_triangles() { GBufferPass::numbered } else { GBufferPass::new };
         Ok(Self {
-            gbuffer: GBufferPass::new(gpu, setup.extent)?,
+            gbuffer: gbuffer(gpu, setup.extent)?,
             lighting: LightingPass::new(gpu)?,
             effect,
             camera,

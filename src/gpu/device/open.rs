@@ -229,6 +229,7 @@ pub(super) fn open_device(
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
     enable_features(&mut features, &mut v12, &mut v13);
     features.large_points = supported.large_points;
+    features.geometry_shader = supported.geometry_shader;
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
@@ -277,6 +278,7 @@ pub(super) fn open_device(
         limits: properties.limits,
         timestamp_mask: timestamp_mask(family),
         has_pipeline_statistics: features.pipeline_statistics_query == vk::TRUE,
+        numbers_triangles: features.geometry_shader == vk::TRUE,
         largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
     })
 }
@@ -340,6 +342,7 @@ pub(super) unsafe fn of_others(device: DeviceHandles) -> Result<Shared> {
         limits: properties.limits,
         timestamp_mask: timestamp_mask(family),
         has_pipeline_statistics: false,
+        numbers_triangles: features.geometry_shader == vk::TRUE,
         largest_point: if features.large_points == vk::TRUE { properties.limits.point_size_range[1] } else { 1.0 },
         instance,
         device,

@@ -51,6 +51,7 @@ impl Frame<'_> {
         let Given { resources, push } = given;
         let mut images = Vec::with_capacity(resources.len());
         let mut buffers = Vec::with_capacity(resources.len());
+        let mut texels = Vec::with_capacity(resources.len());
         for (_, resource) in resources {
             let (image, buffer) = self.descriptor(*resource)?;
             images.push(match resource {
@@ -61,6 +62,10 @@ impl Frame<'_> {
                 _ => vec![image],
             });
             buffers.push([buffer]);
+            texels.push(match resource {
+                Resource::Texels(texels) => [texels.view()],
+                _ => [vk::BufferView::null()],
+            });
         }
         let has_bindings = !layout.bindings.is_empty();
         let set = if has_bindings { Some(self.slot().sets.take(layout.set, name)?) } else { None };
@@ -74,6 +79,7 @@ impl Frame<'_> {
                     .descriptor_type(b.kind.descriptor_type());
                 match b.kind {
                     BindingKind::SampledImage | BindingKind::StorageImage => write.image_info(&images[i]),
+                    BindingKind::StorageTexels => write.texel_buffer_view(&texels[i]),
                     BindingKind::UniformBuffer | BindingKind::StorageBuffer => write.buffer_info(&buffers[i]),
                 }
             })
@@ -102,8 +108,8 @@ impl Frame<'_> {
                     .image_view(slice.view())
                     .image_layout(vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL);
             }
-            // Each of its images is written by itself.
-            Resource::SampledArray(..) => {}
+            // Each of its images is written by itself, and texels are read through a view.
+            Resource::SampledArray(..) | Resource::Texels(..) => {}
             Resource::Storage(slice) | Resource::Loaded(slice) => {
                 image = image.image_view(slice.view()).image_layout(vk::ImageLayout::GENERAL);
             }

@@ -267,14 +267,14 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &given)
     }
 
-    /// Draws indexed triangles.
-    pub fn draw(&mut self, vertices: &Buffer, indices: &Buffer, index_count: u32) {
+    /// Draws indexed triangles, as the one instance of a number (`gl_InstanceIndex`).
+    pub fn draw(&mut self, vertices: &Buffer, indices: &Buffer, index_count: u32, instance: u32) {
         let commands = self.frame.context.commands;
         // SAFETY: the pipeline is bound with its resources; the buffers hold the indices' range.
         unsafe {
             self.frame.device().cmd_bind_vertex_buffers(commands, 0, &[vertices.handle()], &[0]);
             self.frame.device().cmd_bind_index_buffer(commands, indices.handle(), 0, vk::IndexType::UINT32);
-            self.frame.device().cmd_draw_indexed(commands, index_count, 1, 0, 0, 0);
+            self.frame.device().cmd_draw_indexed(commands, index_count, 1, 0, 0, instance);
         }
     }
 }

@@ -59,7 +59,7 @@ impl DescriptorSets {
 
     fn pool(&self) -> Result<vk::DescriptorPool> {
         use BindingKind as K;
-        let sizes = [K::SampledImage, K::StorageImage, K::UniformBuffer, K::StorageBuffer]
+        let sizes = [K::SampledImage, K::StorageImage, K::StorageTexels, K::UniformBuffer, K::StorageBuffer]
             .map(|kind| vk::DescriptorPoolSize { ty: kind.descriptor_type(), descriptor_count: DESCRIPTORS });
         let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS as u32).pool_sizes(&sizes);
         // SAFETY: the create info lives through the call; destroyed in `drop`.

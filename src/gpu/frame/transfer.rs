@@ -175,8 +175,30 @@ impl Frame<'_> {
         })
     }
 
-    /// Copies one buffer into another, and makes it ready for vertex input.
-    pub fn copy_vertices(&mut self, name: &str, from: &Buffer, to: &Buffer) -> Result<()> {
+    /// Copies all layers of a level into a buffer from byte `first` on, tightly packed, for compute shaders to read.
+    pub fn copy_to_buffer(&mut self, name: &str, from: ImageSlice, to: &Buffer, first: u64) -> Result<()> {
+        self.pass(name, |frame| {
+            frame.use_image(from, Access::TransferRead);
+            frame.use_buffer(to, Access::TransferWrite);
+            frame.flush();
+            // SAFETY: the level is in the layout named; the caller sized the buffer for it.
+            unsafe {
+                frame.device().cmd_copy_image_to_buffer(
+                    frame.context.commands,
+                    from.image().handle(),
+                    vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+                    to.handle(),
+                    &[whole(&from).buffer_offset(first)],
+                );
+            }
+            frame.use_buffer(to, Access::ComputeStorageRead);
+            frame.flush();
+            Ok(())
+        })
+    }
+
+    /// Copies one buffer into another, and makes it ready for a use.
+    pub fn copy_buffer(&mut self, name: &str, from: &Buffer, to: &Buffer, access: Access) -> Result<()> {
         self.pass(name, |frame| {
             frame.use_buffer(from, Access::TransferRead);
             frame.use_buffer(to, Access::TransferWrite);
@@ -184,7 +206,7 @@ impl Frame<'_> {
             let region = vk::BufferCopy::default().size(from.size().min(to.size()));
             // SAFETY: both buffers hold the region.
             unsafe { frame.device().cmd_copy_buffer(frame.context.commands, from.handle(), to.handle(), &[region]) };
-            frame.use_buffer(to, Access::VertexInput);
+            frame.use_buffer(to, access);
             frame.flush();
             Ok(())
         })

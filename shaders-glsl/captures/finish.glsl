@@ -1,0 +1,67 @@
+// Puts what a ray of the list saw where the ray is of: a mirror's pixel is finished, a glossy ray's record gets what it
+// saw, for the pixels around it to gather. Programs with MIRRORS, NARROW or neither include it.
+
+#ifndef CAPTURES_FINISH_GLSL
+#define CAPTURES_FINISH_GLSL
+
+#ifdef MIRRORS
+layout(constant_id = 8) const bool COMPOSITE = false;  // the finished image is wanted
+layout(constant_id = 6) const bool REFLECTION = false; // the reflection is wanted as an image of its own
+layout(constant_id = 7) const bool HITS = false;       // so are the hits
+
+layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness; of the screen
+layout(binding = 5) uniform sampler2D color_buffer;                  // lit colour of the screen
+layout(binding = 6, rgba16f) uniform writeonly image2D composite_image;  // any image without COMPOSITE
+layout(binding = 7, rgba16f) uniform writeonly image2D reflection_image; // any image without REFLECTION
+layout(binding = 8, rgba32f) uniform writeonly image2D hits_image;       // any image of this format without HITS
+#elif defined(NARROW)
+layout(binding = 6, rgba32ui) uniform uimage2D seen_image; // TraceNarrow
+#else
+layout(binding = 6, rgba32f) uniform image2D place_image; // TraceWide
+layout(binding = 7, rgba16f) uniform writeonly image2D seen_image;
+#endif
+
+// What a ray saw.
+struct Saw {
+    vec3 color;
+    bool shows;  // false where nothing is known and another reflection shows instead
+    vec3 place;  // where it ended, relative to the eye, world axes
+    int code;    // PATH_*
+};
+
+void Finish(LostRay ray, Saw saw) {
+    ivec2 pixel = ivec2(ray.pixel.xy);
+    // A point far along the ray stands for the sky.
+    precise vec3 far = ray.start + SKY_DISTANCE * ray.direction;
+    vec3 place = saw.code == PATH_SKY ? far : saw.place;
+#ifdef MIRRORS
+    bool is_known = saw.code == PATH_SKY || saw.code >= PATH_TRIANGLE;
+    if (saw.shows) {
+        if (COMPOSITE) {
+            float reflectivity = imageLoad(material_buffer, pixel).x;
+            vec3 finished = texelFetch(color_buffer, pixel, 0).rgb + reflectivity * saw.color;
+            imageStore(composite_image, pixel, vec4(min(finished, GREATEST_HALF), 1.0));
+        }
+        if (REFLECTION)
+            imageStore(reflection_image, pixel, vec4(saw.color, 1.0));
+    }
+    if (HITS)
+        imageStore(hits_image, pixel, vec4(is_known ? place : vec3(-1.0), float(saw.code)));
+#elif defined(NARROW)
+    if (saw.shows) {
+        uvec4 words = imageLoad(seen_image, pixel);
+        words.y &= 0x7fffffffu; // the sign says that it missed
+        words.z = packHalf2x16(saw.color.rg);
+        words.w = packHalf2x16(vec2(saw.color.b, 1.0));
+        imageStore(seen_image, pixel, words);
+    }
+#else
+    if (saw.shows) {
+        float density = abs(imageLoad(place_image, pixel).w);
+        imageStore(place_image, pixel, vec4(ToView(place) / captures.view_unit, density));
+        imageStore(seen_image, pixel, vec4(saw.color, 1.0));
+    }
+#endif
+}
+
+#endif

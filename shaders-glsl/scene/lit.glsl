@@ -1,0 +1,42 @@
+// The lit colour of a surface: albedo * mix(0.2, 1, min(sum of lights, 1)), without shadows, and as under full light for
+// the share of it that is emitted (docs/definitions.md, "Surfaces"). The lighting pass and the colours of hits on
+// triangles share it.
+
+#ifndef SCENE_LIT_GLSL
+#define SCENE_LIT_GLSL
+
+#include "common/constants.glsl"
+
+#ifndef LIGHT_BINDING
+#define LIGHT_BINDING 1
+#endif
+
+struct LightData {
+    vec4 place;      // point: position, 1; directional: direction to the light, 0
+    vec4 energy;     // x: energy
+};
+
+// Positions and directions are of the space in which surfaces are lit: the view's, or the tree's.
+layout(std140, binding = LIGHT_BINDING) uniform LightBlock {
+    LightData lights[MAX_LIGHTS];
+    uint count;
+} scene;
+
+vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
+    float shading = 0.0;
+    for (uint i = 0u; i < scene.count; ++i) {
+        LightData light = scene.lights[i];
+        float energy = light.energy.x;
+        if (light.place.w > 0.5) {
+            vec3 to_light = light.place.xyz - position;
+            float d = length(to_light);
+            float attenuation = 1.0 / (1.0 + d / energy + d * d / energy);
+            shading += max(0.0, dot(normal, to_light / max(d, 1e-6))) * attenuation;
+        } else {
+            shading += max(0.0, dot(normal, light.place.xyz)) * energy;
+        }
+    }
+    return albedo * mix(mix(0.2, 1.0, min(shading, 1.0)), 1.0, emission);
+}
+
+#endif

@@ -1,0 +1,49 @@
+// Where a reflected ray begins: on the triangle that its pixel shows, off its plane by no more than rounding makes
+// necessary, so that the ray neither meets that plane again nor begins behind what stands close before it.
+
+#ifndef TRIANGLES_BEGIN_GLSL
+#define TRIANGLES_BEGIN_GLSL
+
+#include "triangles/color.glsl"
+
+// The point of the triangle in a slot in the direction of a point that may lie beside it, from the eye: a + u (b - a) + v (c - a), whose
+// three additions and products err by at most half a unit in the last place of the result, and by 5 half units of each
+// edge's part (Higham, "Accuracy and Stability of Numerical Algorithms", 2002, section 3.1). `error` bounds that along
+// each axis.
+vec3 PointOfTriangle(uint slot, vec3 towards, out vec3 flat_normal, out vec3 error) {
+    int at = triangles.corners + 3 * int(slot);
+    vec3 a = uintBitsToFloat(Geometry(at).xyz);
+    precise vec3 along_b = uintBitsToFloat(Geometry(at + 1).xyz) - a;
+    precise vec3 along_c = uintBitsToFloat(Geometry(at + 2).xyz) - a;
+    precise vec3 from_eye = a - triangles.eye;
+    vec3 normal = cross(along_b, along_c);
+    float u = dot(towards, cross(along_c, from_eye)), v = dot(towards, cross(from_eye, along_b));
+    float inverse = 1.0 / dot(towards, normal);
+    // Beside a triangle that is seen from its edge, and for one without an area, the point is one of its corners.
+    vec2 weight = clamp(vec2(u, v) * inverse, 0.0, 1.0);
+    precise vec3 offset = weight.x * along_b + weight.y * along_c;
+    precise vec3 point = a + offset;
+    flat_normal = normal * inversesqrt(max(dot(normal, normal), 1e-38));
+    error = ROUNDING * (abs(point) + 5.0 * (abs(weight.x * along_b) + abs(weight.y * along_c)));
+    return point;
+}
+
+// A ray from a pixel's point, which lies at `start` from the eye along the axes of the world. `triangle` is the one that
+// the pixel shows, or NO_TRIANGLE: then the ray begins at the point itself. `leaves` is false for a ray that leads below
+// the triangle that it begins on, where there is nothing to see (docs/definitions.md, "Surfaces").
+TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
+    vec3 flat_normal, error;
+    bool is_known = triangle < uint(triangles.count);
+    uint slot = Attribute(is_known ? triangle : 0u, 2).w;
+    is_known = is_known && slot != NO_TRIANGLE;
+    slot = is_known ? slot : 0u;
+    vec3 point = PointOfTriangle(slot, start, flat_normal, error);
+    float side = dot(flat_normal, direction) >= 0.0 ? 1.0 : -1.0;
+    leaves = !is_known || side * dot(flat_normal, start) < 0.0;
+    // The point's error and that of the corners of the planes beside it, which round alike.
+    precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
+    uint own = Geometry(triangles.corners + 3 * int(slot)).w;
+    return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE);
+}
+
+#endif

@@ -1,0 +1,66 @@
+// The triangles of a scene as shaders read them: nodes of the tree, corners and attributes of triangles in one buffer,
+// materials and tables of images in another, and the texels of all images in a third. Filled in by
+// src/passes/triangle_scene.rs, from the records of src/scene/tree.rs.
+//
+// Each buffer is bound twice, as texels and as a storage block, and TEXELS says how it is read: as texels wherever the
+// device can tell so many apart, since some devices read them faster.
+
+#ifndef TRIANGLES_SCENE_GLSL
+#define TRIANGLES_SCENE_GLSL
+
+#include "common/constants.glsl"
+
+layout(constant_id = 20) const bool GEOMETRY_TEXELS = true; // geometry is read as texels
+layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // so are images
+
+layout(binding = 20, rgba32ui) uniform readonly uimageBuffer geometry_texels;
+layout(std430, binding = 21) readonly buffer GeometryWords {
+    uvec4 words[];
+} geometry;
+
+layout(binding = 22, rgba32ui) uniform readonly uimageBuffer table_texels;
+layout(std430, binding = 23) readonly buffer TableWords {
+    uvec4 words[];
+} table;
+
+layout(binding = 24, r32ui) uniform readonly uimageBuffer image_texels;
+layout(std430, binding = 25) readonly buffer ImageWords {
+    uint words[];
+} images;
+
+// Where the triangles are, and the camera among them. Coordinates of triangles are measured from the tree's origin.
+layout(std140, binding = 26) uniform TriangleBlock {
+    vec3 eye;            // the camera's eye from the tree's origin, metres
+    float extent;        // the greatest coordinate of a corner, metres
+    int corners;         // where the corners begin among the vectors of geometry; nodes begin at 0
+    int attributes;      // where the attributes begin
+    int count;           // triangles
+    int nodes;           // of the tree; 0 for an empty one
+} triangles;
+
+uvec4 Geometry(int i) {
+    return GEOMETRY_TEXELS ? imageLoad(geometry_texels, i) : geometry.words[i];
+}
+
+uvec4 Table(int i) {
+    return GEOMETRY_TEXELS ? imageLoad(table_texels, i) : table.words[i];
+}
+
+uint ImageWord(int i) {
+    return IMAGE_TEXELS ? imageLoad(image_texels, i).x : images.words[i];
+}
+
+// Attributes of a triangle: vector 0 has the octahedral normals of its corners and its material, with the bitangent's
+// sign in the highest bit; 1 and 2 have their texture coordinates, then repeats of a map to a metre, and the slot of its
+// corners; 3 has the octahedral tangents and the normal of the triangle's plane.
+uvec4 Attribute(uint triangle, int vector) {
+    return Geometry(triangles.attributes + 4 * int(triangle) + vector);
+}
+
+// Materials: three vectors each. 0: albedo and emission. 1: rows of the table at which the albedo map and the normal map
+// are described (below 0: none), the normal deviation, and MATERIAL_ bits. 2: the same row of the alpha mask.
+uvec4 Material(uint attribute_word, int vector) {
+    return Table(3 * int(attribute_word & 0x7fffffffu) + vector);
+}
+
+#endif

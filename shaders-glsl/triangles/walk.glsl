@@ -1,0 +1,146 @@
+// The walk of a ray through the tree of a scene's triangles, and the test of one triangle. CPU twin:
+// reference::triangles.
+//
+// The nodes are the compressed wide nodes of Ylitie, Karras and Laine (HPG 2017), as the crate obvhs lays them out. The
+// walk pushes at most one group of nodes for each level of the tree, and the host takes no tree with more than TREE_LEVELS
+// levels, so that the stack cannot overflow. Each turn of its loops takes a bit off a mask, so that no ray runs for ever,
+// not even one with NaN in it, which meets no box.
+
+#ifndef TRIANGLES_WALK_GLSL
+#define TRIANGLES_WALK_GLSL
+
+#include "triangles/scene.glsl"
+
+// What a ray meets.
+struct Met {
+    float t;     // metres along a unit direction
+    uint id;     // number of the triangle, with ASKS_MATERIAL; NO_TRIANGLE for none
+    vec2 weight; // of its second and third corner
+};
+
+// A ray in the coordinates of the tree. What it meets comes after `after`: farther away, or as far and of a greater number.
+struct TreeRay {
+    vec3 origin;
+    vec3 direction; // unit
+    uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
+    Met after;
+};
+
+const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0));
+
+TreeRay RayFrom(vec3 origin, vec3 direction, uint own) {
+    return TreeRay(origin, direction, own, Met(0.0, NO_TRIANGLE, vec2(0.0)));
+}
+
+// In this order (the twin's).
+float DotInOrder(vec3 a, vec3 b) {
+    precise float sum = a.x * b.x + a.y * b.y + a.z * b.z;
+    return sum;
+}
+
+// Turned round by swapping a and b, to the bit.
+vec3 CrossInOrder(vec3 a, vec3 b) {
+    precise vec3 cross = a.yzx * b.zxy - a.zxy * b.yzx;
+    return cross;
+}
+
+bool IsAfter(float t, uint id, Met than) {
+    return t > than.t || (t == than.t && id > than.id);
+}
+
+// Meets a triangle from either side, if it comes before what was met so far. The sign of each edge function depends on
+// nothing but the edge's corners and the ray, and swapping the corners turns it round to the bit, so that a ray between two
+// triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013).
+// What has no area in the ray's direction is not met.
+void Meet(TreeRay ray, int slot, inout Met best) {
+    int at = triangles.corners + 3 * slot;
+    uvec4 first = Geometry(at);
+    precise vec3 a = uintBitsToFloat(first.xyz) - ray.origin;
+    precise vec3 b = uintBitsToFloat(Geometry(at + 1).xyz) - ray.origin;
+    precise vec3 c = uintBitsToFloat(Geometry(at + 2).xyz) - ray.origin;
+    float u = DotInOrder(ray.direction, CrossInOrder(c, b));
+    float v = DotInOrder(ray.direction, CrossInOrder(a, c));
+    float w = DotInOrder(ray.direction, CrossInOrder(b, a));
+    precise float area = u + v + w;
+    precise float inverse = 1.0 / area;
+    precise vec2 weight = vec2(v, w) * inverse;
+    precise float reach = u * DotInOrder(ray.direction, a) + v * DotInOrder(ray.direction, b)
+                        + w * DotInOrder(ray.direction, c);
+    precise float t = reach * inverse;
+    bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0;
+    bool nearer = t < best.t || (t == best.t && first.w < best.id);
+    if (inside && nearer && first.w != ray.own && IsAfter(t, first.w, ray.after))
+        best = Met(t, first.w, weight);
+}
+
+uint Byte(uint word, int i) {
+    return word >> (8 * i) & 0xffu;
+}
+
+// Four children of a node: the bits of those that the ray meets before `nearest`, in the order in which it should look at
+// them.
+uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint octant, float nearest) {
+    uint inner = ((meta & meta << 1 & 0x10101010u) >> 4) * 0xffu;
+    uint places = (meta ^ octant & inner) & 0x1f1f1f1fu;
+    uint bits = meta >> 5 & 0x07070707u;
+    uint met = 0u;
+    for (int i = 0; i < 4; ++i) {
+        vec3 near = fma(vec3(Byte(low.x, i), Byte(low.y, i), Byte(low.z, i)), step, base);
+        vec3 far = fma(vec3(Byte(high.x, i), Byte(high.y, i), Byte(high.z, i)), step, base);
+        float enters = max(max(near.x, near.y), max(near.z, 0.0));
+        float leaves = min(min(far.x, far.y), min(far.z, nearest));
+        met |= enters <= leaves ? Byte(bits, i) << Byte(places, i) : 0u;
+    }
+    return met;
+}
+
+// The nearest triangle that the ray meets after `after`.
+Met Walk(TreeRay ray) {
+    Met best = NOTHING;
+    uvec2 stack[TREE_LEVELS];
+    int height = 0;
+    // A direction along a plane of an axis is tested as if it were a little beside it, which no box notices.
+    vec3 direction = mix(ray.direction, vec3(1e-20), lessThan(abs(ray.direction), vec3(1e-20)));
+    vec3 inverse = 1.0 / direction;
+    bvec3 back = lessThan(direction, vec3(0.0));
+    uint octant = (back.x ? 0u : 0x04040404u) | (back.y ? 0u : 0x02020202u) | (back.z ? 0u : 0x01010101u);
+    // A group of nodes: the first child's number, and the bits of those that are still to be looked at.
+    uvec2 group = uvec2(0u, triangles.nodes > 0 ? 0x80000000u : 0u);
+    while (true) {
+        uvec2 leaves = uvec2(0u);
+        if ((group.y & 0xff000000u) != 0u) {
+            uint bits = group.y;
+            int bit = findMSB(bits);
+            group.y &= ~(1u << bit);
+            if ((group.y & 0xff000000u) != 0u)
+                stack[height++] = group;
+            uint child = uint(bit - 24) ^ octant & 0xffu;
+            int node = 5 * int(group.x + uint(bitCount(bits & ~(0xffffffffu << child))));
+            uvec4 head = Geometry(node), kinds = Geometry(node + 1);
+            uvec4 x = Geometry(node + 2), y = Geometry(node + 3), z = Geometry(node + 4);
+            vec3 scale = uintBitsToFloat(uvec3(Byte(head.w, 0), Byte(head.w, 1), Byte(head.w, 2)) << 23);
+            vec3 step = scale * inverse, base = (uintBitsToFloat(head.xyz) - ray.origin) * inverse;
+            // Each axis: low sides of children 0 to 3 and 4 to 7, then high sides. The side that the ray meets first comes first.
+            x = back.x ? x.zwxy : x;
+            y = back.y ? y.zwxy : y;
+            z = back.z ? z.zwxy : z;
+            uint met = MetChildren(kinds.z, uvec3(x.x, y.x, z.x), uvec3(x.z, y.z, z.z), step, base, octant, best.t)
+                     | MetChildren(kinds.w, uvec3(x.y, y.y, z.y), uvec3(x.w, y.w, z.w), step, base, octant, best.t);
+            group = uvec2(kinds.x, met & 0xff000000u | head.w >> 24);
+            leaves = uvec2(kinds.y, met & 0x00ffffffu);
+        }
+        while (leaves.y != 0u) {
+            int bit = findMSB(leaves.y);
+            leaves.y &= ~(1u << bit);
+            Meet(ray, int(leaves.x) + bit, best);
+        }
+        if ((group.y & 0xff000000u) == 0u) {
+            if (height == 0)
+                break;
+            group = stack[--height];
+        }
+    }
+    return best;
+}
+
+#endif

@@ -1,0 +1,17 @@
+// The reversed depth of a pixel: from the pyramid, whose finest level has it in its fronts, or, where no ray walks over the
+// screen, from the G-buffer. Needs the image `pyramid`.
+
+#ifndef UNIFIED_DEPTH_GLSL
+#define UNIFIED_DEPTH_GLSL
+
+#include "unified/pyramid.glsl"
+
+layout(constant_id = 10) const bool SCREEN = true; // rays walk over the screen; without it there is no pyramid
+
+layout(binding = 28) uniform sampler2D depth_buffer; // reversed; 0 is sky
+
+float DepthAt(ivec2 pixel) {
+    return SCREEN ? imageLoad(pyramid, PixelTexel(pixel)).r : texelFetch(depth_buffer, pixel, 0).r;
+}
+
+#endif

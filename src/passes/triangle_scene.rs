@@ -1,0 +1,207 @@
+//! A scene's triangles in device memory, as the programs under `shaders-glsl/triangles/` read them: the tree with the
+//! records of its triangles, the texels of all images with their levels, and a table of materials.
+
+use crate::error::Result;
+use crate::gpu::memory::MemoryPlace;
+use crate::gpu::shader::TriangleBlock;
+use crate::gpu::sync::Access;
+use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
+use crate::math::constants::{MATERIAL_SINGLE_SIDED, MATERIAL_SKY};
+use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
+use crate::scene::{Camera, Encoding, Material, Surface};
+use ash::vk;
+use glam::{DVec3, Mat4};
+
+/// Vectors of the table that describe a material.
+const MATERIAL_WORDS: usize = 3;
+
+/// Vectors of the table that describe an image: its size, and where each of at most [`MAX_LEVELS`] levels begins.
+const IMAGE_WORDS: usize = 1 + MAX_LEVELS / 4;
+
+/// The most levels of an image that are looked into: enough for images of 32768 texels a side.
+const MAX_LEVELS: usize = 16;
+
+/// Bytes of a texel of the images.
+const TEXEL_BYTES: u64 = 4;
+
+/// The tree, the records of the triangles and the images of a scene.
+pub struct TriangleScene {
+    origin: DVec3,
+    /// Where corners and attributes begin among the vectors of `geometry`, the number of triangles and that of nodes.
+    counts: [i32; 4],
+    /// The greatest coordinate of a corner, in metres.
+    extent_m: f32,
+    geometry: TexelBuffer,
+    images: TexelBuffer,
+    /// Width, height, levels and encoding of each image, and where its levels begin.
+    described: Vec<[Words; IMAGE_WORDS]>,
+    bytes: u64,
+}
+
+/// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TriangleReading {
+    /// Triangles of the scene.
+    pub count: u32,
+    /// Geometry and materials.
+    pub geometry_texels: bool,
+    /// Texels of images.
+    pub image_texels: bool,
+}
+
+/// The materials of a view, as shaders look them up.
+pub struct TriangleTable(TexelBuffer);
+
+/// What passes bind of a scene's triangles.
+#[derive(Clone, Copy)]
+pub struct Triangles<'a> {
+    /// Nodes, corners and attributes.
+    pub geometry: &'a TexelBuffer,
+    /// Texels of all images.
+    pub images: &'a TexelBuffer,
+    /// Materials, and where images stand.
+    pub table: &'a TexelBuffer,
+    /// The place from which coordinates of triangles are measured.
+    pub origin: DVec3,
+    counts: [i32; 4],
+    extent_m: f32,
+}
+
+impl TriangleScene {
+    /// Uploads a tree with its records, and copies the images of a scene.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::Memory`] without memory.
+    pub fn new(
+        context: &mut FrameContext,
+        tree: &Tree,
+        records: &TriangleRecords,
+        images: &[(&Image, Encoding)],
+    ) -> Result<Self> {
+        assert!(tree.is_walkable(), "a tree of {} levels: a walk has no room for them", tree.levels);
+        let vectors: Vec<Words> = [&tree.nodes[..], &records.corners, &records.attributes].concat();
+        let attributes = tree.nodes.len() + records.corners.len();
+        let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];
+        let geometry = uploaded(context, "triangles", bytemuck::cast_slice(&vectors))?;
+        let (texels, described) = copied(context, images)?;
+        Ok(Self {
+            origin: tree.origin,
+            counts: counts.map(|count| count as i32),
+            extent_m: records.extent_m(),
+            bytes: geometry.buffer().size() + texels.buffer().size(),
+            geometry,
+            images: texels,
+            described,
+        })
+    }
+
+    /// Bytes of device memory.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// How the device reads it.
+    pub fn reading(&self) -> TriangleReading {
+        let [_, _, count, _] = self.counts;
+        TriangleReading {
+            count: count.cast_unsigned(),
+            geometry_texels: self.geometry.is_whole(),
+            image_texels: self.images.is_whole(),
+        }
+    }
+
+    /// The table of a view's materials.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
+        let first_image = MATERIAL_WORDS * materials.len();
+        // Of an image that there is none of, a negative number.
+        let row = |image: Option<usize>| image.map_or(-1, |i| (first_image + IMAGE_WORDS * i) as i32).cast_unsigned();
+        let of_material = |m: &Material| {
+            let bits = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
+            let bits = bits.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
+            let [r, g, b] = m.albedo.to_array();
+            [
+                [r, g, b, m.emission].map(f32::to_bits),
+                [row(m.albedo_map), row(m.normal_map), m.normal_deviation.to_bits(), bits],
+                [row(m.alpha_mask), 0, 0, 0],
+            ]
+        };
+        let materials = materials.iter().flat_map(of_material);
+        let vectors: Vec<Words> = materials.chain(self.described.iter().flatten().copied()).collect();
+        Ok(TriangleTable(uploaded(context, "materials", bytemuck::cast_slice(&vectors))?))
+    }
+
+    /// What passes bind, with a table of its own.
+    pub fn bound<'a>(&'a self, table: &'a TriangleTable) -> Triangles<'a> {
+        let Self { origin, counts, extent_m, geometry, images, .. } = self;
+        let (origin, counts, extent_m) = (*origin, *counts, *extent_m);
+        Triangles { geometry, images, table: &table.0, origin, counts, extent_m }
+    }
+}
+
+impl Triangles<'_> {
+    /// The block of a camera among the triangles.
+    pub fn block(&self, camera: &Camera) -> TriangleBlock {
+        let eye = (camera.eye().as_dvec3() - self.origin).as_vec3();
+        let [corners, attributes, count, nodes] = self.counts;
+        let extent = self.extent_m;
+        TriangleBlock { eye: eye.to_array(), extent, corners, attributes, count, nodes }
+    }
+
+    /// From the world to the coordinates of the triangles.
+    pub fn world_to_tree(&self) -> Mat4 {
+        Mat4::from_translation(-self.origin.as_vec3())
+    }
+}
+
+/// A buffer of vectors of four words.
+fn uploaded(context: &mut FrameContext, name: &str, bytes: &[u8]) -> Result<TexelBuffer> {
+    let gpu: Gpu = context.gpu().clone();
+    let vector = size_of::<Words>();
+    // An empty buffer cannot be bound.
+    let nothing = vec![0; vector];
+    let bytes = if bytes.is_empty() { &nothing } else { bytes };
+    let staging = Buffer::upload(&gpu, "staging", bytes, vk::BufferUsageFlags::TRANSFER_SRC)?;
+    let buffer = texel_buffer(&gpu, name, bytes.len() as u64)?;
+    context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
+    TexelBuffer::new(buffer, vk::Format::R32G32B32A32_UINT, vector as u64)
+}
+
+fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
+    Buffer::new(gpu, name, bytes, TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)
+}
+
+/// Copies all levels of some images into one buffer of texels, and describes where they stand.
+fn copied(
+    context: &mut FrameContext,
+    images: &[(&Image, Encoding)],
+) -> Result<(TexelBuffer, Vec<[Words; IMAGE_WORDS]>)> {
+    let gpu: Gpu = context.gpu().clone();
+    let (mut described, mut texels) = (Vec::with_capacity(images.len()), 0);
+    for (image, encoding) in images {
+        let [width, height] = image.extent();
+        let levels = image.levels().min(MAX_LEVELS as u32);
+        let mut words = [[0; 4]; IMAGE_WORDS];
+        words[0] = [width, height, levels, u32::from(*encoding == Encoding::Srgb)];
+        for level in 0..levels {
+            words[1 + level as usize / 4][level as usize % 4] = texels;
+            let [width, height] = image.level(level).extent();
+            texels += width * height;
+        }
+        described.push(words);
+    }
+    let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(texels.max(1)))?;
+    for ((image, _), words) in images.iter().zip(&described) {
+        context.once(|frame| {
+            for level in 0..words[0][2] {
+                let first = u64::from(words[1 + level as usize / 4][level as usize % 4]);
+                frame.copy_to_buffer("texels", image.level(level), &buffer, TEXEL_BYTES * first)?;
+            }
+            frame.make_ready(image.all(), Access::FragmentSampled);
+            Ok(())
+        })?;
+    }
+    Ok((TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)?, described))
+}

@@ -1,0 +1,121 @@
+//! Following rays of the list ([`lost`](super::lost)) through the triangles of a scene, each from its own pixel's point,
+//! over as many rays as there are (docs/definitions.md, "Triangles").
+
+use super::lost::Beyond;
+use super::triangle_scene::{TriangleReading, Triangles};
+use super::{Canvas, GBuffer, Hits, unwanted_hits};
+use crate::error::Result;
+use crate::gpu::shader::{LightBlock, TriangleBlock, UnifiedBlock};
+use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
+
+/// The pipelines.
+pub struct TriangleTracePass {
+    mirrors: ComputePipeline<programs::TriangleMirrors<'static>>,
+    narrow: ComputePipeline<programs::TriangleNarrow<'static>>,
+    wide: ComputePipeline<programs::TriangleWide<'static>>,
+    unwanted_hits: Option<Image>,
+}
+
+/// What is written of the pixels of mirrors.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct TriangleWants {
+    /// The finished image.
+    pub composite: bool,
+    /// The reflection as an image of its own.
+    pub reflection: bool,
+    /// Where each ray ended.
+    pub hits: bool,
+}
+
+/// What every pass here reads.
+#[derive(Clone, Copy)]
+pub struct TriangleInput<'a> {
+    /// The block of the screen.
+    pub parameters: &'a UnifiedBlock,
+    /// The scene's triangles.
+    pub triangles: Triangles<'a>,
+    /// The camera among them.
+    pub block: &'a TriangleBlock,
+    /// The lights among them.
+    pub lights: &'a LightBlock,
+    /// The rays, the camera's axes, and the sky.
+    pub beyond: Beyond<'a>,
+}
+
+/// A program with the bindings that all have in common, and some of its own.
+macro_rules! program {
+    ($name:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+        let TriangleInput { parameters, triangles, block, lights, beyond } = $input;
+        programs::$name {
+            unified: parameters,
+            captures: beyond.block,
+            environment: beyond.sky,
+            lost_counts: beyond.counts,
+            lost: beyond.rays,
+            geometry_texels: triangles.geometry,
+            geometry: triangles.geometry.buffer(),
+            table_texels: triangles.table,
+            table: triangles.table.buffer(),
+            image_texels: triangles.images,
+            images: triangles.images.buffer(),
+            triangles: block,
+            scene: lights,
+            $($field: $value,)+
+        }
+    }};
+}
+
+impl TriangleTracePass {
+    /// Compiles the pipelines for scenes that are read in a way.
+    ///
+    /// # Errors
+    /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
+    pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
+        let TriangleReading { geometry_texels, image_texels, .. } = reading;
+        let TriangleWants { composite, reflection, hits } = wanted;
+        let of_mirrors =
+            programs::TriangleMirrorsConstants { composite, reflection, hits, geometry_texels, image_texels };
+        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels };
+        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels };
+        Ok(Self {
+            mirrors: ComputePipeline::with(gpu, &of_mirrors)?,
+            narrow: ComputePipeline::with(gpu, &of_narrow)?,
+            wide: ComputePipeline::with(gpu, &of_wide)?,
+            unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
+        })
+    }
+
+    /// Pass "triangles/mirrors": finishes the pixels whose mirror rays are on the list.
+    pub fn record_mirrors(
+        &self,
+        frame: &mut Frame,
+        input: TriangleInput,
+        gbuffer: &GBuffer,
+        canvas: Canvas,
+        hits: Option<Hits>,
+    ) -> Result<()> {
+        // What is not wanted is not written, and needs an image all the same.
+        let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
+        let Some((any, hits)) = stored else { return Ok(()) };
+        let program = program! { TriangleMirrors of input,
+            material_buffer: gbuffer.material.all(),
+            color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+            composite_image: canvas.composite.unwrap_or(any).all(),
+            reflection_image: canvas.reflection.unwrap_or(any).all(),
+            hits_image: hits.all(),
+        };
+        frame.compute_indirect("triangles/mirrors", &self.mirrors, &program, (input.beyond.counts, 0))
+    }
+
+    /// Pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
+    pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, records: &Image) -> Result<()> {
+        let program = program! { TriangleNarrow of input, seen_image: records.all() };
+        frame.compute_indirect("triangles/narrow", &self.narrow, &program, (input.beyond.counts, 0))
+    }
+
+    /// Pass "triangles/wide": the same for the rays of cells with wide lobes.
+    pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen]: [&Image; 2]) -> Result<()> {
+        let program = program! { TriangleWide of input, place_image: place.all(), seen_image: seen.all() };
+        frame.compute_indirect("triangles/wide", &self.wide, &program, (input.beyond.counts, 0))
+    }
+}

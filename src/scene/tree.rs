@@ -1,0 +1,142 @@
+//! A hierarchy of boxes over the triangles of a scene, as shaders walk it (`shaders-glsl/triangles/walk.glsl`): plain
+//! data, and the records that stand beside it. Whoever has triangles makes a [`Tree`]: the feature `tree` builds one by
+//! the crate obvhs ([`Tree::build`]), outside of the crate's default dependencies.
+//!
+//! The nodes are the compressed wide nodes of Ylitie, Karras and Laine ("Efficient Incoherent Ray Traversal on GPUs
+//! Through Compressed Wide BVHs", HPG 2017): eight children in 80 bytes.
+
+#[cfg(feature = "tree")]
+mod build;
+
+use super::{Material, Mesh, Scene, Vertex};
+use crate::math::constants::{ASKS_MATERIAL, NO_TRIANGLE, TREE_LEVELS};
+use glam::{DVec3, Vec2, Vec3};
+
+/// Words of a record as shaders load it.
+pub type Words = [u32; 4];
+
+/// Vectors of four words to a node.
+pub const NODE_WORDS: usize = 5;
+
+/// The most triangles of a scene: their numbers leave the highest bit free, and the greatest one is no triangle's.
+pub const MAX_TRIANGLES: usize = (ASKS_MATERIAL - 1) as usize;
+
+/// The hierarchy.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tree {
+    /// The place in the world, in metres, from which all coordinates are measured: the middle of the scene, so that one far
+    /// from the origin is not coarser for it.
+    pub origin: DVec3,
+    /// [`NODE_WORDS`] vectors a node, in the layout of [`obvhs`](https://docs.rs/obvhs)'s `CwBvhNode`; the first node is
+    /// the root. Empty if no triangle has an area.
+    pub nodes: Vec<Words>,
+    /// The number of the triangle in each slot that nodes refer to: triangles are counted over all meshes in their order.
+    pub slots: Vec<u32>,
+    /// Nodes on the longest way from the root to a leaf, at most `TREE_LEVELS`.
+    pub levels: u32,
+}
+
+impl Tree {
+    /// Whether a walk with room for `TREE_LEVELS` levels, which shaders have, can walk over the tree.
+    pub fn is_walkable(&self) -> bool {
+        self.levels <= TREE_LEVELS as u32
+    }
+
+    /// Bytes of nodes and slots.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.slots.as_slice())
+    }
+}
+
+/// The triangles of a scene as shaders read them, in the order of a tree.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct TriangleRecords {
+    /// Three vectors a slot: each a corner from the tree's origin; the first one's last word is the triangle's number, with
+    /// [`ASKS_MATERIAL`] where the material has an alpha mask or is single-sided.
+    pub corners: Vec<Words>,
+    /// Four vectors a triangle, by its number: what a hit's colour is made of (`shaders-glsl/triangles/scene.glsl`).
+    pub attributes: Vec<Words>,
+}
+
+impl TriangleRecords {
+    /// The records of a scene's triangles.
+    pub fn new(scene: &Scene, tree: &Tree) -> Self {
+        let mut attributes = Vec::with_capacity(4 * scene.triangle_count());
+        let mut corners_of = Vec::with_capacity(scene.triangle_count());
+        for (mesh, triangle) in triangles(scene) {
+            let vertices = triangle.map(|i| &mesh.vertices[i as usize]);
+            attributes.extend(attributes_of(mesh, vertices));
+            let material = &scene.materials[mesh.material];
+            let asks = if asks_material(material) { ASKS_MATERIAL } else { 0 };
+            corners_of.push((vertices.map(|v| from_origin(v, tree.origin)), asks));
+        }
+        let mut corners = Vec::with_capacity(3 * tree.slots.len());
+        for (slot, &triangle) in tree.slots.iter().enumerate() {
+            let ([a, b, c], asks) = corners_of[triangle as usize];
+            corners.push(words(a, triangle | asks));
+            corners.push(words(b, 0));
+            corners.push(words(c, 0));
+            attributes[4 * triangle as usize + 2][3] = slot as u32;
+        }
+        Self { corners, attributes }
+    }
+}
+
+impl TriangleRecords {
+    /// The greatest coordinate of a corner, in metres.
+    pub fn extent_m(&self) -> f32 {
+        let coordinates = self.corners.iter().flat_map(|[x, y, z, _]| [x, y, z]);
+        coordinates.map(|bits| f32::from_bits(*bits).abs()).fold(0.0, f32::max)
+    }
+}
+
+/// Every triangle of a scene, in the order of their numbers: its mesh and the indices of its vertices there.
+pub fn triangles(scene: &Scene) -> impl Iterator<Item = (&Mesh, [u32; 3])> {
+    scene.meshes.iter().flat_map(|mesh| mesh.indices.as_chunks::<3>().0.iter().map(move |t| (mesh, *t)))
+}
+
+/// Whether a material decides at each hit whether its surface is there.
+fn asks_material(material: &Material) -> bool {
+    material.alpha_mask.is_some() || material.single_sided
+}
+
+/// A corner from a tree's origin, by a difference in f64.
+fn from_origin(vertex: &Vertex, origin: DVec3) -> Vec3 {
+    (Vec3::from(vertex.position).as_dvec3() - origin).as_vec3()
+}
+
+fn words(v: Vec3, last: u32) -> Words {
+    [v.x.to_bits(), v.y.to_bits(), v.z.to_bits(), last]
+}
+
+/// What stands in the record of a triangle without an area instead of its slot: it has none.
+const NO_SLOT: u32 = NO_TRIANGLE;
+
+fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
+    let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
+    let uv = vertices.map(|v| Vec2::from(v.uv));
+    let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    // Repeats of a map to a metre along the surface: the root of the ratio of the areas.
+    let repeats = (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs();
+    let density = (f64::from(repeats) / cross.length().max(f64::MIN_POSITIVE)).sqrt() as f32;
+    let density = if density.is_finite() { density } else { 0.0 };
+    let normals = vertices.map(|v| octahedral(v.normal.into()));
+    let tangents = vertices.map(|v| octahedral(Vec3::from_slice(&v.tangent[..3])));
+    let turned = if vertices[0].tangent[3] < 0.0 { 1 << 31 } else { 0 };
+    let bits = f32::to_bits;
+    [
+        [normals[0], normals[1], normals[2], mesh.material as u32 | turned],
+        [bits(uv[0].x), bits(uv[0].y), bits(uv[1].x), bits(uv[1].y)],
+        [bits(uv[2].x), bits(uv[2].y), bits(density), NO_SLOT],
+        [tangents[0], tangents[1], tangents[2], octahedral(cross.normalize_or_zero().as_vec3())],
+    ]
+}
+
+/// A unit vector on an octahedron, two numbers of 16 bits (`common/octahedral.glsl`, `unpackSnorm2x16`).
+fn octahedral(v: Vec3) -> u32 {
+    let v = v / v.abs().element_sum().max(f32::MIN_POSITIVE);
+    let folded = (1.0 - Vec2::new(v.y, v.x).abs()).copysign(Vec2::new(v.x, v.y));
+    let on_plane = if v.z >= 0.0 { Vec2::new(v.x, v.y) } else { folded };
+    let bits = |a: f32| u32::from((a.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
+    bits(on_plane.x) | bits(on_plane.y) << 16
+}
