@@ -62,7 +62,7 @@ Met Closest(TreeRay ray) {
     Met met;
     bool passes = true;
     while (passes) {
-        met = Walk(ray);
+        met = WalkTree(ray);
         bool asks = (met.id & ASKS_MATERIAL) != 0u;
         passes = met.id != NO_TRIANGLE && (IsOwnPlane(ray, met) || (asks && !StopsRay(ray, met)));
         ray.after = met;

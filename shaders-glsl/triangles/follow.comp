@@ -11,18 +11,13 @@
 layout(local_size_x = LOST_GROUP) in;
 
 #include "captures/finish.glsl"
-#include "triangles/begin.glsl"
+#include "triangles/among.glsl"
 
 void main() {
     uint index = gl_GlobalInvocationID.x;
     if (index >= lost_counts.count)
         return;
-    LostRay lost_ray = lost.rays[index];
-    bool leaves;
-    TreeRay ray = BeginRay(lost_ray.start, lost_ray.direction, lost_ray.pixel.z, leaves);
-    Met met = Closest(ray);
-    bool is_met = met.id != NO_TRIANGLE;
-    vec3 color = ColorMet(ray, met, lost_ray.spread * (lost_ray.before + met.t));
-    precise vec3 place = ray.origin + met.t * ray.direction - triangles.eye;
-    Finish(lost_ray, Saw(leaves ? color : vec3(0.0), true, place, is_met ? PATH_TRIANGLE : PATH_SKY));
+    LostRay ray = lost.rays[index];
+    Among seen = See(ray.start, ray.direction, ray.pixel.z, ray.spread);
+    Finish(ray, Saw(seen.color, true, seen.place, seen.code));
 }

@@ -95,7 +95,7 @@ uint MetChildren(uint meta, uvec3 low, uvec3 high, vec3 step, vec3 base, uint oc
 }
 
 // The nearest triangle that the ray meets after `after`.
-Met Walk(TreeRay ray) {
+Met WalkTree(TreeRay ray) {
     Met best = NOTHING;
     uvec2 stack[TREE_LEVELS];
     int height = 0;

@@ -1,8 +1,20 @@
 // The reversed depth of a pixel: from the pyramid, whose finest level has it in its fronts, or, where no ray walks over the
-// screen, from the G-buffer. Needs the image `pyramid`.
+// screen, from the G-buffer. Needs the image `pyramid`, but for programs with AMONG_TRIANGLES.
 
 #ifndef UNIFIED_DEPTH_GLSL
 #define UNIFIED_DEPTH_GLSL
+
+#ifdef AMONG_TRIANGLES
+
+#include "unified/parameters.glsl"
+
+layout(binding = 28) uniform sampler2D depth_buffer; // reversed; 0 is sky
+
+float DepthAt(ivec2 pixel) {
+    return texelFetch(depth_buffer, pixel, 0).r;
+}
+
+#elif defined(GATHERS)
 
 #include "unified/pyramid.glsl"
 
@@ -13,5 +25,15 @@ layout(binding = 28) uniform sampler2D depth_buffer; // reversed; 0 is sky
 float DepthAt(ivec2 pixel) {
     return SCREEN ? imageLoad(pyramid, PixelTexel(pixel)).r : texelFetch(depth_buffer, pixel, 0).r;
 }
+
+#else
+
+#include "unified/pyramid.glsl"
+
+float DepthAt(ivec2 pixel) {
+    return imageLoad(pyramid, PixelTexel(pixel)).r;
+}
+
+#endif
 
 #endif

@@ -32,6 +32,7 @@ struct Shown {
 };
 #endif
 
+#define GATHERS
 #include "unified/gloss.glsl"
 
 // From a block's pixel to the outside of the block, along each axis: 1 or -1.

@@ -1,6 +1,10 @@
 #version 460
 #pragma program(TraceNarrowCompute, NARROW)
+#pragma program(TraceNarrowConfirmedCompute, NARROW, CONFIRMED)
+#pragma program(TraceNarrowAmongTriangles, NARROW, AMONG_TRIANGLES)
 #pragma program(TraceWideCompute)
+#pragma program(TraceWideConfirmedCompute, CONFIRMED)
+#pragma program(TraceWideAmongTriangles, AMONG_TRIANGLES)
 // The rays of glossy pixels and cells, a thread a ray, over tiles or over the whole image.
 
 #include "unified/groups.glsl"

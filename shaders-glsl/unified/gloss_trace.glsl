@@ -5,23 +5,85 @@
 #ifndef UNIFIED_GLOSS_TRACE_GLSL
 #define UNIFIED_GLOSS_TRACE_GLSL
 
+#ifndef AMONG_TRIANGLES
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+#endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
+#ifndef AMONG_TRIANGLES
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear, with its coarser levels
+#endif
 
 #include "unified/depth.glsl"
 #include "unified/gloss.glsl"
+#ifdef AMONG_TRIANGLES
+#include "triangles/from_pixel.glsl"
+#else
 #include "unified/traverse.glsl"
 #include "captures/seen.glsl"
+#endif
+
+// Where a ray ended: its place (ViewPoint's scale), far along the ray for the sky; and whether that is on the screen and so
+// near to where it began that neighbours see the same elsewhere (NEAR_HIT).
+struct End {
+    vec3 place;
+    bool beside;
+};
+
+// What a ray sees whose footprint measures `spread` for each metre: its colour, and how much of it counts.
+#if defined(AMONG_TRIANGLES)
+
+bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+    Among seen = SeeFrom(ray, spread);
+    color = vec4(seen.color, 1.0);
+    end = End(ToView(seen.place) / captures.view_unit, false);
+    return true;
+}
+
+#elif defined(CONFIRMED)
+
+bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+    Hit hit = Traverse(ray);
+    Among seen;
+    bool shows = hit.code == PATH_HI_Z && Confirm(ray, hit.pixel, spread, seen);
+    if (!shows)
+        PushFromPixel(uvec2(at), ray, spread);
+    color = shows ? vec4(seen.color, 1.0) : vec4(0.0);
+    end = End(shows ? ToView(seen.place) / captures.view_unit : vec3(0.0), false);
+    return shows;
+}
+
+#else
+
+bool Look(ivec2 at, Ray ray, float spread, float density, float share, out vec4 color, out End end) {
+    Hit hit = Traverse(ray);
+    vec3 along = SkyAlong(ray.direction);
+    vec3 point = ViewPoint(ray.start, ray.depth);
+    color = vec4(0.0);
+    end = End(point + FAR_SKY * ray.direction, false);
+    if (EndsInSky(ray, hit)) {
+        color = vec4(along, 1.0);
+        return true;
+    }
+    PushIfLost(uvec2(at), ray, hit, 0.0, spread);
+    if (hit.code != PATH_HI_Z)
+        return false;
+    vec3 there = ViewPoint(hit.position, hit.depth);
+    vec2 away = abs(hit.position - ray.start);
+    end = End(there, max(away.x, away.y) < NEAR_HIT);
+    float level = FootprintLevel(point, there, density, share);
+    color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
+    return true;
+}
+
+#endif
 
 // The ray of pattern point u in the lobe of a pixel at a point (ViewPoint's scale), one of those that neighbours
 // gather, with which it has a part of its lobe in common. The lobe is covered by so many footprints; the smaller that
 // part is, the fewer, down to one in the middle that stands for the whole lobe.
 // `at` is the pixel or cell whose record the ray is for.
-Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, float footprints, float common_part,
-          out Hit hit) {
-    hit = Hit(PATH_NONE, pixel, vec2(0.0), 0.0, 0, 0.0);
+Seen LookInLobe(ivec2 at, ivec2 pixel, float depth, Lobe lobe, vec2 u, float footprints, float common_part, out End end) {
+    end = End(vec3(0.0), false);
     float share = 1.0 / (1.0 + (footprints - 1.0) * common_part);
     u.x *= common_part;
     float angle = 6.2831853 * u.y;
@@ -32,28 +94,10 @@ Seen Look(ivec2 at, ivec2 pixel, float depth, vec3 point, Lobe lobe, vec2 u, flo
     // Below the surface there is nothing to see, and it counts (docs/definitions.md, "Surfaces").
     if (!(dot(direction, lobe.normal) > 0.0))
         return seen;
-    Ray ray = RayAlong(pixel, depth, direction);
     // The width of the ray's footprint at a metre, as FootprintLevel takes it.
     float spread = sqrt(2.0 * share * exp2(LOG_DENSITY_BIAS - density));
-    if (!SCREEN) {
-        PushFromPixel(uvec2(at), ray, 0.0, spread);
-        return seen;
-    }
-    hit = Traverse(ray);
-    vec3 along = SkyAlong(direction);
-    if (EndsInSky(ray, hit)) {
-        hit.position = ray.start;
-        hit.depth = 0.0;
+    if (Look(at, RayAlong(pixel, depth, direction), spread, density, share, seen.color, end))
         seen.density = density;
-        seen.color = vec4(along, 1.0);
-        return seen;
-    }
-    PushIfLost(uvec2(at), ray, hit, 0.0, spread);
-    if (hit.code != PATH_HI_Z)
-        return seen;
-    float level = FootprintLevel(point, ViewPoint(hit.position, hit.depth), density, share);
-    seen.density = density;
-    seen.color = vec4(ColorSeen(hit.position, level, along), Fade(hit.position * unified.pixel_to_clip));
     return seen;
 }
 
@@ -69,8 +113,8 @@ uvec4 RecordOf(ivec2 pixel) {
     vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
     Lobe lobe = LobeOf(point, normal, material.g);
     vec2 u = LatticePoint(pixel, 3, 2, vec2(0.5));
-    Hit hit;
-    Seen seen = Look(pixel, pixel, depth, point, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, hit);
+    End end;
+    Seen seen = LookInLobe(pixel, pixel, depth, lobe, vec2(u.x * NARROW_PART, u.y), NARROW_FOOTPRINTS, 1.0, end);
     float root = sqrt(lobe.power);
     return Pack(Record(lobe.mirror, seen.density > 0.0 ? root : -root, seen.color));
 }
@@ -81,15 +125,10 @@ uvec4 RecordOf(ivec2 pixel) {
 // and lower less upper. The file that includes this one defines it. Every thread of a block must call it.
 void Turn(vec3 unit, out vec3 across, out vec3 along);
 
-// The point that was hit (ViewPoint's scale), put far away if it is near, or the direction of a miss.
-vec3 Place(ivec2 pixel, vec3 point, Seen seen, Hit hit) {
-    // Where the sky was seen, a point far along the ray stands for it.
-    if (seen.density > 0.0 && hit.code == PATH_MISS)
-        return point + FAR_SKY * seen.direction;
-    vec3 there = ViewPoint(hit.position, hit.depth);
-    vec2 away = abs(hit.position - vec2(pixel) - 0.5);
-    bool beside = max(away.x, away.y) < NEAR_HIT;
-    return seen.density > 0.0 ? beside ? point + FAR_AWAY * (there - point) : there : seen.direction;
+// Where the ray of a point ended (ViewPoint's scale), put far away if it is near, or the direction of a miss.
+vec3 Place(vec3 point, Seen seen, End end) {
+    vec3 place = end.beside ? point + FAR_AWAY * (end.place - point) : end.place;
+    return seen.density > 0.0 ? place : seen.direction;
 }
 
 struct CellRay {
@@ -115,9 +154,9 @@ CellRay RayOf(ivec2 cell) {
         vec3 point = ViewPoint(vec2(pixel) + 0.5, depth);
         Lobe lobe = LobeOf(point, normal, roughness);
         float common_part = 0.5 * (Overlap(turn_x, lobe.power) + Overlap(turn_y, lobe.power));
-        Hit hit;
-        Seen seen = Look(cell, pixel, depth, point, lobe, u, WIDE_FOOTPRINTS, common_part, hit);
-        traced = CellRay(vec4(Place(pixel, point, seen, hit), seen.density), seen.color);
+        End end;
+        Seen seen = LookInLobe(cell, pixel, depth, lobe, u, WIDE_FOOTPRINTS, common_part, end);
+        traced = CellRay(vec4(Place(point, seen, end), seen.density), seen.color);
     }
     return traced;
 }

@@ -1,5 +1,7 @@
 #version 460
 #pragma program(MirrorCompute)
+#pragma program(MirrorConfirmedCompute, CONFIRMED)
+#pragma program(MirrorAmongTriangles, AMONG_TRIANGLES)
 // What a mirror pixel shows, a thread a pixel, over tiles or over the whole image.
 
 #include "unified/groups.glsl"

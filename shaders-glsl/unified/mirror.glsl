@@ -13,14 +13,21 @@
 layout(constant_id = 3) const bool HITS = false;  // where the ray ended is wanted
 layout(constant_id = 6) const bool COMPOSITE = true; // without it the reflection is all that is shown
 
+#ifndef AMONG_TRIANGLES
 layout(binding = 1, rg32f) uniform readonly image2D pyramid;         // front and back depths
+#endif
 layout(binding = 2, rgba16f) uniform readonly image2D normal_buffer; // view space
 layout(binding = 3, rg16f) uniform readonly image2D material_buffer; // reflectivity, roughness
 layout(binding = 4) uniform sampler2D color_buffer; // lit colour, linear
 
 #include "unified/depth.glsl"
+#ifdef AMONG_TRIANGLES
+#include "unified/ray.glsl"
+#include "triangles/from_pixel.glsl"
+#else
 #include "unified/traverse.glsl"
 #include "captures/seen.glsl"
+#endif
 
 struct Shown {
     vec4 color;      // lit colour + reflectivity * fade * reflection; or the reflection
@@ -43,28 +50,40 @@ bool Show(ivec2 pixel, out Shown shown) {
         return true;
     bool faces;
     Ray ray = MirrorRay(pixel, depth, normal, faces);
-    // A mirror's footprint is the pixel's, which has widened since the eye.
-    float before = length(ViewPoint(ray.start, depth)) * captures.view_unit;
     float spread = 2.0 * unified.pixel_to_view.y;
-    if (!SCREEN) {
-        if (faces)
-            PushFromPixel(uvec2(pixel), ray, before, spread);
-        return true;
+#ifdef AMONG_TRIANGLES
+    if (faces) {
+        Among seen = SeeFrom(ray, spread);
+        shown.reflection = vec4(seen.color, 1.0);
+        shown.hit = vec4(seen.place, float(seen.code));
     }
+    vec3 color = shown.color.rgb + material.x * shown.reflection.rgb;
+    shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;
+#else
     Hit hit = Traverse(ray);
     bool is_hit = hit.code == PATH_HI_Z && faces;
     bool in_sky = faces && EndsInSky(ray, hit);
-    if (is_hit || in_sky) {
+#ifdef CONFIRMED
+    Among seen;
+    bool shows = is_hit && Confirm(ray, hit.pixel, spread, seen);
+    shown.reflection = shows ? vec4(seen.color, 1.0) : vec4(0.0);
+    if (faces && !shows)
+        PushFromPixel(uvec2(pixel), ray, spread);
+#else
+    bool shows = is_hit || in_sky;
+    if (shows) {
         vec3 along = SkyAlong(ray.direction);
         shown.reflection = in_sky ? vec4(along, 1.0)
                                   : vec4(ColorMirrored(hit.position, along),
                                          Fade(hit.position * unified.pixel_to_clip));
     } else if (faces) {
-        PushIfLost(uvec2(pixel), ray, hit, before, spread);
+        // A mirror's footprint is the pixel's, which has widened since the eye.
+        PushIfLost(uvec2(pixel), ray, hit, length(ViewPoint(ray.start, depth)) * captures.view_unit, spread);
     }
-    if (is_hit || in_sky) {
-        vec3 seen = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;
-        shown.color = COMPOSITE ? vec4(min(seen, GREATEST_HALF), shown.color.a) : shown.reflection;
+#endif
+    if (shows) {
+        vec3 color = shown.color.rgb + material.x * shown.reflection.a * shown.reflection.rgb;
+        shown.color = COMPOSITE ? vec4(min(color, GREATEST_HALF), shown.color.a) : shown.reflection;
     }
     if (HITS) {
         precise vec2 uv = hit.position * unified.pixel_to_clip;
@@ -73,6 +92,7 @@ bool Show(ivec2 pixel, out Shown shown) {
         int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
         shown.hit = vec4(place, float(code));
     }
+#endif
     return true;
 }
 

@@ -268,8 +268,7 @@ impl TexelBuffer {
     pub fn new(buffer: Buffer, format: vk::Format, texel_bytes: u64) -> Result<Self> {
         let most = texel_bytes * u64::from(buffer.gpu.shared().limits.max_texel_buffer_elements);
         let bytes = buffer.size / texel_bytes * texel_bytes;
-        let info =
-            vk::BufferViewCreateInfo::default().buffer(buffer.handle).format(format).range(bytes.min(most));
+        let info = vk::BufferViewCreateInfo::default().buffer(buffer.handle).format(format).range(bytes.min(most));
         // SAFETY: the buffer has the usage, by the contract of this function; the view is destroyed in `drop`.
         let view = unsafe { buffer.gpu.raw().create_buffer_view(&info, None) }
             .map_err(vulkan(format!("vkCreateBufferView for {}", buffer.name)))?;

@@ -83,6 +83,7 @@ use crate::passes::follow::{FollowInput, FollowPass, FollowWants};
 use crate::passes::lost::{LostRays, capture_block};
 use crate::passes::pyramid::{self, PyramidPass};
 use crate::passes::tiles::{TileStage, UnifiedSetup};
+use crate::passes::triangle_scene::AmongTriangles;
 use crate::passes::triangle_trace::{TriangleInput, TriangleTracePass, TriangleWants};
 use crate::passes::unified_gloss::{BetweenPasses, UnifiedGlossInput, UnifiedGlossPass};
 use crate::passes::unified_trace::{UnifiedTraceInput, UnifiedTracePass};
@@ -184,9 +185,7 @@ impl BeyondPass {
 
     fn narrow(&self, frame: &mut Frame, input: &BeyondInput, between: &BetweenPasses) -> Result<()> {
         match (self, input) {
-            (Self::Captures(pass), BeyondInput::Captures(input)) => {
-                pass.record_narrow(frame, *input, &between.records)
-            }
+            (Self::Captures(pass), BeyondInput::Captures(input)) => pass.record_narrow(frame, *input, &between.records),
             (Self::Triangles(pass), BeyondInput::Triangles(input)) => {
                 pass.record_narrow(frame, *input, &between.records)
             }
@@ -237,7 +236,7 @@ impl UnifiedMethod {
             reflection,
             screen,
             followed,
-            triangles: making.triangles.is_some(),
+            triangles: making.triangles,
             // A ray that goes on and ends in the sky shows it by either version.
             sky: sky || followed,
             trace,
@@ -245,7 +244,7 @@ impl UnifiedMethod {
         };
         let image = |name| parts.target(gpu, name, LIT_COLOR);
         let beyond = match (making.triangles, making.captures) {
-            (Some(triangles), _) => {
+            (Some(triangles), _) if screen => {
                 let wanted = TriangleWants { composite, reflection, hits };
                 Some(BeyondPass::Triangles(TriangleTracePass::new(gpu, triangles, wanted)?))
             }
@@ -253,7 +252,8 @@ impl UnifiedMethod {
                 let wanted = FollowWants { over: parts.over, composite, reflection, hits, behind: false };
                 Some(BeyondPass::Captures(FollowPass::new(gpu, pyramid::strip(face), wanted)?))
             }
-            (None, None) => None,
+            // What goes among the triangles at once stands on no list.
+            _ => None,
         };
         Ok(Self {
             pyramid: PyramidPass::new(gpu, extent)?,
@@ -261,7 +261,7 @@ impl UnifiedMethod {
             classify: ClassifyPass::new(gpu, extent)?,
             trace: UnifiedTracePass::new(gpu, &parts, hits)?,
             gloss: UnifiedGlossPass::new(gpu, &parts)?,
-            lost: LostRays::new(gpu, extent, parts.followed)?,
+            lost: LostRays::new(gpu, extent, beyond.is_some())?,
             beyond,
             screen,
             composite: composite.then(|| image("composite")).transpose()?,
@@ -329,13 +329,11 @@ impl Method for UnifiedMethod {
         let lit = input.triangles.zip(input.scene);
         let lights = lit.map(|(t, scene)| scene.data.light_block(t.world_to_tree())).unwrap_or_default();
         let placed = input.triangles.map(|t| t.block(input.camera)).unwrap_or_default();
-        let wants_triangle = input.triangles.is_some() && gbuffer.triangle.is_none();
+        let among = input.triangles.map(|triangles| AmongTriangles { triangles, block: &placed, lights: &lights });
+        let wants_triangle = among.is_some() && gbuffer.triangle.is_none();
         let beyond = self.lost.beyond(frame, &block, input.sky, wants_triangle)?;
-        let followed_in = match (input.triangles, input.captures) {
-            (Some(triangles), _) => {
-                let (parameters, block, lights) = (&parameters, &placed, &lights);
-                Some(BeyondInput::Triangles(TriangleInput { parameters, triangles, block, lights, beyond }))
-            }
+        let followed_in = match (among, input.captures) {
+            (Some(among), _) => Some(BeyondInput::Triangles(TriangleInput { parameters: &parameters, among, beyond })),
             (None, Some(captures)) => Some(BeyondInput::Captures(FollowInput { captures, beyond })),
             (None, None) => None,
         };
@@ -361,7 +359,7 @@ impl Method for UnifiedMethod {
             tiles
         };
         let hits = if plan.mirrors {
-            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond };
+            let input = UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, among };
             self.clear_lost(frame)?;
             let hits = self.trace.record(frame, &input, &parameters)?;
             if let Some((pass, followed_in)) = followed {
@@ -371,7 +369,7 @@ impl Method for UnifiedMethod {
         } else {
             self.trace.no_hits(frame)?
         };
-        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond };
+        let gloss = UnifiedGlossInput { gbuffer, pyramid, tiles, canvas, beyond, among };
         let between = self.gloss.between();
         if plan.narrow {
             self.clear_lost(frame)?;

@@ -1,8 +1,8 @@
 //! What the passes that trace the screen share with those that follow rays through captures: the list of rays that the
 //! screen lost, the camera among the captures, and the sky.
 
-use super::{Captures, GBuffer, stored_target};
 use super::tiles::{self, TILE};
+use super::{Captures, GBuffer, stored_target};
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::CaptureBlock;

@@ -2,6 +2,7 @@
 //! the tiles of a list, or over the whole image where that is known to be what the list would cover. Each program
 //! exists for fragment shaders and for compute shaders, and makes the same images in both.
 
+use super::triangle_scene::TriangleReading;
 use super::{LIT_COLOR, stored_target};
 use crate::error::{Error, Result};
 use crate::gpu::program::{Compute, Fragment};
@@ -50,8 +51,8 @@ pub struct UnifiedSetup {
     pub screen: bool,
     /// Whether rays that the screen loses go on, in captures or among triangles.
     pub followed: bool,
-    /// Whether they go on among triangles, from the pixel that they are of.
-    pub triangles: bool,
+    /// How triangles are read, where rays go on among them, from the pixel that they are of.
+    pub triangles: Option<TriangleReading>,
     /// Whether the sky is looked up along rays, where it is known.
     pub sky: bool,
     /// The stage that traces rays.
@@ -121,6 +122,44 @@ pub struct Over {
     pub halved: bool,
 }
 
+/// A compute program that runs over the tiles of a list or over the whole image.
+pub struct TiledCompute<C> {
+    over: Over,
+    tiles: ComputePipeline<C>,
+    whole: ComputePipeline<C>,
+}
+
+impl<C: Compute> TiledCompute<C> {
+    /// Compiles the program twice: `constants` gives those for the tiles (`false`) and for the whole image (`true`).
+    ///
+    /// # Errors
+    /// [`Error::NoDevice`] on a device whose shaders take fewer images or buffers than the program has.
+    pub fn new(gpu: &Gpu, over: Over, constants: impl Fn(bool) -> C::Constants) -> Result<Self> {
+        Ok(Self {
+            over,
+            tiles: ComputePipeline::with(gpu, &constants(false))?,
+            whole: ComputePipeline::with(gpu, &constants(true))?,
+        })
+    }
+
+    /// Records one pass over the list's tiles, or over the whole image.
+    pub fn run(
+        &self,
+        frame: &mut Frame,
+        name: &str,
+        (parameters, tiles): (&UnifiedBlock, Tiles),
+        program: &C,
+    ) -> Result<()> {
+        let Over { list, halved } = self.over;
+        if tiles.whole {
+            let [x, y] = parameters.size.map(|side| (side as u32).div_ceil(1 + u32::from(halved)));
+            return frame.compute(name, &self.whole, program, [x, y, 1]);
+        }
+        let offset = LISTS as u64 * DRAW_BYTES + (2 * list as u64 + u64::from(halved)) * DISPATCH_BYTES;
+        frame.compute_indirect(name, &self.tiles, program, (tiles.arguments, offset))
+    }
+}
+
 /// A program that runs over the tiles of a list or over the whole image: `F` in fragment shaders or `C` in compute
 /// shaders.
 pub struct TiledPipeline<F, C> {
@@ -131,7 +170,7 @@ pub struct TiledPipeline<F, C> {
 /// The pipelines of the one stage that was chosen.
 enum Made<F, C> {
     Fragment { tiles: GraphicsPipeline<F, Tile<'static>>, whole: GraphicsPipeline<F> },
-    Compute { tiles: ComputePipeline<C>, whole: ComputePipeline<C> },
+    Compute(TiledCompute<C>),
 }
 
 impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
@@ -156,10 +195,7 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
                     whole: GraphicsPipeline::fullscreen_with(gpu, formats(), &fragment(true))?,
                 }
             }
-            TileStage::Compute => Made::Compute {
-                tiles: ComputePipeline::with(gpu, &compute(false))?,
-                whole: ComputePipeline::with(gpu, &compute(true))?,
-            },
+            TileStage::Compute => Made::Compute(TiledCompute::new(gpu, over, compute)?),
         };
         Ok(Self { over, made })
     }
@@ -185,14 +221,7 @@ impl<F: Fragment, C: Compute> TiledPipeline<F, C> {
                 let arguments = (tiles.arguments, DRAW_BYTES * list as u64);
                 frame.draw_indirect(name, pipeline, targets, (&program, &vertices), arguments)
             }
-            Made::Compute { tiles: pipeline, whole } => {
-                if tiles.whole {
-                    let [x, y] = parameters.size.map(|side| (side as u32).div_ceil(1 + u32::from(halved)));
-                    return frame.compute(name, whole, &compute(), [x, y, 1]);
-                }
-                let offset = LISTS as u64 * DRAW_BYTES + (2 * list as u64 + u64::from(halved)) * DISPATCH_BYTES;
-                frame.compute_indirect(name, pipeline, &compute(), (tiles.arguments, offset))
-            }
+            Made::Compute(pipelines) => pipelines.run(frame, name, (parameters, tiles), &compute()),
         }
     }
 }
@@ -211,8 +240,21 @@ fn check_points(gpu: &Gpu) -> Result<()> {
 
 /// The two programs of a pass, as [`TiledPipeline::run`] takes them: the fragment program with its targets, and the
 /// compute program with the [`Tiles`] that it runs over and the images that it stores to. The bindings that both have
-/// are written once, below them.
+/// are written once, below them; `among` gives those of a scene's triangles.
 macro_rules! in_either_stage {
+    (
+        $fragment:ident => $targets:expr,
+        $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },
+        among: $among:expr,
+        $($field:ident: $value:expr),+ $(,)?
+    ) => {
+        (
+            || ($targets, $crate::passes::triangle_scene::with_triangles! { $fragment of $among, $($field: $value),+ }),
+            || $crate::passes::triangle_scene::with_triangles! { $compute of $among,
+                Tiles: $tiles.lists, Counts: $tiles.arguments, $($stored: $image,)+ $($field: $value),+
+            },
+        )
+    };
     (
         $fragment:ident => $targets:expr,
         $compute:ident over $tiles:ident => { $($stored:ident: $image:expr),+ $(,)? },

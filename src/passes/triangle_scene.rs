@@ -3,7 +3,7 @@
 
 use crate::error::Result;
 use crate::gpu::memory::MemoryPlace;
-use crate::gpu::shader::TriangleBlock;
+use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
 use crate::math::constants::{MATERIAL_SINGLE_SIDED, MATERIAL_SKY};
@@ -66,6 +66,36 @@ pub struct Triangles<'a> {
     counts: [i32; 4],
     extent_m: f32,
 }
+
+/// A scene's triangles with the camera and the lights among them: what passes bind in a frame.
+#[derive(Clone, Copy)]
+pub struct AmongTriangles<'a> {
+    /// The triangles.
+    pub triangles: Triangles<'a>,
+    /// The camera.
+    pub block: &'a TriangleBlock,
+    /// The lights.
+    pub lights: &'a LightBlock,
+}
+
+/// A program with its bindings of a scene's triangles filled in from an [`AmongTriangles`], and its other fields.
+macro_rules! with_triangles {
+    ($name:ident of $among:expr, $($field:ident: $value:expr),+ $(,)?) => {{
+        let $crate::passes::triangle_scene::AmongTriangles { triangles, block, lights } = $among;
+        $crate::gpu::programs::$name {
+            geometry_texels: triangles.geometry,
+            geometry: triangles.geometry.buffer(),
+            table_texels: triangles.table,
+            table: triangles.table.buffer(),
+            image_texels: triangles.images,
+            images: triangles.images.buffer(),
+            triangles: block,
+            scene: lights,
+            $($field: $value,)+
+        }
+    }};
+}
+pub(super) use with_triangles;
 
 impl TriangleScene {
     /// Uploads a tree with its records, and copies the images of a scene.

@@ -2,10 +2,10 @@
 //! over as many rays as there are (docs/definitions.md, "Triangles").
 
 use super::lost::Beyond;
-use super::triangle_scene::{TriangleReading, Triangles};
+use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
 use super::{Canvas, GBuffer, Hits, unwanted_hits};
 use crate::error::Result;
-use crate::gpu::shader::{LightBlock, TriangleBlock, UnifiedBlock};
+use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{ComputePipeline, Frame, Gpu, Image, Sampled, programs};
 
 /// The pipelines.
@@ -33,34 +33,22 @@ pub struct TriangleInput<'a> {
     /// The block of the screen.
     pub parameters: &'a UnifiedBlock,
     /// The scene's triangles.
-    pub triangles: Triangles<'a>,
-    /// The camera among them.
-    pub block: &'a TriangleBlock,
-    /// The lights among them.
-    pub lights: &'a LightBlock,
+    pub among: AmongTriangles<'a>,
     /// The rays, the camera's axes, and the sky.
     pub beyond: Beyond<'a>,
 }
 
-/// A program with the bindings that all have in common, and some of its own.
-macro_rules! program {
+/// A program with the bindings that all here have in common, and some of its own.
+macro_rules! follow_program {
     ($name:ident of $input:expr, $($field:ident: $value:expr),+ $(,)?) => {{
-        let TriangleInput { parameters, triangles, block, lights, beyond } = $input;
-        programs::$name {
+        let TriangleInput { parameters, among, beyond } = $input;
+        with_triangles! { $name of among,
             unified: parameters,
             captures: beyond.block,
             environment: beyond.sky,
             lost_counts: beyond.counts,
             lost: beyond.rays,
-            geometry_texels: triangles.geometry,
-            geometry: triangles.geometry.buffer(),
-            table_texels: triangles.table,
-            table: triangles.table.buffer(),
-            image_texels: triangles.images,
-            images: triangles.images.buffer(),
-            triangles: block,
-            scene: lights,
-            $($field: $value,)+
+            $($field: $value),+
         }
     }};
 }
@@ -97,7 +85,7 @@ impl TriangleTracePass {
         // What is not wanted is not written, and needs an image all the same.
         let stored = canvas.images().next().zip(hits.map(|h| h.0).or(self.unwanted_hits.as_ref()));
         let Some((any, hits)) = stored else { return Ok(()) };
-        let program = program! { TriangleMirrors of input,
+        let program = follow_program! { TriangleMirrors of input,
             material_buffer: gbuffer.material.all(),
             color_buffer: Sampled::nearest(gbuffer.color.level(0)),
             composite_image: canvas.composite.unwrap_or(any).all(),
@@ -109,13 +97,13 @@ impl TriangleTracePass {
 
     /// Pass "triangles/narrow": writes into the records what the rays of narrow lobes see.
     pub fn record_narrow(&self, frame: &mut Frame, input: TriangleInput, records: &Image) -> Result<()> {
-        let program = program! { TriangleNarrow of input, seen_image: records.all() };
+        let program = follow_program! { TriangleNarrow of input, seen_image: records.all() };
         frame.compute_indirect("triangles/narrow", &self.narrow, &program, (input.beyond.counts, 0))
     }
 
     /// Pass "triangles/wide": the same for the rays of cells with wide lobes.
     pub fn record_wide(&self, frame: &mut Frame, input: TriangleInput, [place, seen]: [&Image; 2]) -> Result<()> {
-        let program = program! { TriangleWide of input, place_image: place.all(), seen_image: seen.all() };
+        let program = follow_program! { TriangleWide of input, place_image: place.all(), seen_image: seen.all() };
         frame.compute_indirect("triangles/wide", &self.wide, &program, (input.beyond.counts, 0))
     }
 }

@@ -3,14 +3,19 @@
 //! ray of its own, or wide, with a ray for 2 × 2 pixels.
 
 use super::lost::Beyond;
-use super::tiles::{Over, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::tiles::{Over, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
 use super::{Canvas, GBuffer, LIT_COLOR, Pyramid};
 use crate::error::Result;
 use crate::gpu::programs::{
     Cells, CellsCompute, CellsComputeConstants, CellsConstants, ResolveNarrow, ResolveNarrowCompute,
     ResolveNarrowComputeConstants, ResolveNarrowConstants, ResolveWide, ResolveWideCompute,
-    ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowCompute, TraceNarrowComputeConstants,
-    TraceNarrowConstants, TraceWide, TraceWideCompute, TraceWideComputeConstants, TraceWideConstants,
+    ResolveWideComputeConstants, ResolveWideConstants, TraceNarrow, TraceNarrowAmongTriangles,
+    TraceNarrowAmongTrianglesConstants, TraceNarrowCompute, TraceNarrowComputeConstants, TraceNarrowConfirmed,
+    TraceNarrowConfirmedCompute, TraceNarrowConfirmedComputeConstants, TraceNarrowConfirmedConstants,
+    TraceNarrowConstants, TraceWide, TraceWideAmongTriangles, TraceWideAmongTrianglesConstants, TraceWideCompute,
+    TraceWideComputeConstants, TraceWideConfirmed, TraceWideConfirmedCompute, TraceWideConfirmedComputeConstants,
+    TraceWideConfirmedConstants, TraceWideConstants,
 };
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, ImageDesc, Sampled};
@@ -22,12 +27,26 @@ const PLACE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
 
 /// Pipelines and images of one size.
 pub struct UnifiedGlossPass {
-    trace_narrow: TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>,
+    trace_narrow: NarrowTraces,
     resolve_narrow: TiledPipeline<ResolveNarrow<'static>, ResolveNarrowCompute<'static>>,
-    trace_wide: TiledPipeline<TraceWide<'static>, TraceWideCompute<'static>>,
+    trace_wide: WideTraces,
     cells: TiledPipeline<Cells<'static>, CellsCompute<'static>>,
     resolve_wide: TiledPipeline<ResolveWide<'static>, ResolveWideCompute<'static>>,
     between: BetweenPasses,
+}
+
+/// The programs that trace narrow lobes, by who is asked where a ray ends (as for mirrors).
+enum NarrowTraces {
+    Screen(TiledPipeline<TraceNarrow<'static>, TraceNarrowCompute<'static>>),
+    Confirmed(TiledPipeline<TraceNarrowConfirmed<'static>, TraceNarrowConfirmedCompute<'static>>),
+    Triangles(TiledCompute<TraceNarrowAmongTriangles<'static>>),
+}
+
+/// The programs that trace wide lobes, in the same way.
+enum WideTraces {
+    Screen(TiledPipeline<TraceWide<'static>, TraceWideCompute<'static>>),
+    Confirmed(TiledPipeline<TraceWideConfirmed<'static>, TraceWideConfirmedCompute<'static>>),
+    Triangles(TiledCompute<TraceWideAmongTriangles<'static>>),
 }
 
 /// What the passes hand each other. Where no tile is drawn, images hold anything.
@@ -57,6 +76,8 @@ pub struct UnifiedGlossInput<'a> {
     pub canvas: Canvas<'a>,
     /// The sky, and where rays go that the screen lost.
     pub beyond: Beyond<'a>,
+    /// The triangles, where rays go among them.
+    pub among: Option<AmongTriangles<'a>>,
 }
 
 impl UnifiedGlossPass {
@@ -75,13 +96,41 @@ impl UnifiedGlossPass {
         let [pixels, halves] = [false, true].map(|halved| Over { list: WIDE_LIST, halved });
         let cells = setup.extent.map(|n| n.div_ceil(2));
         Ok(Self {
-            trace_narrow: TiledPipeline::new(
-                gpu,
-                (trace, narrow),
-                || [RECORD],
-                |_| TraceNarrowConstants { strip, oracle, screen, followed, triangles, sky },
-                |whole| TraceNarrowComputeConstants { strip, oracle, whole, screen, followed, triangles, sky },
-            )?,
+            trace_narrow: match triangles {
+                None => NarrowTraces::Screen(TiledPipeline::new(
+                    gpu,
+                    (trace, narrow),
+                    || [RECORD],
+                    |_| TraceNarrowConstants { strip, oracle, followed, sky },
+                    |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky },
+                )?),
+                Some(TriangleReading { geometry_texels, image_texels, .. }) if screen => {
+                    let fragment = |_| TraceNarrowConfirmedConstants {
+                        strip,
+                        oracle,
+                        followed,
+                        sky,
+                        geometry_texels,
+                        image_texels,
+                    };
+                    let compute = |whole| TraceNarrowConfirmedComputeConstants {
+                        strip,
+                        oracle,
+                        whole,
+                        followed,
+                        sky,
+                        geometry_texels,
+                        image_texels,
+                    };
+                    let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
+                    NarrowTraces::Confirmed(pipeline)
+                }
+                Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+                    NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
+                        TraceNarrowAmongTrianglesConstants { whole, geometry_texels, image_texels }
+                    })?)
+                }
+            },
             resolve_narrow: TiledPipeline::new(
                 gpu,
                 (resolve, narrow),
@@ -89,13 +138,37 @@ impl UnifiedGlossPass {
                 |whole| ResolveNarrowConstants { over, whole, composite },
                 |whole| ResolveNarrowComputeConstants { over, whole, composite, beside },
             )?,
-            trace_wide: TiledPipeline::new(
-                gpu,
-                (trace, halves),
-                || [PLACE, LIT_COLOR],
-                |_| TraceWideConstants { strip, oracle, screen, followed, triangles, sky },
-                |whole| TraceWideComputeConstants { strip, oracle, whole, screen, followed, triangles, sky },
-            )?,
+            trace_wide: match triangles {
+                None => WideTraces::Screen(TiledPipeline::new(
+                    gpu,
+                    (trace, halves),
+                    || [PLACE, LIT_COLOR],
+                    |_| TraceWideConstants { strip, oracle, followed, sky },
+                    |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky },
+                )?),
+                Some(TriangleReading { geometry_texels, image_texels, .. }) if screen => {
+                    let fragment =
+                        |_| TraceWideConfirmedConstants { strip, oracle, followed, sky, geometry_texels, image_texels };
+                    let compute = |whole| TraceWideConfirmedComputeConstants {
+                        strip,
+                        oracle,
+                        whole,
+                        followed,
+                        sky,
+                        geometry_texels,
+                        image_texels,
+                    };
+                    let formats = || [PLACE, LIT_COLOR];
+                    WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
+                }
+                Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+                    WideTraces::Triangles(TiledCompute::new(gpu, halves, |whole| TraceWideAmongTrianglesConstants {
+                        whole,
+                        geometry_texels,
+                        image_texels,
+                    })?)
+                }
+            },
             cells: TiledPipeline::new(
                 gpu,
                 (resolve, halves),
@@ -127,24 +200,60 @@ impl UnifiedGlossPass {
 
     /// Pass "trace/narrow": a ray for each pixel with a narrow lobe.
     pub fn trace_narrow(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, among, .. } = input;
         let records = &self.between.records;
-        let programs = in_either_stage! {
-            TraceNarrow => [tiles.target(records)],
-            TraceNarrowCompute over tiles => { record_image: records.all() },
-            unified: parameters,
-            pyramid: pyramid.0.all(),
-            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            color_buffer: Sampled::trilinear(gbuffer.color.all()),
-            triangle_buffer: beyond.triangle_of(gbuffer),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
-        };
-        self.trace_narrow.run(frame, "trace/narrow", (parameters, *tiles), programs)
+        match (&self.trace_narrow, among) {
+            (NarrowTraces::Screen(pipeline), _) => {
+                let programs = in_either_stage! {
+                    TraceNarrow => [tiles.target(records)],
+                    TraceNarrowCompute over tiles => { record_image: records.all() },
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.all()),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
+            }
+            (NarrowTraces::Confirmed(pipeline), Some(among)) => {
+                let programs = in_either_stage! {
+                    TraceNarrowConfirmed => [tiles.target(records)],
+                    TraceNarrowConfirmedCompute over tiles => { record_image: records.all() },
+                    among: among,
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.all()),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, "trace/narrow", (parameters, *tiles), programs)
+            }
+            (NarrowTraces::Triangles(pipeline), Some(among)) => {
+                let program = with_triangles! { TraceNarrowAmongTriangles of among,
+                    Tiles: tiles.lists,
+                    Counts: tiles.arguments,
+                    record_image: records.all(),
+                    unified: parameters,
+                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                };
+                pipeline.run(frame, "trace/narrow", (parameters, *tiles), &program)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Pass "resolve/narrow": each pixel's reflection from the rays of the 3 × 3 pixels around it.
@@ -169,24 +278,60 @@ impl UnifiedGlossPass {
 
     /// Pass "trace/wide": a ray for each cell with a wide lobe.
     pub fn trace_wide(&self, frame: &mut Frame, input: &UnifiedGlossInput, parameters: &UnifiedBlock) -> Result<()> {
-        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, .. } = input;
+        let UnifiedGlossInput { gbuffer, pyramid, tiles, beyond, among, .. } = input;
         let BetweenPasses { place, seen, .. } = &self.between;
-        let programs = in_either_stage! {
-            TraceWide => [place, seen].map(|image| tiles.target(image)),
-            TraceWideCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
-            unified: parameters,
-            pyramid: pyramid.0.all(),
-            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            color_buffer: Sampled::trilinear(gbuffer.color.all()),
-            triangle_buffer: beyond.triangle_of(gbuffer),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
-        };
-        self.trace_wide.run(frame, "trace/wide", (parameters, *tiles), programs)
+        match (&self.trace_wide, among) {
+            (WideTraces::Screen(pipeline), _) => {
+                let programs = in_either_stage! {
+                    TraceWide => [place, seen].map(|image| tiles.target(image)),
+                    TraceWideCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.all()),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, "trace/wide", (parameters, *tiles), programs)
+            }
+            (WideTraces::Confirmed(pipeline), Some(among)) => {
+                let programs = in_either_stage! {
+                    TraceWideConfirmed => [place, seen].map(|image| tiles.target(image)),
+                    TraceWideConfirmedCompute over tiles => { place_image: place.all(), seen_image: seen.all() },
+                    among: among,
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.all()),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, "trace/wide", (parameters, *tiles), programs)
+            }
+            (WideTraces::Triangles(pipeline), Some(among)) => {
+                let program = with_triangles! { TraceWideAmongTriangles of among,
+                    Tiles: tiles.lists,
+                    Counts: tiles.arguments,
+                    place_image: place.all(), seen_image: seen.all(),
+                    unified: parameters,
+                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                };
+                pipeline.run(frame, "trace/wide", (parameters, *tiles), &program)
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Passes "cells" and "resolve/wide": each cell's reflection from the rays of the 5 × 5 cells around it, and each

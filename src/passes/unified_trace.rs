@@ -1,11 +1,17 @@
-//! The trace of `unified`: one ray for each mirror pixel over the pyramid, its hit's colour, and the composite in the
-//! same pass, over the tiles of a list or over the whole image.
+//! The trace of `unified`: one ray for each mirror pixel, what it sees, and the composite in the same pass, over the tiles
+//! of a list or over the whole image. Rays walk over the pyramid, whose hits may be asked to be confirmed by the triangles
+//! that pixels show; or all of them go among the triangles.
 
 use super::lost::Beyond;
-use super::tiles::{Over, TileStage, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::tiles::{Over, TileStage, TiledCompute, TiledPipeline, Tiles, UnifiedSetup, in_either_stage};
+use super::triangle_scene::{AmongTriangles, TriangleReading, with_triangles};
 use super::{Canvas, GBuffer, HITS, Hits, NO_HIT, Pyramid, unwanted_hits};
 use crate::error::Result;
-use crate::gpu::programs::{Mirror, MirrorCompute, MirrorComputeConstants, MirrorConstants};
+use crate::gpu::programs::{
+    Mirror, MirrorAmongTriangles, MirrorAmongTrianglesConstants, MirrorCompute, MirrorComputeConstants,
+    MirrorConfirmed, MirrorConfirmedCompute, MirrorConfirmedComputeConstants, MirrorConfirmedConstants,
+    MirrorConstants,
+};
 use crate::gpu::shader::UnifiedBlock;
 use crate::gpu::{Frame, Gpu, Image, Sampled, Target};
 use crate::math::constants::MIRROR_LIST;
@@ -14,9 +20,19 @@ use ash::vk;
 /// Pipelines and images of one size.
 pub struct UnifiedTracePass {
     stage: TileStage,
-    mirrors: TiledPipeline<Mirror<'static>, MirrorCompute<'static>>,
+    mirrors: Mirrors,
     hits: Option<Image>,
     unwanted_hits: Option<Image>,
+}
+
+/// The programs by who is asked where a ray ends.
+enum Mirrors {
+    /// The screen alone, or the screen and captures.
+    Screen(TiledPipeline<Mirror<'static>, MirrorCompute<'static>>),
+    /// The screen, whose hits triangles confirm.
+    Confirmed(TiledPipeline<MirrorConfirmed<'static>, MirrorConfirmedCompute<'static>>),
+    /// The triangles alone.
+    Triangles(TiledCompute<MirrorAmongTriangles<'static>>),
 }
 
 /// What the pass reads.
@@ -32,6 +48,8 @@ pub struct UnifiedTraceInput<'a> {
     pub canvas: Canvas<'a>,
     /// The sky, and where rays go that the screen lost.
     pub beyond: Beyond<'a>,
+    /// The triangles, where rays go among them.
+    pub among: Option<AmongTriangles<'a>>,
 }
 
 impl UnifiedTracePass {
@@ -43,26 +61,57 @@ impl UnifiedTracePass {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];
         let (strip, oracle) = (setup.strip as i32, u32::from(setup.oracle) as i32);
-        let UnifiedSetup { screen, followed, triangles, composite, sky, trace: stage, .. } = *setup;
+        let UnifiedSetup { followed, triangles, composite, sky, trace, .. } = *setup;
         let over = Over { list: MIRROR_LIST, halved: false };
-        let fragment =
-            |whole| MirrorConstants { strip, oracle, hits, whole, screen, followed, triangles, composite, sky };
         let beside = setup.beside();
-        let compute = |whole| MirrorComputeConstants {
-            strip,
-            oracle,
-            hits,
-            whole,
-            screen,
-            followed,
-            triangles,
-            composite,
-            sky,
-            beside,
+        let (stage, mirrors) = match triangles {
+            None => {
+                let fragment = |whole| MirrorConstants { strip, oracle, hits, whole, followed, composite, sky };
+                let compute =
+                    |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
+                (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
+            }
+            Some(TriangleReading { geometry_texels, image_texels, .. }) if setup.screen => {
+                let fragment = |whole| MirrorConfirmedConstants {
+                    strip,
+                    oracle,
+                    hits,
+                    whole,
+                    followed,
+                    composite,
+                    sky,
+                    geometry_texels,
+                    image_texels,
+                };
+                let compute = |whole| MirrorConfirmedComputeConstants {
+                    strip,
+                    oracle,
+                    hits,
+                    whole,
+                    followed,
+                    composite,
+                    sky,
+                    beside,
+                    geometry_texels,
+                    image_texels,
+                };
+                (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
+            }
+            Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+                let constants = |whole| MirrorAmongTrianglesConstants {
+                    hits,
+                    whole,
+                    composite,
+                    beside,
+                    geometry_texels,
+                    image_texels,
+                };
+                (TileStage::Compute, Mirrors::Triangles(TiledCompute::new(gpu, over, constants)?))
+            }
         };
         Ok(Self {
             stage,
-            mirrors: TiledPipeline::new(gpu, (stage, over), formats, fragment, compute)?,
+            mirrors,
             hits: hits.then(|| setup.target(gpu, "hits", HITS)).transpose()?,
             unwanted_hits: (!hits).then(|| unwanted_hits(gpu)).transpose()?,
         })
@@ -73,7 +122,7 @@ impl UnifiedTracePass {
     pub fn record<'a>(
         &'a self,
         frame: &mut Frame,
-        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond }: &UnifiedTraceInput,
+        UnifiedTraceInput { gbuffer, pyramid, tiles, canvas, beyond, among }: &UnifiedTraceInput,
         parameters: &UnifiedBlock,
     ) -> Result<Option<Hits<'a>>> {
         let wanted = self.hits.as_ref();
@@ -86,26 +135,70 @@ impl UnifiedTracePass {
             let [composite, reflection] = canvas.targets(*tiles);
             [composite, reflection, wanted.map_or(Target::unwanted(), |image| tiles.target_in(image, NO_HIT))]
         };
-        let programs = in_either_stage! {
-            Mirror => targets(),
-            MirrorCompute over tiles => {
-                color_image: color.all(),
-                reflection_image: reflection.all(),
-                hits_image: hits.all(),
-            },
-            unified: parameters,
-            pyramid: pyramid.0.all(),
-            depth_buffer: Sampled::nearest(gbuffer.depth.all()),
-            triangle_buffer: beyond.triangle_of(gbuffer),
-            normal_buffer: gbuffer.normal.all(),
-            material_buffer: gbuffer.material.all(),
-            color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
-            captures: beyond.block,
-            environment: beyond.sky,
-            lost_counts: beyond.counts,
-            lost: beyond.rays,
-        };
-        self.mirrors.run(frame, "trace/mirrors", (parameters, *tiles), programs)?;
+        let name = "trace/mirrors";
+        match (&self.mirrors, among) {
+            (Mirrors::Screen(pipeline), _) => {
+                let programs = in_either_stage! {
+                    Mirror => targets(),
+                    MirrorCompute over tiles => {
+                        color_image: color.all(),
+                        reflection_image: reflection.all(),
+                        hits_image: hits.all(),
+                    },
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, name, (parameters, *tiles), programs)?;
+            }
+            (Mirrors::Confirmed(pipeline), Some(among)) => {
+                let programs = in_either_stage! {
+                    MirrorConfirmed => targets(),
+                    MirrorConfirmedCompute over tiles => {
+                        color_image: color.all(),
+                        reflection_image: reflection.all(),
+                        hits_image: hits.all(),
+                    },
+                    among: among,
+                    unified: parameters,
+                    pyramid: pyramid.0.all(),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::trilinear(gbuffer.color.level(0)),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                    lost_counts: beyond.counts,
+                    lost: beyond.rays,
+                };
+                pipeline.run(frame, name, (parameters, *tiles), programs)?;
+            }
+            (Mirrors::Triangles(pipeline), Some(among)) => {
+                let program = with_triangles! { MirrorAmongTriangles of among,
+                    Tiles: tiles.lists,
+                    Counts: tiles.arguments,
+                    color_image: color.all(),
+                    reflection_image: reflection.all(),
+                    hits_image: hits.all(),
+                    unified: parameters,
+                    depth_buffer: Sampled::nearest(gbuffer.depth.all()),
+                    normal_buffer: gbuffer.normal.all(),
+                    material_buffer: gbuffer.material.all(),
+                    color_buffer: Sampled::nearest(gbuffer.color.level(0)),
+                    triangle_buffer: beyond.triangle_of(gbuffer),
+                    captures: beyond.block,
+                    environment: beyond.sky,
+                };
+                pipeline.run(frame, name, (parameters, *tiles), &program)?;
+            }
+            _ => {}
+        }
         Ok(wanted.map(Hits))
     }
 

@@ -5,8 +5,8 @@ use super::bvh::{Intersector, TriangleBvh, TriangleHit, WorldRay};
 use super::texture::bilinear;
 use super::{Material, Scene, Vertex};
 use crate::error::Result;
-use ssct::scene::tree::{Tree, TriangleRecords};
 use glam::{DVec2, Vec3};
+use ssct::scene::tree::{Tree, TriangleRecords};
 
 /// The triangles of a scene with the materials of a view.
 pub struct Triangles<'a> {

@@ -162,13 +162,7 @@ impl Shot {
         let effect = Effect::new(context, method, setup, wants, Some(&scene))?;
         let gpu = context.gpu();
         let gbuffer = if effect.wants_triangles() { GBufferPass::numbered } else { GBufferPass::new };
-        Ok(Self {
-            gbuffer: gbuffer(gpu, setup.extent)?,
-            lighting: LightingPass::new(gpu)?,
-            effect,
-            camera,
-            materials,
-        })
+        Ok(Self { gbuffer: gbuffer(gpu, setup.extent)?, lighting: LightingPass::new(gpu)?, effect, camera, materials })
     }
 
     /// The captures in which rays go on, and where they stand; none if the method takes none.

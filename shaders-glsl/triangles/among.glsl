@@ -1,0 +1,34 @@
+// What the ray of a pixel sees among the scene's triangles: one function for the rays of the list, and for those that no
+// pass puts on it.
+
+#ifndef TRIANGLES_AMONG_GLSL
+#define TRIANGLES_AMONG_GLSL
+
+#include "triangles/begin.glsl"
+
+// What a ray saw, and where it ended.
+struct Among {
+    vec3 color;
+    vec3 place; // relative to the eye, world axes; for the sky a point far along the ray
+    int code;   // PATH_TRIANGLE or PATH_SKY
+};
+
+// What a ray sees that meets a triangle or nothing; `width` measures its footprint there.
+Among SeeMet(TreeRay ray, Met met, bool leaves, float width) {
+    bool is_met = met.id != NO_TRIANGLE;
+    vec3 color = ColorMet(ray, met, width);
+    precise vec3 place = ray.origin + (is_met ? met.t : SKY_DISTANCE) * ray.direction - triangles.eye;
+    return Among(leaves ? color : vec3(0.0), place, is_met ? PATH_TRIANGLE : PATH_SKY);
+}
+
+// From a pixel's point along a unit direction, both in world axes, the point relative to the eye; `triangle` is the one that
+// the pixel shows. The footprint measures `spread` for each metre from where the ray begins: as in the references, all rays
+// of a pixel leave from its one point.
+Among See(vec3 start, vec3 direction, uint triangle, float spread) {
+    bool leaves;
+    TreeRay ray = BeginRay(start, direction, triangle, leaves);
+    Met met = Closest(ray);
+    return SeeMet(ray, met, leaves, spread * met.t);
+}
+
+#endif

@@ -1,0 +1,100 @@
+// A ray in an image of the scene, and the rays of a pixel of the screen. CPU twin: reference::unified.
+
+#ifndef UNIFIED_RAY_GLSL
+#define UNIFIED_RAY_GLSL
+
+#include "unified/parameters.glsl"
+
+// A ray in the image: a straight line in (pixel x, pixel y, reversed depth), by a parameter s >= 0
+// that counts pixels along the axis in which the ray moves faster.
+//
+// Divided by its view depth, the pixel's point has the clip image P = (ndc, depth, 1). A view-space
+// direction d has D = (M_00 d_x, M_11 d_y, -k d_z, d_z), so that the exact derivative of the
+// projected ray, (D.xyz P.w - P.xyz D.w) / P.w^2, is
+//   (M_00 d_x - ndc.x d_z,  M_11 d_y - ndc.y d_z,  -(depth + k) d_z).
+// The point at P + tD projects to P.xyz + s D' with s = t / (1 + t d_z). The six clip planes,
+// |x|, |y| <= w and 0 <= z <= w, are the sides of a box there, and the near plane is met before
+// w = 0: the homogeneous clip is a clip against the box, without its cancellation.
+
+struct Ray {
+    vec2 start;     // continuous pixel coordinates: the centre of a pixel of the screen, any place of a face
+    ivec2 pixel;    // begins in this pixel
+    float depth;    // reversed depth there
+    vec3 rate;      // change of x, y and depth with s; max(|x|, |y|) is 1
+    vec2 inverse;   // 1 / rate.xy; where that is infinite, so large that no edge is ever reached
+    float end;      // s at which it leaves the frustum
+    vec3 direction; // in view space, of any length; for version 2 of the oracle
+};
+
+
+// From a place in a pixel along a view-space direction that is a change of (ndc x, ndc y, depth), of any length. `end`
+// is 0 for a ray that does not move in the image.
+Ray MakeRay(vec2 start, ivec2 pixel, float depth, vec3 direction, vec3 change) {
+    Ray ray;
+    ray.start = start;
+    ray.pixel = pixel;
+    ray.depth = depth;
+    ray.direction = direction;
+    precise vec2 moved = change.xy * vec2(unified.size) * vec2(0.5, -0.5);
+    float fastest = max(abs(moved.x), abs(moved.y));
+    if (!(fastest > 1e-30)) {
+        ray.rate = vec3(0.0);
+        ray.inverse = vec2(NEVER);
+        ray.end = 0.0;
+        return ray;
+    }
+    precise float scale = 1.0 / fastest;
+    precise vec2 rate = moved * scale;
+    precise float depth_rate = change.z * scale;
+    precise float depth_inverse = abs(depth_rate) > 1.0 / NEVER ? 1.0 / depth_rate : NEVER;
+    precise vec2 inverse = vec2(abs(rate.x) > 1.0 / NEVER ? 1.0 / rate.x : NEVER,
+                                abs(rate.y) > 1.0 / NEVER ? 1.0 / rate.y : NEVER);
+    // The screen's sides by the expression of every cell's side (Traverse): a cell that ends
+    // with the screen ends the ray to the bit.
+    ivec2 side = ivec2(inverse.x > 0.0 ? unified.size.x : 0, inverse.y > 0.0 ? unified.size.y : 0);
+    precise vec2 sides = (vec2(side) - start) * inverse;
+    precise float plane = ((depth_inverse > 0.0 ? 1.0 : 0.0) - depth) * depth_inverse;
+    ray.rate = vec3(rate, depth_rate);
+    ray.inverse = inverse;
+    ray.end = min(min(sides.x, sides.y), plane);
+    return ray;
+}
+
+// The point of a pixel, divided by its view depth, as a view-space vector, and as ndc from the axis of the view.
+void PixelPoint(ivec2 pixel, out vec3 view, out vec2 ndc) {
+    precise vec2 centre = vec2(2 * pixel.x + 1 - unified.size.x, unified.size.y - 2 * pixel.y - 1) - unified.shift;
+    precise vec2 v = centre * unified.pixel_to_view;
+    precise vec2 c = centre * unified.pixel_to_clip;
+    view = vec3(v, 1.0);
+    ndc = c;
+}
+
+// Along a view-space direction of any length.
+Ray RayAlong(ivec2 pixel, float depth, vec3 direction) {
+    vec3 view;
+    vec2 ndc;
+    PixelPoint(pixel, view, ndc);
+    precise vec2 change = unified.view_to_clip * direction.xy - ndc * direction.z;
+    precise float change_z = -((depth + unified.depth_offset) * direction.z);
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
+}
+
+// Along the mirror direction v + a n, a = -2 (v.n) / (n.n), of the direction v in which the pixel is
+// seen, for a normal of any length. v itself projects to a point and drops out of the derivative:
+// what remains has no difference of nearly equal numbers, however flat the ray meets the surface.
+// `faces` is false where the pixel is seen from behind its normal: the ray goes below the surface.
+Ray MirrorRay(ivec2 pixel, float depth, vec3 normal, out bool faces) {
+    vec3 view;
+    vec2 ndc;
+    PixelPoint(pixel, view, ndc);
+    precise float along = view.x * normal.x + view.y * normal.y + normal.z;
+    precise float squared = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
+    precise float a = -2.0 * along * (1.0 / squared);
+    precise vec2 change = (unified.view_to_clip * normal.xy - ndc * normal.z) * a;
+    precise float change_z = -((depth + unified.depth_offset) * (1.0 + a * normal.z));
+    precise vec3 direction = view + a * normal;
+    faces = along < 0.0;
+    return MakeRay(vec2(pixel) + 0.5, pixel, depth, direction, vec3(change, change_z));
+}
+
+#endif
