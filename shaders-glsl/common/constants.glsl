@@ -54,6 +54,11 @@ const uint NO_TRIANGLE = 0xffffffffu; // The number of no triangle.
 const uint ASKS_MATERIAL = 0x80000000u; // The bit of a triangle's number whose material decides whether it is there.
 const uint MATERIAL_SKY = 1u;     // The bit of a material that shows the sky,
 const uint MATERIAL_SINGLE_SIDED = 2u; // and of one that is not there from behind.
+const uint MAP_LEVELS = 31u;      // The bits of a map that say how many levels it has,
+const uint MAP_SRGB = 32u;        // and the one of a map that is sRGB.
+const uint ALBEDO_SHIFT = 2u;     // Where a material's word has these bits of its albedo map,
+const uint NORMAL_SHIFT = 8u;     // of its normal map,
+const uint MASK_SHIFT = 14u;      // and of its alpha mask.
 
 // How another renderer stores normals (`passes::import`).
 const int NORMAL_FLOAT = 0;             // As they are.

@@ -22,9 +22,15 @@ layout(std140, binding = LIGHT_BINDING) uniform LightBlock {
     uint count;
 } scene;
 
+#ifdef CONSTANT_LIGHTS
+layout(constant_id = 22) const uint LIGHTS = 16u; // at least as many as there are; those beyond have no energy
+#else
+#define LIGHTS scene.count
+#endif
+
 vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
     float shading = 0.0;
-    for (uint i = 0u; i < scene.count; ++i) {
+    for (uint i = 0u; i < LIGHTS; ++i) {
         LightData light = scene.lights[i];
         float energy = light.energy.x;
         if (light.place.w > 0.5) {

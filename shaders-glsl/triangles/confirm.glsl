@@ -20,8 +20,8 @@ bool Confirm(Ray ray, ivec2 pixel, float spread, out Among seen) {
     is_known = is_known && slot != NO_TRIANGLE;
     Met met = NOTHING;
     Meet(tree_ray, int(is_known ? slot : 0u), met);
-    bool is_met = is_known && met.id != NO_TRIANGLE && !IsOwnPlane(tree_ray, met)
-               && ((met.id & ASKS_MATERIAL) == 0u || StopsRay(tree_ray, met));
+    bool asks = ASKS && (met.id & ASKS_MATERIAL) != 0u;
+    bool is_met = is_known && met.id != NO_TRIANGLE && (!asks || StopsRay(met));
     met.id = is_met ? met.id : NO_TRIANGLE;
     seen = SeeMet(tree_ray, met, leaves, spread * met.t);
     return is_met || !leaves;

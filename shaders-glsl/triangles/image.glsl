@@ -15,16 +15,16 @@ vec4 Texel(int base, ivec2 size, ivec2 at) {
     return unpackUnorm4x8(ImageWord(base + at.y * size.x + at.x));
 }
 
-// An image at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of it along a side:
-// bilinear in the level whose texels are nearest to that in size. `row` is where the table describes the image: width,
-// height, levels, whether it is sRGB; then in four vectors where each level begins.
-vec4 ImageAt(int row, vec2 uv, float repeats) {
-    uvec4 head = Table(row);
-    float texels = max(repeats * sqrt(float(head.x * head.y)), 1.0);
-    int level = int(min(log2(texels) + 0.5, float(head.z) - 1.0));
-    uvec4 bases = Table(row + 1 + (level >> 2));
-    uint base = (level & 2) == 0 ? ((level & 1) == 0 ? bases.x : bases.y) : ((level & 1) == 0 ? bases.z : bases.w);
-    ivec2 size = max(ivec2(head.xy >> uint(level)), ivec2(1));
+// A map at texture coordinates, which wrap, over a footprint that measures `repeats` repeats of it along a side: bilinear in
+// the level whose texels are nearest to that in size. `map` is its place and size, as a material has them; the words at its
+// place say where each level begins. `described` is MAP_LEVELS bits of how many levels there are, and whether it is sRGB.
+vec4 ImageAt(uvec2 map, uint described, vec2 uv, float repeats) {
+    uvec2 whole = uvec2(map.y & 0xffffu, map.y >> 16);
+    float levels = float(described & MAP_LEVELS);
+    float texels = max(repeats * sqrt(float(whole.x * whole.y)), 1.0);
+    int level = int(min(log2(texels) + 0.5, levels - 1.0));
+    int base = int(ImageWord(int(map.x) + level));
+    ivec2 size = max(ivec2(whole >> uint(level)), ivec2(1));
     vec2 place = (uv - floor(uv)) * vec2(size) - 0.5;
     vec2 corner = floor(place), part = place - corner;
     // The part of a repeat is at most 1, so that one step brings each neighbour back into the image.
@@ -33,9 +33,9 @@ vec4 ImageAt(int row, vec2 uv, float repeats) {
     high -= ivec2(greaterThanEqual(high, size)) * size;
     low = clamp(low, ivec2(0), size - 1);
     high = clamp(high, ivec2(0), size - 1);
-    vec4 a = Texel(int(base), size, low), b = Texel(int(base), size, ivec2(high.x, low.y));
-    vec4 c = Texel(int(base), size, ivec2(low.x, high.y)), d = Texel(int(base), size, high);
-    if (head.w != 0u) {
+    vec4 a = Texel(base, size, low), b = Texel(base, size, ivec2(high.x, low.y));
+    vec4 c = Texel(base, size, ivec2(low.x, high.y)), d = Texel(base, size, high);
+    if ((described & MAP_SRGB) != 0u) {
         a.rgb = Linear(a.rgb);
         b.rgb = Linear(b.rgb);
         c.rgb = Linear(c.rgb);

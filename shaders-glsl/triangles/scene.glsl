@@ -12,6 +12,7 @@
 
 layout(constant_id = 20) const bool GEOMETRY_TEXELS = true; // geometry is read as texels
 layout(constant_id = 21) const bool IMAGE_TEXELS = true;    // so are images
+layout(constant_id = 23) const bool ASKS = true; // some material decides at each hit whether its surface is there
 
 layout(binding = 20, rgba32ui) uniform readonly uimageBuffer geometry_texels;
 layout(std430, binding = 21) readonly buffer GeometryWords {
@@ -50,15 +51,16 @@ uint ImageWord(int i) {
     return IMAGE_TEXELS ? imageLoad(image_texels, i).x : images.words[i];
 }
 
-// Attributes of a triangle: vector 0 has the octahedral normals of its corners and its material, with the bitangent's
-// sign in the highest bit; 1 and 2 have their texture coordinates, then repeats of a map to a metre, and the slot of its
-// corners; 3 has the octahedral tangents and the normal of the triangle's plane.
+// Attributes of a triangle: vector 0 has the normals of its corners (UnitVector) and its material, with the bitangent's
+// sign in the highest bit; 1 and 2 have their texture coordinates, then repeats of a map to a metre along the
+// surface, and the slot of its corners; 3 has the tangents.
 uvec4 Attribute(uint triangle, int vector) {
     return Geometry(triangles.attributes + 4 * int(triangle) + vector);
 }
 
-// Materials: three vectors each. 0: albedo and emission. 1: rows of the table at which the albedo map and the normal map
-// are described (below 0: none), the normal deviation, and MATERIAL_ bits. 2: the same row of the alpha mask.
+// Materials: three vectors each. 0: albedo and emission. 1: albedo map and normal map. 2: MATERIAL_ bits and levels of all
+// maps, the normal deviation, and the alpha mask. A map is the place of its first word among the words of images, and its
+// width and height in 16 bits each; a map that there is none of is white.
 uvec4 Material(uint attribute_word, int vector) {
     return Table(3 * int(attribute_word & 0x7fffffffu) + vector);
 }

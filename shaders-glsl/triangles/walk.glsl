@@ -16,9 +16,11 @@ struct Met {
     float t;     // metres along a unit direction
     uint id;     // number of the triangle, with ASKS_MATERIAL; NO_TRIANGLE for none
     vec2 weight; // of its second and third corner
+    float side;  // cosine between the ray and the triangle's normal; above 0 for a ray that comes from in front
 };
 
-// A ray in the coordinates of the tree. What it meets comes after `after`: farther away, or as far and of a greater number.
+// A ray in the coordinates of the tree. What it meets lies beyond the plane that it begins on, and comes after `after`:
+// farther away, or as far and of a greater number.
 struct TreeRay {
     vec3 origin;
     vec3 direction; // unit
@@ -26,10 +28,13 @@ struct TreeRay {
     Met after;
 };
 
-const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0));
+const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
+
+// Half a unit in the last place of 1.
+const float ROUNDING = 5.9604645e-8;
 
 TreeRay RayFrom(vec3 origin, vec3 direction, uint own) {
-    return TreeRay(origin, direction, own, Met(0.0, NO_TRIANGLE, vec2(0.0)));
+    return TreeRay(origin, direction, own, Met(0.0, NO_TRIANGLE, vec2(0.0), 1.0));
 }
 
 // In this order (the twin's).
@@ -51,12 +56,16 @@ bool IsAfter(float t, uint id, Met than) {
 // Meets a triangle from either side, if it comes before what was met so far. The sign of each edge function depends on
 // nothing but the edge's corners and the ray, and swapping the corners turns it round to the bit, so that a ray between two
 // triangles meets at least one of them (as in Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2013).
-// What has no area in the ray's direction is not met.
+// What has no area in the ray's direction is not met, nor a triangle so near to where the ray begins that rounding cannot
+// tell its plane from the ray's own: one beside the triangle that the ray begins on, or over it. The distance to a plane is
+// the mean of three products of four roundings each, of lengths up to the scene's extent, so that it errs by up to a dozen
+// half units of that.
 void Meet(TreeRay ray, int slot, inout Met best) {
     int at = triangles.corners + 3 * slot;
     uvec4 first = Geometry(at);
     precise vec3 a = uintBitsToFloat(first.xyz) - ray.origin;
-    precise vec3 b = uintBitsToFloat(Geometry(at + 1).xyz) - ray.origin;
+    uvec4 second = Geometry(at + 1);
+    precise vec3 b = uintBitsToFloat(second.xyz) - ray.origin;
     precise vec3 c = uintBitsToFloat(Geometry(at + 2).xyz) - ray.origin;
     float u = DotInOrder(ray.direction, CrossInOrder(c, b));
     float v = DotInOrder(ray.direction, CrossInOrder(a, c));
@@ -67,10 +76,14 @@ void Meet(TreeRay ray, int slot, inout Met best) {
     precise float reach = u * DotInOrder(ray.direction, a) + v * DotInOrder(ray.direction, b)
                         + w * DotInOrder(ray.direction, c);
     precise float t = reach * inverse;
-    bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0;
+    // Twice the triangle's area.
+    float whole = uintBitsToFloat(second.w);
+    float beyond = area < 0.0 ? -reach : reach;
+    bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
+               && beyond > 12.0 * ROUNDING * triangles.extent * whole && first.w != ray.own;
     bool nearer = t < best.t || (t == best.t && first.w < best.id);
-    if (inside && nearer && first.w != ray.own && IsAfter(t, first.w, ray.after))
-        best = Met(t, first.w, weight);
+    if (inside && nearer && (!ASKS || IsAfter(t, first.w, ray.after)))
+        best = Met(t, first.w, weight, area / whole);
 }
 
 uint Byte(uint word, int i) {

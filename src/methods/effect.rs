@@ -171,7 +171,7 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured, triangles): (bool, Option<Captured>, Option<Arc<TriangleScene>>),
+        (has_scene, captured, triangles): (bool, Option<Captured>, Option<(Arc<TriangleScene>, u32)>),
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
@@ -206,7 +206,7 @@ impl Effect {
         }
         let gpu: Gpu = context.gpu().clone();
         let face = captured.as_ref().map(|c| c.face);
-        let reading = triangles.as_ref().map(|t| t.reading());
+        let reading = triangles.as_ref().map(|(triangles, lights)| triangles.reading(*lights));
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -270,7 +270,7 @@ impl Effect {
             bounces,
             composite: wants.composite.then(|| CompositePass::new(&gpu, extent)).transpose()?,
             captures: captured,
-            triangles: triangles.map(|scene| AmongTriangles { scene, table: None }),
+            triangles: triangles.map(|(scene, _)| AmongTriangles { scene, table: None }),
             prepared: Prepared::default(),
         };
         Ok(effect)
@@ -448,7 +448,7 @@ fn triangles_for(
     info: &MethodInfo,
     effect: &EffectParams,
     scene: Option<&SceneInput>,
-) -> Result<Option<Arc<TriangleScene>>> {
+) -> Result<Option<(Arc<TriangleScene>, u32)>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
     if !is_all && !(info.takes_triangles && effect.beyond() == Beyond::Triangles) {
@@ -459,7 +459,7 @@ fn triangles_for(
         None => None,
     };
     match known {
-        Some(triangles) => Ok(Some(triangles)),
+        Some(triangles) => Ok(Some((triangles, scene.map_or(0, |s| s.data.light_count())))),
         None => Err(Error::Usage(format!(
             "the method {} follows rays among the triangles of the scene, which are not known here; a G-buffer alone does \
              not have them",

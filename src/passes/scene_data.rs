@@ -178,6 +178,11 @@ impl SceneData {
         block
     }
 
+    /// How many lights there are.
+    pub fn light_count(&self) -> u32 {
+        self.lights.len() as u32
+    }
+
     /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.
     ///
     /// # Errors

@@ -6,20 +6,14 @@ use crate::gpu::memory::MemoryPlace;
 use crate::gpu::shader::{LightBlock, TriangleBlock};
 use crate::gpu::sync::Access;
 use crate::gpu::{Buffer, FrameContext, Gpu, Image, TexelBuffer};
-use crate::math::constants::{MATERIAL_SINGLE_SIDED, MATERIAL_SKY};
+use crate::math::constants::{ALBEDO_SHIFT, MAP_SRGB, MASK_SHIFT, MATERIAL_SINGLE_SIDED, MATERIAL_SKY, NORMAL_SHIFT};
 use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
 use crate::scene::{Camera, Encoding, Material, Surface};
 use ash::vk;
 use glam::{DVec3, Mat4};
 
-/// Vectors of the table that describe a material.
-const MATERIAL_WORDS: usize = 3;
-
-/// Vectors of the table that describe an image: its size, and where each of at most [`MAX_LEVELS`] levels begins.
-const IMAGE_WORDS: usize = 1 + MAX_LEVELS / 4;
-
 /// The most levels of an image that are looked into: enough for images of 32768 texels a side.
-const MAX_LEVELS: usize = 16;
+const MAX_LEVELS: u32 = 16;
 
 /// Bytes of a texel of the images.
 const TEXEL_BYTES: u64 = 4;
@@ -33,10 +27,26 @@ pub struct TriangleScene {
     extent_m: f32,
     geometry: TexelBuffer,
     images: TexelBuffer,
-    /// Width, height, levels and encoding of each image, and where its levels begin.
-    described: Vec<[Words; IMAGE_WORDS]>,
+    /// The images of materials, in their order.
+    maps: Vec<Map>,
+    /// Whether a material decides at each hit whether its surface is there.
+    asks: bool,
     bytes: u64,
 }
+
+/// An image among the words of all images.
+#[derive(Debug, Clone, Copy)]
+struct Map {
+    /// The place of the words that say where its levels begin.
+    place: u32,
+    /// Width, and height in the upper half.
+    size: u32,
+    /// `MAP_LEVELS` and `MAP_SRGB`.
+    described: u32,
+}
+
+/// The image that stands for one that a material does not have: one white texel, whose place is the first word.
+const WHITE: Map = Map { place: 0, size: 1 | 1 << 16, described: 1 };
 
 /// How many triangles there are, and which buffers of them a device reads as texels; it reads the others as storage blocks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +57,10 @@ pub struct TriangleReading {
     pub geometry_texels: bool,
     /// Texels of images.
     pub image_texels: bool,
+    /// Whether a material decides at each hit whether its surface is there.
+    pub asks: bool,
+    /// Lights of the scene.
+    pub lights: u32,
 }
 
 /// The materials of a view, as shaders look them up.
@@ -59,7 +73,7 @@ pub struct Triangles<'a> {
     pub geometry: &'a TexelBuffer,
     /// Texels of all images.
     pub images: &'a TexelBuffer,
-    /// Materials, and where images stand.
+    /// Materials.
     pub table: &'a TexelBuffer,
     /// The place from which coordinates of triangles are measured.
     pub origin: DVec3,
@@ -113,7 +127,7 @@ impl TriangleScene {
         let attributes = tree.nodes.len() + records.corners.len();
         let counts = [tree.nodes.len(), attributes, records.attributes.len() / 4, tree.nodes.len() / NODE_WORDS];
         let geometry = uploaded(context, "triangles", bytemuck::cast_slice(&vectors))?;
-        let (texels, described) = copied(context, images)?;
+        let (texels, maps) = copied(context, images)?;
         Ok(Self {
             origin: tree.origin,
             counts: counts.map(|count| count as i32),
@@ -121,7 +135,8 @@ impl TriangleScene {
             bytes: geometry.buffer().size() + texels.buffer().size(),
             geometry,
             images: texels,
-            described,
+            maps,
+            asks: records.asks(),
         })
     }
 
@@ -130,13 +145,15 @@ impl TriangleScene {
         self.bytes
     }
 
-    /// How the device reads it.
-    pub fn reading(&self) -> TriangleReading {
+    /// How the device reads it, with so many lights.
+    pub fn reading(&self, lights: u32) -> TriangleReading {
         let [_, _, count, _] = self.counts;
         TriangleReading {
             count: count.cast_unsigned(),
             geometry_texels: self.geometry.is_whole(),
             image_texels: self.images.is_whole(),
+            asks: self.asks,
+            lights,
         }
     }
 
@@ -145,21 +162,22 @@ impl TriangleScene {
     /// # Errors
     /// As [`Self::new`].
     pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
-        let first_image = MATERIAL_WORDS * materials.len();
-        // Of an image that there is none of, a negative number.
-        let row = |image: Option<usize>| image.map_or(-1, |i| (first_image + IMAGE_WORDS * i) as i32).cast_unsigned();
+        let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
         let of_material = |m: &Material| {
+            let (albedo, normal, mask) = (map(m.albedo_map), map(m.normal_map), map(m.alpha_mask));
             let bits = [(m.surface == Surface::Sky, MATERIAL_SKY), (m.single_sided, MATERIAL_SINGLE_SIDED)];
             let bits = bits.into_iter().filter(|(has, _)| *has).fold(0, |all, (_, bit)| all | bit);
+            let described = [(albedo, ALBEDO_SHIFT), (normal, NORMAL_SHIFT), (mask, MASK_SHIFT)];
+            let bits = described.into_iter().fold(bits, |all, (map, shift)| all | map.described << shift);
+            let deviation = if m.normal_map.is_some() { m.normal_deviation } else { 0.0 };
             let [r, g, b] = m.albedo.to_array();
             [
                 [r, g, b, m.emission].map(f32::to_bits),
-                [row(m.albedo_map), row(m.normal_map), m.normal_deviation.to_bits(), bits],
-                [row(m.alpha_mask), 0, 0, 0],
+                [albedo.place, albedo.size, normal.place, normal.size],
+                [bits, deviation.to_bits(), mask.place, mask.size],
             ]
         };
-        let materials = materials.iter().flat_map(of_material);
-        let vectors: Vec<Words> = materials.chain(self.described.iter().flatten().copied()).collect();
+        let vectors: Vec<Words> = materials.iter().flat_map(of_material).collect();
         Ok(TriangleTable(uploaded(context, "materials", bytemuck::cast_slice(&vectors))?))
     }
 
@@ -203,35 +221,36 @@ fn texel_buffer(gpu: &Gpu, name: &str, bytes: u64) -> Result<Buffer> {
     Buffer::new(gpu, name, bytes, TexelBuffer::USAGE | vk::BufferUsageFlags::TRANSFER_DST, MemoryPlace::Device)
 }
 
-/// Copies all levels of some images into one buffer of texels, and describes where they stand.
-fn copied(
-    context: &mut FrameContext,
-    images: &[(&Image, Encoding)],
-) -> Result<(TexelBuffer, Vec<[Words; IMAGE_WORDS]>)> {
+/// Copies all levels of some images into one buffer of texels, behind the words that say where each level begins.
+fn copied(context: &mut FrameContext, images: &[(&Image, Encoding)]) -> Result<(TexelBuffer, Vec<Map>)> {
     let gpu: Gpu = context.gpu().clone();
-    let (mut described, mut texels) = (Vec::with_capacity(images.len()), 0);
+    // White's one level begins at its one texel.
+    let mut words = vec![1, u32::MAX];
+    let mut maps = Vec::with_capacity(images.len());
+    let levels = |image: &Image| image.levels().min(MAX_LEVELS);
+    let mut next = words.len() as u32 + images.iter().map(|(image, _)| levels(image)).sum::<u32>();
     for (image, encoding) in images {
         let [width, height] = image.extent();
-        let levels = image.levels().min(MAX_LEVELS as u32);
-        let mut words = [[0; 4]; IMAGE_WORDS];
-        words[0] = [width, height, levels, u32::from(*encoding == Encoding::Srgb)];
-        for level in 0..levels {
-            words[1 + level as usize / 4][level as usize % 4] = texels;
+        let srgb = if *encoding == Encoding::Srgb { MAP_SRGB } else { 0 };
+        maps.push(Map { place: words.len() as u32, size: width | height << 16, described: levels(image) | srgb });
+        for level in 0..levels(image) {
+            words.push(next);
             let [width, height] = image.level(level).extent();
-            texels += width * height;
+            next += width * height;
         }
-        described.push(words);
     }
-    let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(texels.max(1)))?;
-    for ((image, _), words) in images.iter().zip(&described) {
+    let buffer = texel_buffer(&gpu, "texels of materials", TEXEL_BYTES * u64::from(next))?;
+    let staging = Buffer::upload(&gpu, "staging", bytemuck::cast_slice(&words), vk::BufferUsageFlags::TRANSFER_SRC)?;
+    context.once(|frame| frame.copy_buffer("upload", &staging, &buffer, Access::ComputeStorageRead))?;
+    for ((image, _), map) in images.iter().zip(&maps) {
         context.once(|frame| {
-            for level in 0..words[0][2] {
-                let first = u64::from(words[1 + level as usize / 4][level as usize % 4]);
+            for level in 0..levels(image) {
+                let first = u64::from(words[(map.place + level) as usize]);
                 frame.copy_to_buffer("texels", image.level(level), &buffer, TEXEL_BYTES * first)?;
             }
             frame.make_ready(image.all(), Access::FragmentSampled);
             Ok(())
         })?;
     }
-    Ok((TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)?, described))
+    Ok((TexelBuffer::new(buffer, vk::Format::R32_UINT, TEXEL_BYTES)?, maps))
 }

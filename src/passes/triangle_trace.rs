@@ -59,12 +59,20 @@ impl TriangleTracePass {
     /// # Errors
     /// [`crate::error::Error::NoDevice`] on a device whose shaders take fewer buffers than the programs have.
     pub fn new(gpu: &Gpu, reading: TriangleReading, wanted: TriangleWants) -> Result<Self> {
-        let TriangleReading { geometry_texels, image_texels, .. } = reading;
+        let TriangleReading { geometry_texels, image_texels, asks, lights, .. } = reading;
         let TriangleWants { composite, reflection, hits } = wanted;
-        let of_mirrors =
-            programs::TriangleMirrorsConstants { composite, reflection, hits, geometry_texels, image_texels };
-        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels };
-        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels };
+
+        let of_mirrors = programs::TriangleMirrorsConstants {
+            composite,
+            reflection,
+            hits,
+            geometry_texels,
+            image_texels,
+            asks,
+            lights,
+        };
+        let of_narrow = programs::TriangleNarrowConstants { geometry_texels, image_texels, asks, lights };
+        let of_wide = programs::TriangleWideConstants { geometry_texels, image_texels, asks, lights };
         Ok(Self {
             mirrors: ComputePipeline::with(gpu, &of_mirrors)?,
             narrow: ComputePipeline::with(gpu, &of_narrow)?,

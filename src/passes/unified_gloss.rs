@@ -104,7 +104,7 @@ impl UnifiedGlossPass {
                     |_| TraceNarrowConstants { strip, oracle, followed, sky },
                     |whole| TraceNarrowComputeConstants { strip, oracle, whole, followed, sky },
                 )?),
-                Some(TriangleReading { geometry_texels, image_texels, .. }) if screen => {
+                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
                     let fragment = |_| TraceNarrowConfirmedConstants {
                         strip,
                         oracle,
@@ -112,6 +112,8 @@ impl UnifiedGlossPass {
                         sky,
                         geometry_texels,
                         image_texels,
+                        asks,
+                        lights,
                     };
                     let compute = |whole| TraceNarrowConfirmedComputeConstants {
                         strip,
@@ -121,13 +123,15 @@ impl UnifiedGlossPass {
                         sky,
                         geometry_texels,
                         image_texels,
+                        asks,
+                        lights,
                     };
                     let pipeline = TiledPipeline::new(gpu, (trace, narrow), || [RECORD], fragment, compute)?;
                     NarrowTraces::Confirmed(pipeline)
                 }
-                Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
                     NarrowTraces::Triangles(TiledCompute::new(gpu, narrow, |whole| {
-                        TraceNarrowAmongTrianglesConstants { whole, geometry_texels, image_texels }
+                        TraceNarrowAmongTrianglesConstants { whole, geometry_texels, image_texels, asks, lights }
                     })?)
                 }
             },
@@ -146,9 +150,17 @@ impl UnifiedGlossPass {
                     |_| TraceWideConstants { strip, oracle, followed, sky },
                     |whole| TraceWideComputeConstants { strip, oracle, whole, followed, sky },
                 )?),
-                Some(TriangleReading { geometry_texels, image_texels, .. }) if screen => {
-                    let fragment =
-                        |_| TraceWideConfirmedConstants { strip, oracle, followed, sky, geometry_texels, image_texels };
+                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if screen => {
+                    let fragment = |_| TraceWideConfirmedConstants {
+                        strip,
+                        oracle,
+                        followed,
+                        sky,
+                        geometry_texels,
+                        image_texels,
+                        asks,
+                        lights,
+                    };
                     let compute = |whole| TraceWideConfirmedComputeConstants {
                         strip,
                         oracle,
@@ -157,15 +169,19 @@ impl UnifiedGlossPass {
                         sky,
                         geometry_texels,
                         image_texels,
+                        asks,
+                        lights,
                     };
                     let formats = || [PLACE, LIT_COLOR];
                     WideTraces::Confirmed(TiledPipeline::new(gpu, (trace, halves), formats, fragment, compute)?)
                 }
-                Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+                Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
                     WideTraces::Triangles(TiledCompute::new(gpu, halves, |whole| TraceWideAmongTrianglesConstants {
                         whole,
                         geometry_texels,
                         image_texels,
+                        asks,
+                        lights,
                     })?)
                 }
             },

@@ -71,7 +71,7 @@ impl UnifiedTracePass {
                     |whole| MirrorComputeConstants { strip, oracle, hits, whole, followed, composite, sky, beside };
                 (trace, Mirrors::Screen(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
-            Some(TriangleReading { geometry_texels, image_texels, .. }) if setup.screen => {
+            Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) if setup.screen => {
                 let fragment = |whole| MirrorConfirmedConstants {
                     strip,
                     oracle,
@@ -82,6 +82,8 @@ impl UnifiedTracePass {
                     sky,
                     geometry_texels,
                     image_texels,
+                    asks,
+                    lights,
                 };
                 let compute = |whole| MirrorConfirmedComputeConstants {
                     strip,
@@ -94,10 +96,12 @@ impl UnifiedTracePass {
                     beside,
                     geometry_texels,
                     image_texels,
+                    asks,
+                    lights,
                 };
                 (trace, Mirrors::Confirmed(TiledPipeline::new(gpu, (trace, over), formats, fragment, compute)?))
             }
-            Some(TriangleReading { geometry_texels, image_texels, .. }) => {
+            Some(TriangleReading { geometry_texels, image_texels, asks, lights, .. }) => {
                 let constants = |whole| MirrorAmongTrianglesConstants {
                     hits,
                     whole,
@@ -105,6 +109,8 @@ impl UnifiedTracePass {
                     beside,
                     geometry_texels,
                     image_texels,
+                    asks,
+                    lights,
                 };
                 (TileStage::Compute, Mirrors::Triangles(TiledCompute::new(gpu, over, constants)?))
             }

@@ -52,7 +52,7 @@ impl Tree {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TriangleRecords {
     /// Three vectors a slot: each a corner from the tree's origin; the first one's last word is the triangle's number, with
-    /// [`ASKS_MATERIAL`] where the material has an alpha mask or is single-sided.
+    /// [`ASKS_MATERIAL`] where the material has an alpha mask or is single-sided, and the second one's twice its area.
     pub corners: Vec<Words>,
     /// Four vectors a triangle, by its number: what a hit's colour is made of (`shaders-glsl/triangles/scene.glsl`).
     pub attributes: Vec<Words>,
@@ -73,8 +73,9 @@ impl TriangleRecords {
         let mut corners = Vec::with_capacity(3 * tree.slots.len());
         for (slot, &triangle) in tree.slots.iter().enumerate() {
             let ([a, b, c], asks) = corners_of[triangle as usize];
+            let area = doubled_area([a, b, c].map(Vec3::as_dvec3));
             corners.push(words(a, triangle | asks));
-            corners.push(words(b, 0));
+            corners.push(words(b, (area as f32).to_bits()));
             corners.push(words(c, 0));
             attributes[4 * triangle as usize + 2][3] = slot as u32;
         }
@@ -83,6 +84,11 @@ impl TriangleRecords {
 }
 
 impl TriangleRecords {
+    /// Whether a material of some triangle decides at each hit whether its surface is there.
+    pub fn asks(&self) -> bool {
+        self.corners.iter().step_by(3).any(|[.., number]| number & ASKS_MATERIAL != 0)
+    }
+
     /// The greatest coordinate of a corner, in metres.
     pub fn extent_m(&self) -> f32 {
         let coordinates = self.corners.iter().flat_map(|[x, y, z, _]| [x, y, z]);
@@ -113,30 +119,31 @@ fn words(v: Vec3, last: u32) -> Words {
 const NO_SLOT: u32 = NO_TRIANGLE;
 
 fn attributes_of(mesh: &Mesh, vertices: [&Vertex; 3]) -> [Words; 4] {
-    let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
     let uv = vertices.map(|v| Vec2::from(v.uv));
-    let cross = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     // Repeats of a map to a metre along the surface: the root of the ratio of the areas.
-    let repeats = (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs();
-    let density = (f64::from(repeats) / cross.length().max(f64::MIN_POSITIVE)).sqrt() as f32;
-    let density = if density.is_finite() { density } else { 0.0 };
-    let normals = vertices.map(|v| octahedral(v.normal.into()));
-    let tangents = vertices.map(|v| octahedral(Vec3::from_slice(&v.tangent[..3])));
+    let area = (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]).abs();
+    let corners = vertices.map(|v| Vec3::from(v.position).as_dvec3());
+    let repeats = (f64::from(area) / doubled_area(corners).max(f64::MIN_POSITIVE)).sqrt() as f32;
+    let repeats = if repeats.is_finite() { repeats } else { 0.0 };
+    let normals = vertices.map(|v| unit_vector(v.normal.into()));
+    let tangents = vertices.map(|v| unit_vector(Vec3::from_slice(&v.tangent[..3])));
     let turned = if vertices[0].tangent[3] < 0.0 { 1 << 31 } else { 0 };
     let bits = f32::to_bits;
     [
         [normals[0], normals[1], normals[2], mesh.material as u32 | turned],
         [bits(uv[0].x), bits(uv[0].y), bits(uv[1].x), bits(uv[1].y)],
-        [bits(uv[2].x), bits(uv[2].y), bits(density), NO_SLOT],
-        [tangents[0], tangents[1], tangents[2], octahedral(cross.normalize_or_zero().as_vec3())],
+        [bits(uv[2].x), bits(uv[2].y), bits(repeats), NO_SLOT],
+        [tangents[0], tangents[1], tangents[2], 0],
     ]
 }
 
-/// A unit vector on an octahedron, two numbers of 16 bits (`common/octahedral.glsl`, `unpackSnorm2x16`).
-fn octahedral(v: Vec3) -> u32 {
-    let v = v / v.abs().element_sum().max(f32::MIN_POSITIVE);
-    let folded = (1.0 - Vec2::new(v.y, v.x).abs()).copysign(Vec2::new(v.x, v.y));
-    let on_plane = if v.z >= 0.0 { Vec2::new(v.x, v.y) } else { folded };
-    let bits = |a: f32| u32::from((a.clamp(-1.0, 1.0) * 32767.0).round() as i16 as u16);
-    bits(on_plane.x) | bits(on_plane.y) << 16
+/// Twice the area of a triangle.
+fn doubled_area([a, b, c]: [DVec3; 3]) -> f64 {
+    (b - a).cross(c - a).length()
+}
+
+/// A unit vector as three numbers of ten bits (`UnitVector` of `triangles/color.glsl`).
+fn unit_vector(v: Vec3) -> u32 {
+    let part = |a: f32| ((a.clamp(-1.0, 1.0) * 511.0).round() as i32).cast_unsigned() & 0x3ff;
+    part(v.x) | part(v.y) << 10 | part(v.z) << 20
 }
