@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # Measures unified with four captures, captures alone and ssct, on the same frames: errors against the world, and times, of
-# the views behind "What captures gain" in docs/findings.md.
+# the views behind "What captures gain" in docs/findings.md. With METHODS=ssct,traced,unified and BEYOND="--beyond triangles"
+# it measures what triangles gain instead.
 #
 #   scripts/beyond.sh OUT [SCENES]     SCENES contains ssct-rooms/ and sponza/; without it, only built-in scenes are used
 #
-# The environment may set SIZE, ERROR_SIZE, ROUGHNESS, SAMPLES, RAYS and METHODS; WHAT=time or WHAT=error selects one of
+# The environment may set BEYOND (by default "--captures 4"), SIZE, ERROR_SIZE, ROUGHNESS, SAMPLES, RAYS and METHODS; WHAT=time or WHAT=error selects one of
 # the two measurements. Interrupted, the same command goes on with the errors where it was.
 set -euo pipefail
 
@@ -14,7 +15,8 @@ out=${1:?usage: scripts/beyond.sh OUT [SCENES]}
 scenes=${2:-}
 mkdir -p "$out"
 times=$out/times
-common=(--method "${METHODS:-ssct,unified,captures}" --captures 4 --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}")
+read -r -a beyond <<<"${BEYOND:---captures 4}"
+common=(--method "${METHODS:-ssct,unified,captures}" "${beyond[@]}" --roughness "${ROUGHNESS:-0,0.05,0.1,0.3,0.6}")
 
 views() { # scene, name, views...
     local scene=$1 name=$2 view

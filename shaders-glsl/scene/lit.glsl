@@ -33,14 +33,13 @@ vec3 LitColor(vec3 albedo, float emission, vec3 position, vec3 normal) {
     for (uint i = 0u; i < LIGHTS; ++i) {
         LightData light = scene.lights[i];
         float energy = light.energy.x;
-        if (light.place.w > 0.5) {
-            vec3 to_light = light.place.xyz - position;
-            float d = length(to_light);
-            float attenuation = 1.0 / (1.0 + d / energy + d * d / energy);
-            shading += max(0.0, dot(normal, to_light / max(d, 1e-6))) * attenuation;
-        } else {
-            shading += max(0.0, dot(normal, light.place.xyz)) * energy;
-        }
+        // A directional light's place is the direction to it. Both kinds take the same way: a device may take both of a branch.
+        vec3 to_light = light.place.xyz - position * light.place.w;
+        float squared = dot(to_light, to_light);
+        float inverse = inversesqrt(max(squared, 1e-12));
+        // 1 / (1 + d / energy + d d / energy)
+        float attenuation = energy / (energy + squared * inverse + squared);
+        shading += max(dot(normal, to_light) * inverse, 0.0) * (light.place.w > 0.5 ? attenuation : energy);
     }
     return albedo * mix(mix(0.2, 1.0, min(shading, 1.0)), 1.0, emission);
 }

@@ -43,7 +43,11 @@ TreeRay BeginRay(vec3 start, vec3 direction, uint triangle, out bool leaves) {
     // The point's error and that of the corners of the planes beside it, which round alike.
     precise vec3 origin = point + side * (2.0 * dot(error, abs(flat_normal))) * flat_normal;
     uint own = Geometry(triangles.corners + 3 * int(slot)).w;
-    return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE);
+    // Depth is interpolated between corners that may be as near as the near plane, where it is 1: it errs by some half units in
+    // the last place of 1, and a metre of the point's depth is the smaller a part of it the farther away the point is.
+    float depth_error = 4.0 * ROUNDING * dot(start, start) / captures.view_unit;
+    return RayFrom(is_known ? origin : start + triangles.eye, direction, is_known ? own : NO_TRIANGLE,
+                   is_known ? 0.0 : depth_error);
 }
 
 #endif

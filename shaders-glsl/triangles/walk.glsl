@@ -25,6 +25,7 @@ struct TreeRay {
     vec3 origin;
     vec3 direction; // unit
     uint own;       // the triangle that it begins on, as records number it, which it cannot meet; NO_TRIANGLE for none
+    float off;      // metres by which a plane must lie off its start to be met
     Met after;
 };
 
@@ -33,8 +34,10 @@ const Met NOTHING = Met(NEVER, NO_TRIANGLE, vec2(0.0), 1.0);
 // Half a unit in the last place of 1.
 const float ROUNDING = 5.9604645e-8;
 
-TreeRay RayFrom(vec3 origin, vec3 direction, uint own) {
-    return TreeRay(origin, direction, own, Met(0.0, NO_TRIANGLE, vec2(0.0), 1.0));
+// A ray whose start is rounded by up to `error` metres.
+TreeRay RayFrom(vec3 origin, vec3 direction, uint own, float error) {
+    Met before_all = Met(0.0, NO_TRIANGLE, vec2(0.0), 1.0);
+    return TreeRay(origin, direction, own, error + 12.0 * ROUNDING * triangles.extent, before_all);
 }
 
 // In this order (the twin's).
@@ -80,7 +83,7 @@ void Meet(TreeRay ray, int slot, inout Met best) {
     float whole = uintBitsToFloat(second.w);
     float beyond = area < 0.0 ? -reach : reach;
     bool inside = (min(min(u, v), w) >= 0.0 || max(max(u, v), w) <= 0.0) && area != 0.0
-               && beyond > 12.0 * ROUNDING * triangles.extent * whole && first.w != ray.own;
+               && beyond > ray.off * whole && first.w != ray.own;
     bool nearer = t < best.t || (t == best.t && first.w < best.id);
     if (inside && nearer && (!ASKS || IsAfter(t, first.w, ray.after)))
         best = Met(t, first.w, weight, area / whole);

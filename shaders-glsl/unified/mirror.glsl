@@ -91,6 +91,11 @@ bool Show(ivec2 pixel, out Shown shown) {
         vec3 place = hit.code == PATH_HI_Z ? vec3(uv, hit_depth) : vec3(-1.0);
         int code = in_sky ? PATH_SKY : hit.code == PATH_MISS ? WhyMissed(ray) : hit.code;
         shown.hit = vec4(place, float(code));
+#ifdef CONFIRMED
+        // A confirmed hit is known better than the screen shows it.
+        if (shows)
+            shown.hit = vec4(seen.place, float(seen.code));
+#endif
     }
 #endif
     return true;

@@ -12,7 +12,7 @@ use crate::passes::fallback::FallbackPass;
 use crate::passes::history::HistoryPass;
 use crate::passes::resolution::{self, DownsamplePass, UpsamplePass};
 use crate::passes::trace_normals::{TraceNormals, TraceNormalsPass};
-use crate::passes::triangle_scene::{TriangleScene, TriangleTable};
+use crate::passes::triangle_scene::{TriangleReading, TriangleScene, TriangleTable};
 use crate::passes::{Captures, GBuffer};
 use crate::scene::capture::Wanted;
 use crate::scene::{Capture, Material};
@@ -171,7 +171,7 @@ impl Effect {
         info: &MethodInfo,
         setup: &Setup,
         wants: Wants,
-        (has_scene, captured, triangles): (bool, Option<Captured>, Option<(Arc<TriangleScene>, u32)>),
+        (has_scene, captured, triangles): (bool, Option<Captured>, Option<(Arc<TriangleScene>, TriangleReading)>),
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
@@ -206,7 +206,7 @@ impl Effect {
         }
         let gpu: Gpu = context.gpu().clone();
         let face = captured.as_ref().map(|c| c.face);
-        let reading = triangles.as_ref().map(|(triangles, lights)| triangles.reading(*lights));
+        let reading = triangles.as_ref().map(|(_, reading)| *reading);
         let fallback = effect.fallback.method().map(|behind| -> Result<_> {
             let behind_name = behind.name;
             if !info.is_screen_space() {
@@ -448,24 +448,23 @@ fn triangles_for(
     info: &MethodInfo,
     effect: &EffectParams,
     scene: Option<&SceneInput>,
-) -> Result<Option<(Arc<TriangleScene>, u32)>> {
+) -> Result<Option<(Arc<TriangleScene>, TriangleReading)>> {
     // A method of the scene that follows rays among triangles has nothing else to look into.
     let is_all = info.takes_triangles && !info.is_screen_space();
     if !is_all && !(info.takes_triangles && effect.beyond() == Beyond::Triangles) {
         return Ok(None);
     }
-    let known = match scene {
-        Some(scene) => scene.data.triangles(context)?,
-        None => None,
-    };
-    match known {
-        Some(triangles) => Ok(Some((triangles, scene.map_or(0, |s| s.data.light_count())))),
-        None => Err(Error::Usage(format!(
+    let refused = || {
+        Error::Usage(format!(
             "the method {} follows rays among the triangles of the scene, which are not known here; a G-buffer alone does \
              not have them",
             info.name
-        ))),
-    }
+        ))
+    };
+    let data = scene.ok_or_else(refused)?.data;
+    let triangles = data.triangles(context)?.ok_or_else(refused)?;
+    let reading = data.triangle_reading(&triangles);
+    Ok(Some((triangles, reading)))
 }
 
 /// The captures of a scene that a method and what is behind it take; none if they take none, or the scene has no place

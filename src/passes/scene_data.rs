@@ -1,6 +1,6 @@
 //! A scene in device memory: vertices, indices, material maps with their mip chains, and the sky.
 
-use super::triangle_scene::TriangleScene;
+use super::triangle_scene::{TriangleReading, TriangleScene};
 use crate::error::{Error, Result};
 use crate::gpu::shader::{LightBlock, LightData};
 use crate::gpu::sync::Access;
@@ -40,6 +40,7 @@ pub struct SceneData {
     find_captures: Option<FindCaptures>,
     build_tree: Option<BuildTree>,
     triangle_scene: RefCell<Option<Arc<TriangleScene>>>,
+    triangles_as_blocks: bool,
     placed: RefCell<Vec<(Wanted, Placed)>>,
     pub(super) impostors: Vec<Impostor>,
     pub(super) area_lights: Vec<AreaLight>,
@@ -126,6 +127,7 @@ impl SceneData {
             find_captures: None,
             build_tree: None,
             triangle_scene: RefCell::default(),
+            triangles_as_blocks: false,
             placed: RefCell::default(),
             impostors: scene.impostors.clone(),
             area_lights: scene.area_lights.clone(),
@@ -178,11 +180,6 @@ impl SceneData {
         block
     }
 
-    /// How many lights there are.
-    pub fn light_count(&self) -> u32 {
-        self.lights.len() as u32
-    }
-
     /// Replaces the lights. What was captured of the scene shows the old ones until it is captured again.
     ///
     /// # Errors
@@ -232,6 +229,22 @@ impl SceneData {
     pub fn build_tree_by(&mut self, build: impl Fn() -> Result<(Tree, TriangleRecords)> + 'static) {
         self.build_tree = Some(Box::new(build));
         self.triangle_scene.get_mut().take();
+    }
+
+    /// Has shaders read the triangles as storage blocks, also where the device could read them as texels, or undoes it.
+    pub fn read_triangles_as_blocks(&mut self, as_blocks: bool) {
+        self.triangles_as_blocks = as_blocks;
+    }
+
+    /// How the triangles are read that [`Self::triangles`] gives.
+    pub fn triangle_reading(&self, triangles: &TriangleScene) -> TriangleReading {
+        let reading = triangles.reading(self.lights.len() as u32);
+        let as_texels = |possible: bool| possible && !self.triangles_as_blocks;
+        TriangleReading {
+            geometry_texels: as_texels(reading.geometry_texels),
+            image_texels: as_texels(reading.image_texels),
+            ..reading
+        }
     }
 
     /// Whether rays can be followed among the scene's triangles.

@@ -56,7 +56,9 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
         over,
         composite: true,
         reflection: true,
+        screen: true,
         followed: false,
+        triangles: None,
         sky: false,
         trace: TileStage::Fragment,
         resolve: TileStage::Fragment,
@@ -85,8 +87,8 @@ fn draw(gpu: &Gpu, data: &GBufferData, way: Way) -> Drawn {
     };
     let lost = LostRays::new(gpu, extent, false).unwrap();
     let block = capture_block(&data.camera, None);
-    let beyond = lost.beyond(&mut frame, &block, None).unwrap();
-    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond };
+    let beyond = lost.beyond(&mut frame, &block, None, false).unwrap();
+    let input = UnifiedGlossInput { gbuffer, pyramid: blocks, tiles, canvas, beyond, among: None };
     if known.narrow {
         gloss.trace_narrow(&mut frame, &input, &parameters).unwrap();
         gloss.resolve_narrow(&mut frame, &input, &parameters).unwrap();

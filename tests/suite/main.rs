@@ -56,6 +56,7 @@ mod shards;
 mod stochastic;
 mod stress;
 mod trace_normals;
+mod triangles;
 mod unified;
 mod unified_stages;
 mod validation;

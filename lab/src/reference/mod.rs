@@ -21,6 +21,7 @@ pub mod ray;
 pub mod screen;
 pub mod surface;
 pub mod thickness;
+pub mod triangles;
 pub mod unified;
 pub mod visibility;
 pub mod world;

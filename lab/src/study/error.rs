@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::gpu::frame::Mode;
 use crate::gpu::{FrameContext, Gpu, Image, Pixels};
 use crate::math::{DefinitionsVersion, OracleVersion, display_byte};
+use crate::methods::setup::Beyond;
 use crate::methods::ssct::{self, ThesisMethod};
 use crate::methods::{EffectParams, Fallback, MethodInfo, Prepared, Setup, Wants};
 use crate::metrics::flip::FlipMap;
@@ -258,13 +259,15 @@ pub fn measure(
         };
         // Where its rays end is of the method alone, without what lies behind it.
         let mut hits = None;
-        if variant.method.is_screen_space() {
+        let among_triangles = variant.method.takes_triangles
+            && (!variant.method.is_screen_space() || variant.setup.effect().beyond() == Beyond::Triangles);
+        if variant.method.is_screen_space() || among_triangles {
             let setup = alone(&variant.setup);
             let traced = shot(stage, &setup, Wants::HITS, variant.method)?;
             let (_, _, output) = stage.output(&traced)?;
             let image = output.traced.hits.map(|h| stage.context.read(h.0.all())).transpose()?;
             hits = image.map(|p| MethodHits {
-                positions: gbuffer::hit_positions(&p),
+                positions: (!among_triangles).then(|| gbuffer::hit_positions(&p)),
                 ends: gbuffer::ray_ends(&p, &truth.data),
             });
         }

@@ -275,3 +275,46 @@ pub fn captures_headline(folders: &[PathBuf]) -> Result<String> {
         ["scene", "error over `ssct`", "error over `ssct --fallback pccm`", "rays that end right", "time over `ssct`"];
     table(&head, BEYOND.iter().map(row).collect::<Result<_>>()?)
 }
+
+/// What the scene's triangles gain at a roughness: `unified` and `traced` over `ssct`, with the right places of mirrors.
+pub fn triangles(folder: &Path, roughness: &str) -> Result<String> {
+    let folders = [folder.to_owned()];
+    let row = |(scene, _): &(&str, f64)| -> Result<Vec<String>> {
+        let records = of_scene(&folders, scene)?;
+        let over = |method: &str| -> Result<String> {
+            let [own, base] = [(method, "none"), ALONE].map(|of| by_view(&records, of, roughness, "rmse"));
+            if own.is_empty() || own.keys().ne(base.keys()) {
+                return Err(format!("{scene} at roughness {roughness}: not every view has {method} and ssct"));
+            }
+            median_and_greatest(&own.values().zip(base.values()).map(|(a, b)| a / b).collect::<Vec<_>>())
+        };
+        let time = |method: &str| median_and_greatest(&times_over(&folders, scene, method, roughness)?);
+        let mut row = vec![(*scene).to_owned(), over("unified")?, over("traced")?];
+        // Lobes end in many places.
+        if roughness == "0" {
+            row.push(right_places(&records)?);
+        }
+        row.extend([time("unified")?, time("traced")?]);
+        Ok(row)
+    };
+    let mut rows = BEYOND.iter().map(row).collect::<Result<Vec<_>>>()?;
+    let all = |method: &str| -> Result<String> {
+        let of = |(scene, _): &(&str, f64)| times_over(&folders, scene, method, roughness);
+        median_and_greatest(&BEYOND.iter().map(of).collect::<Result<Vec<_>>>()?.concat())
+    };
+    let blank = if roughness == "0" { 3 } else { 2 };
+    let mut last = vec!["*all views*".to_owned()];
+    last.extend(vec!["–".to_owned(); blank]);
+    last.extend([all("unified")?, all("traced")?]);
+    rows.push(last);
+    let head = [
+        "scene",
+        "error of `unified`",
+        "error of `traced`",
+        "rays that end right",
+        "time of `unified`",
+        "time of `traced`",
+    ];
+    let head: Vec<_> = head.into_iter().filter(|h| roughness == "0" || *h != "rays that end right").collect();
+    table(&head, rows)
+}

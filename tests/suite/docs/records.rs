@@ -34,6 +34,7 @@ pub fn show(query: &str, folders: &[PathBuf]) -> Result<String> {
         ["views-above", limit, behind, roughness] => beyond::views_above(folders, limit, behind, roughness)?,
         ["seen", scene, captures] => beyond::seen(first, scene, captures)?,
         ["captures-headline"] => beyond::captures_headline(folders)?,
+        ["triangles", roughness] => beyond::triangles(first, roughness)?,
         ["capture-steps"] => follow::steps(first)?,
         ["ends"] => ends::ends(first)?,
         ["motion-most", roughness] => motion::most(first, roughness)?,

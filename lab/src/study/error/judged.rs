@@ -15,8 +15,9 @@ use crate::study::record::{Head, Of};
 
 /// Where a method's rays ended.
 pub(super) struct MethodHits {
-    /// On the screen, in pixels; `None` for a miss.
-    pub(super) positions: Vec<Option<[f64; 2]>>,
+    /// On the screen, in pixels; `None` for a miss. Not of rays that end among the triangles of the scene, whatever the
+    /// screen shows there.
+    pub(super) positions: Option<Vec<Option<[f64; 2]>>>,
     /// In the world.
     pub(super) ends: Vec<RayEnd>,
 }
@@ -80,21 +81,21 @@ impl Record {
         let hits = hits.filter(|_| truth.mirrors);
         let screen = truth.screen(self.oracle);
         let mut records = Vec::new();
-        if let Some(hits) = hits {
+        if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {
             let oracle: Vec<_> = screen.hits.iter().map(|p| p.map(|p| [p.x, p.y])).collect();
-            let hits = HitAgreement::new(&truth.mask, &hits.positions, &oracle);
+            let hits = HitAgreement::new(&truth.mask, positions, &oracle);
             records.push(ErrorRecord { against: Against::Oracle, hits, ..self.record.clone() });
         }
         if escape == Escape::Black {
             records.push(self.image(Against::Screen, truth, &screen.image, color));
         }
         let mut world = self.image(Against::World, truth, truth.world(escape), color);
-        if let Some(hits) = hits {
+        if let Some(hits) = hits.filter(|_| truth.floor.is_some()) {
+            world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
+        }
+        if let Some(positions) = hits.and_then(|hits| hits.positions.as_ref()) {
             let visible: Vec<_> = truth.world_hits.iter().map(|h| h.visible_at().map(|p| p.to_array())).collect();
-            let w = world::agreement(&truth.mask, &visible, &hits.positions);
-            if truth.floor.is_some() {
-                world.place_agreement = place::agreement(&truth.world_hits, &hits.ends);
-            }
+            let w = world::agreement(&truth.mask, &visible, positions);
             let share = |n: u64| (w.pixels > 0).then(|| n as f64 / w.pixels as f64);
             world.hits = HitAgreement {
                 hit_agreement: w.fraction(),

@@ -1,0 +1,177 @@
+//! The CPU twin of `shaders-glsl/triangles/walk.glsl`: the walk of a ray through a tree of triangles, and the test of one
+//! triangle, operation for operation in 32-bit floats.
+
+use crate::math::constants::{ASKS_MATERIAL, NEVER, NO_TRIANGLE, TREE_LEVELS};
+use crate::scene::tree::{NODE_WORDS, Tree, TriangleRecords, Words};
+use glam::Vec3;
+
+/// What a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Met {
+    /// Metres along the ray's unit direction.
+    pub t: f32,
+    /// Number of the triangle, with `ASKS_MATERIAL`; `NO_TRIANGLE` for none.
+    pub id: u32,
+    /// Weights of its second and third corner.
+    pub weight: [f32; 2],
+}
+
+impl Met {
+    const NOTHING: Self = Self { t: NEVER as f32, id: NO_TRIANGLE, weight: [0.0; 2] };
+
+    /// The triangle's number; `None` if nothing is met.
+    pub fn triangle(&self) -> Option<u32> {
+        (self.id != NO_TRIANGLE).then_some(self.id & !ASKS_MATERIAL)
+    }
+}
+
+/// Half a unit in the last place of 1.
+const ROUNDING: f32 = 5.960_464_5e-8;
+
+/// A ray in the coordinates of a tree.
+#[derive(Debug, Clone, Copy)]
+pub struct TreeRay {
+    /// Start, in metres from the tree's origin.
+    pub origin: Vec3,
+    /// Unit direction.
+    pub direction: Vec3,
+    /// The record's number of the triangle that the ray begins on, which it cannot meet; `NO_TRIANGLE` for none.
+    pub own: u32,
+}
+
+/// A scene's triangles for rays that are followed as shaders follow them.
+pub struct TriangleWalk<'a> {
+    tree: &'a Tree,
+    records: &'a TriangleRecords,
+    extent: f32,
+}
+
+/// In this order (the shader's).
+fn dot(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.x + a.y * b.y + a.z * b.z
+}
+
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    Vec3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+}
+
+fn corner(words: &Words) -> Vec3 {
+    Vec3::from_array([words[0], words[1], words[2]].map(f32::from_bits))
+}
+
+fn byte(word: u32, i: u32) -> u32 {
+    word >> (8 * i) & 0xff
+}
+
+impl<'a> TriangleWalk<'a> {
+    /// For a tree and the records of its triangles.
+    pub fn new(tree: &'a Tree, records: &'a TriangleRecords) -> Self {
+        Self { tree, records, extent: records.extent_m() }
+    }
+
+    /// The nearest triangle that a ray meets, and the most groups of nodes that its walk had on its stack.
+    pub fn walk(&self, ray: &TreeRay) -> (Met, usize) {
+        let mut best = Met::NOTHING;
+        let mut stack: Vec<[u32; 2]> = Vec::with_capacity(TREE_LEVELS as usize);
+        let mut highest = 0;
+        let direction = Vec3::from_array(ray.direction.to_array().map(|d| if d.abs() < 1e-20 { 1e-20 } else { d }));
+        let inverse = 1.0 / direction;
+        let back = direction.to_array().map(|d| d < 0.0);
+        let octant = [0x0404_0404, 0x0202_0202, 0x0101_0101];
+        let octant = octant.iter().zip(back).filter(|(_, back)| !back).fold(0, |all, (bits, _)| all | bits);
+        let mut group = [0, if self.tree.nodes.is_empty() { 0 } else { 0x8000_0000 }];
+        loop {
+            let mut leaves = [0; 2];
+            if group[1] & 0xff00_0000 != 0 {
+                let bits: u32 = group[1];
+                let bit = 31 - bits.leading_zeros();
+                group[1] &= !(1 << bit);
+                if group[1] & 0xff00_0000 != 0 {
+                    stack.push(group);
+                    highest = highest.max(stack.len());
+                }
+                let child = (bit - 24) ^ (octant & 0xff);
+                let node = group[0] + (bits & !(0xffff_ffff << child)).count_ones();
+                let (inner, met, bases) = self.children(node, ray.origin, inverse, (back, octant), best.t);
+                group = [bases[0], met & 0xff00_0000 | inner];
+                leaves = [bases[1], met & 0x00ff_ffff];
+            }
+            while leaves[1] != 0 {
+                let bit = 31 - leaves[1].leading_zeros();
+                leaves[1] &= !(1 << bit);
+                self.meet(ray, (leaves[0] + bit) as usize, &mut best);
+            }
+            if group[1] & 0xff00_0000 == 0 {
+                let Some(next) = stack.pop() else { return (best, highest) };
+                group = next;
+            }
+        }
+    }
+
+    /// Which children of a node are nodes, which of them the ray meets before `nearest`, and where their lists begin.
+    fn children(
+        &self,
+        node: u32,
+        origin: Vec3,
+        inverse: Vec3,
+        (back, octant): ([bool; 3], u32),
+        nearest: f32,
+    ) -> (u32, u32, [u32; 2]) {
+        let first = NODE_WORDS * node as usize;
+        let [head, kinds, mut sides @ ..]: [Words; NODE_WORDS] = std::array::from_fn(|i| self.tree.nodes[first + i]);
+        for (side, back) in sides.iter_mut().zip(back) {
+            if back {
+                *side = [side[2], side[3], side[0], side[1]];
+            }
+        }
+        let scale = Vec3::from_array([0, 1, 2].map(|i| f32::from_bits(byte(head[3], i) << 23)));
+        let (step, base) = (scale * inverse, (corner(&head) - origin) * inverse);
+        let mut met = 0;
+        for half in 0..2 {
+            let meta = kinds[2 + half];
+            let inner = ((meta & meta << 1 & 0x1010_1010) >> 4) * 0xff;
+            let places = (meta ^ octant & inner) & 0x1f1f_1f1f;
+            let bits = meta >> 5 & 0x0707_0707;
+            for i in 0..4 {
+                let at = |k: usize| Vec3::from_array(sides.map(|side| byte(side[k], i) as f32));
+                let (near, far) = (at(half) * step + base, at(2 + half) * step + base);
+                let enters = near.max_element().max(0.0);
+                let leaves = far.min_element().min(nearest);
+                met |= if enters <= leaves { byte(bits, i) << byte(places, i) } else { 0 };
+            }
+        }
+        (head[3] >> 24, met, [kinds[0], kinds[1]])
+    }
+
+    /// The same by asking every triangle.
+    pub fn nearest_of_all(&self, ray: &TreeRay) -> Met {
+        let mut best = Met::NOTHING;
+        (0..self.tree.slots.len()).for_each(|slot| self.meet(ray, slot, &mut best));
+        best
+    }
+
+    fn meet(&self, ray: &TreeRay, slot: usize, best: &mut Met) {
+        let words = &self.records.corners[3 * slot..3 * slot + 3];
+        let [a, b, c] = [0, 1, 2].map(|k| corner(&words[k]) - ray.origin);
+        let d = ray.direction;
+        let [u, v, w] = [dot(d, cross(c, b)), dot(d, cross(a, c)), dot(d, cross(b, a))];
+        let area = u + v + w;
+        let inverse = 1.0 / area;
+        let reach = u * dot(d, a) + v * dot(d, b) + w * dot(d, c);
+        let t = reach * inverse;
+        let (id, whole) = (words[0][3], f32::from_bits(words[1][3]));
+        let beyond = if area < 0.0 { -reach } else { reach };
+        let inside = (u.min(v).min(w) >= 0.0 || u.max(v).max(w) <= 0.0)
+            && area != 0.0
+            && beyond > 12.0 * ROUNDING * self.extent * whole
+            && id != ray.own;
+        let nearer = t < best.t || (t == best.t && id < best.id);
+        if inside && nearer && t > 0.0 {
+            *best = Met { t, id, weight: [v * inverse, w * inverse] };
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "triangles/tests.rs"]
+mod tests;

@@ -1,0 +1,172 @@
+//! Rays that are followed among the triangles of a scene (docs/definitions.md, "Triangles"): the device against the
+//! hierarchy in 64-bit floats, however buffers are read, and nothing that a scene does not need.
+
+use crate::common::{check_validation, gpu};
+use glam::Vec3;
+use ssct::gpu::frame::Mode;
+use ssct::gpu::{Gpu, Pixels};
+use ssct::methods::setup::Beyond;
+use ssct::methods::unified::{First, UnifiedParams};
+use ssct::methods::{self, EffectParams, MethodInfo, SceneInput, Setup, Wants};
+use ssct::passes::PathCode;
+use ssct_lab::reference::ray::RaySetup;
+use ssct_lab::reference::surface::World;
+use ssct_lab::scene::bvh::WorldRay;
+use ssct_lab::scene::{GBufferData, Material, Scene, library};
+use ssct_lab::study::{Globals, Shot, Stage, gbuffer};
+
+const EXTENT: [u32; 2] = [160, 90];
+
+/// Mirrors everywhere, with flat normals.
+fn mirrors(scene: &Scene, view: &str) -> Vec<Material> {
+    let view = scene.view(view).unwrap();
+    Globals { roughness: Some(0.0), normal_deviation: Some(0.0), ..Globals::default() }.materials(scene, view)
+}
+
+struct Drawn {
+    data: GBufferData,
+    hits: Pixels,
+    reflection: Pixels,
+    recorded: Vec<String>,
+}
+
+fn draw(
+    gpu: &Gpu,
+    (scene, view): (&Scene, &str),
+    materials: Vec<Material>,
+    (method, setup): (&MethodInfo, &Setup),
+    by_blocks: bool,
+) -> Drawn {
+    let mut stage = Stage::new(gpu, scene).unwrap();
+    stage.scene_mut().read_triangles_as_blocks(by_blocks);
+    let camera = scene.view(view).unwrap().camera(scene, EXTENT);
+    let shot = Shot::new(&mut stage, method, setup, Wants::HITS, camera, materials).unwrap();
+    let (report, _, output) = stage.output_in(Mode::Plain, &shot).unwrap();
+    let hits = stage.context.read(output.traced.hits.unwrap().0.all()).unwrap();
+    let reflection = gbuffer::reflection(&mut stage.context, &output).unwrap();
+    Drawn { data: gbuffer::read(&mut stage.context, &shot).unwrap(), hits, reflection, recorded: report.recorded }
+}
+
+fn traced() -> &'static MethodInfo {
+    methods::find("traced").unwrap()
+}
+
+fn beyond(first: First) -> Setup {
+    Setup::new(EXTENT)
+        .with(|p: &mut EffectParams| p.beyond = Beyond::Triangles)
+        .with(|p: &mut UnifiedParams| p.first = first)
+}
+
+/// How many rays end, and how many of them elsewhere than in the world.
+fn against_world(drawn: &Drawn, scene: &Scene, materials: &[Material]) -> (usize, usize) {
+    let world = World::new(scene, materials);
+    let rays = RaySetup::new(&drawn.data);
+    let data = &drawn.data;
+    let view_to_world = data.camera.world_to_view.as_dmat4().inverse();
+    let clip_to_view = data.view_to_clip().inverse();
+    let eye = data.camera.eye();
+    let (mut rays_seen, mut wrong) = (0, 0);
+    for (i, found) in drawn.hits.texels().enumerate() {
+        let (x, y) = (i as u32 % data.width, i as u32 / data.width);
+        assert!(found.iter().all(|v| v.is_finite()), "({x}, {y}): {found:?}");
+        let (true, Some(direction)) = (data.reflects(i), rays.mirror(x, y)) else { continue };
+        let code = PathCode::from_channel(found[3]);
+        if !matches!(code, Some(PathCode::Triangle | PathCode::Sky)) {
+            continue;
+        }
+        rays_seen += 1;
+        let begin = data.unproject(f64::from(x) + 0.5, f64::from(y) + 0.5, f64::from(data.depth[i]), &clip_to_view);
+        let origin = view_to_world.transform_point3(begin);
+        let direction = view_to_world.transform_vector3(direction).normalize();
+        let ray = WorldRay { origin, direction, t_min: 1e-3, t_max: f64::INFINITY };
+        let right = match (world.closest(&ray), code) {
+            (None, code) => code == Some(PathCode::Sky),
+            (Some(hit), Some(PathCode::Triangle)) => {
+                let place = (eye + Vec3::from_slice(found)).as_dvec3();
+                place.distance(ray.at(hit.t)) <= 0.02 + 0.005 * hit.t
+            }
+            _ => false,
+        };
+        wrong += usize::from(!right);
+    }
+    (rays_seen, wrong)
+}
+
+#[test]
+fn traced_rays_end_where_the_world_says() {
+    let gpu = gpu();
+    for (name, view) in [("rooms", "cylinder"), ("rooms", "window"), ("street", "car"), ("atrium", "hall")] {
+        let scene = library::scene(name).unwrap();
+        let materials = mirrors(&scene, view);
+        let setup = Setup::new(EXTENT);
+        let drawn = draw(&gpu, (&scene, view), materials.clone(), (traced(), &setup), false);
+        let (rays, wrong) = against_world(&drawn, &scene, &materials);
+        // Points of the G-buffer are rounded, so that a ray that grazes an edge may end beside it.
+        assert!(rays > 1000 && wrong * 200 <= rays, "{name} {view}: {wrong} of {rays} end elsewhere");
+        println!("{name} {view}: {wrong} of {rays}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn the_screen_and_the_triangles_agree() {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let materials = mirrors(&scene, "corridor");
+    let of =
+        |first| draw(&gpu, (&scene, "corridor"), materials.clone(), (&methods::unified::INFO, &beyond(first)), false);
+    let (screen, triangles) = (of(First::Screen), of(First::Triangles));
+    let (rays, wrong) = against_world(&screen, &scene, &materials);
+    assert!(rays > 1000 && wrong * 50 <= rays, "{wrong} of {rays} end elsewhere");
+    let has = |drawn: &Drawn, pass: &str| drawn.recorded.iter().any(|p| p.starts_with(pass));
+    assert!(has(&screen, "pyramid") && has(&screen, "triangles/mirrors"), "{:?}", screen.recorded);
+    assert!(!has(&triangles, "pyramid") && !has(&triangles, "color"), "{:?}", triangles.recorded);
+    // Without a walk over the screen, unified is the method traced.
+    let plain = draw(&gpu, (&scene, "corridor"), materials.clone(), (traced(), &Setup::new(EXTENT)), false);
+    assert_eq!(plain.reflection.values, triangles.reflection.values);
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn blocks_and_texels_give_the_same_image() {
+    let gpu = gpu();
+    let scene = library::scene("street").unwrap();
+    for roughness in [0.0, 0.1, 0.4] {
+        let view = scene.view("car").unwrap();
+        let materials = Globals { roughness: Some(roughness), ..Globals::default() }.materials(&scene, view);
+        let setup = beyond(First::Screen);
+        let of =
+            |by_blocks| draw(&gpu, (&scene, "car"), materials.clone(), (&methods::unified::INFO, &setup), by_blocks);
+        let (texels, blocks) = (of(false), of(true));
+        assert_eq!(texels.reflection.values, blocks.reflection.values, "roughness {roughness}");
+        assert!(texels.reflection.values.iter().all(|v| v.is_finite() && *v >= 0.0));
+        assert!(texels.reflection.texels().any(|t| t[0] > 0.1), "black at roughness {roughness}");
+    }
+    check_validation(&gpu).unwrap();
+}
+
+#[test]
+fn without_reflectors_no_triangle_is_asked() {
+    let gpu = gpu();
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let materials = Globals { reflectivity: 0.0, ..Globals::default() }.materials(&scene, view);
+    let mut stage = Stage::new(&gpu, &scene).unwrap();
+    let camera = view.camera(&scene, EXTENT);
+    let shot = Shot::new(&mut stage, traced(), &Setup::new(EXTENT), Wants::IMAGE, camera, materials).unwrap();
+    let (report, _) = stage.run(&shot, Mode::Plain).unwrap();
+    let scene_passes = ["g-buffer", "lighting"];
+    assert!(report.recorded.iter().all(|p| scene_passes.contains(&p.as_str())), "{:?}", report.recorded);
+}
+
+#[test]
+fn a_g_buffer_alone_has_no_triangles() {
+    let gpu = gpu();
+    let mut context = ssct::gpu::FrameContext::new(&gpu).unwrap();
+    let none: Option<&SceneInput> = None;
+    for (method, setup) in [(traced(), Setup::new(EXTENT)), (&methods::unified::INFO, beyond(First::Auto))] {
+        let made = methods::Effect::new(&mut context, method, &setup, Wants::IMAGE, none);
+        let said = made.err().expect("refused").to_string();
+        assert!(said.contains(method.name) && said.contains("G-buffer alone"), "{said}");
+    }
+}
