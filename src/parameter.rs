@@ -73,6 +73,8 @@ pub enum Domain {
     Numbers(&'static [f32]),
     /// One of these.
     Choices(&'static [Choice]),
+    /// One of these, or a whole number from the first to the second, both included.
+    ChoicesOrCount(&'static [Choice], u32, u32),
 }
 
 impl Domain {
@@ -85,7 +87,19 @@ impl Domain {
                 n <= *most && (n > *least || *with_least && n == *least)
             }
             (Self::Numbers(all), Value::Number(n)) => all.contains(&n),
-            (Self::Choices(all), Value::Choice(name)) => all.iter().any(|c| c.name == name),
+            (Self::Choices(all) | Self::ChoicesOrCount(all, ..), Value::Choice(name)) => {
+                all.iter().any(|c| c.name == name)
+            }
+            (Self::ChoicesOrCount(_, least, most), Value::Count(n)) => (*least..=*most).contains(&n),
+            _ => false,
+        }
+    }
+
+    /// True if the values are on and off, whether a type of its own names them or not.
+    pub fn is_switch(&self) -> bool {
+        match self {
+            Self::Switch => true,
+            Self::Choices(all) => all.len() == 2 && all.iter().all(|c| ["on", "off"].contains(&c.name)),
             _ => false,
         }
     }
@@ -96,14 +110,22 @@ impl Domain {
             Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
             Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
             Self::Choices(all) => Some(all.iter().map(|c| Value::Choice(c.name)).collect()),
+            Self::ChoicesOrCount(all, least, most) => {
+                let names = all.iter().map(|c| Value::Choice(c.name));
+                Some(names.chain((*least..=*most).map(Value::Count)).collect())
+            }
             Self::Count(..) | Self::Number { .. } => None,
         }
     }
 }
 
-/// As a reader is told: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
+/// Describes the values to a reader: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
 impl fmt::Display for Domain {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if let Self::ChoicesOrCount(all, least, most) = self {
+            let names: Vec<_> = all.iter().map(|c| c.name).collect();
+            return write!(f, "{}, or whole numbers from {least} to {most}", names.join(", "));
+        }
         if let Some(few) = self.few() {
             let names: Vec<_> = few.iter().map(Value::to_string).collect();
             return f.write_str(&names.join(", "));
@@ -224,7 +246,7 @@ impl Parameter {
         self.name.replace('_', "-")
     }
 
-    /// Reads a value.
+    /// Reads a value from text.
     ///
     /// # Errors
     /// [`Error::Usage`] with the values that there are.
@@ -238,12 +260,17 @@ impl Parameter {
             },
             Domain::Count(..) => text.parse().ok().map(Value::Count),
             Domain::Number { .. } | Domain::Numbers(_) => text.parse().ok().map(Value::Number),
-            Domain::Choices(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
+            Domain::Choices(all) => named(all, text),
+            Domain::ChoicesOrCount(all, ..) => named(all, text).or_else(|| text.parse().ok().map(Value::Count)),
         };
         value
             .filter(|v| self.domain.has(*v))
             .ok_or_else(|| Error::Usage(format!("{} is {text:?}; it takes {}", self.typed_name(), self.domain)))
     }
+}
+
+fn named(all: &[Choice], text: &str) -> Option<Value> {
+    all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name))
 }
 
 /// A type that a parameter's value has in code.

@@ -2,7 +2,9 @@
 
 use super::{MethodInfo, captures, environment, pccm};
 use crate::math::{DefinitionsVersion, OracleVersion};
-use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters};
+use crate::parameter::{
+    Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
+};
 use crate::passes::trace_normals::TraceNormals;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
 use std::collections::BTreeMap;
@@ -31,32 +33,18 @@ choices! {
     }
 }
 
-choices! {
-    /// How many captures of the scene `unified` follows rays in that the screen loses.
-    pub enum CaptureCount {
-        /// None: the screen is all there is.
-        None = "none",
-        /// Those of the scene file, or as many as the scene needs.
-        Auto = "auto",
-        /// The first of them.
-        One = "1",
-        /// The first two.
-        Two = "2",
-        /// The first three.
-        Three = "3",
-        /// The first four.
-        Four = "4",
-        /// The first five.
-        Five = "5",
-        /// The first six.
-        Six = "6",
-        /// The first seven.
-        Seven = "7",
-        /// The first eight.
-        Eight = "8",
-        /// One at the camera, which each frame draws anew.
-        Camera = "camera",
-    }
+/// The number of captures in which rays go on that the screen loses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CaptureCount {
+    /// None: the screen is all there is.
+    #[default]
+    None,
+    /// All captures of the scene file, or as many as the scene needs.
+    Auto,
+    /// A single capture at the camera, drawn anew in each frame.
+    Camera,
+    /// So many captures, the scene file's first; from 1 to [`MAX_CAPTURES`].
+    Number(u32),
 }
 
 choices! {
@@ -83,12 +71,43 @@ impl CaptureSide {
 }
 
 impl CaptureCount {
-    /// What is asked of the places of a scene; `None` for no captures there.
+    const NAMED: &'static [Choice] = &[
+        Choice { name: "none", help: "None: the screen is all there is." },
+        Choice { name: "auto", help: "All captures of the scene file, or as many as the scene needs." },
+        Choice { name: "camera", help: "A single capture at the camera, drawn anew in each frame." },
+    ];
+
+    /// Returns what to ask of the scene's places; `None` if no capture stands at a place of the scene.
     pub fn wanted(self) -> Option<Wanted> {
         match self {
             Self::None | Self::Camera => None,
             Self::Auto => Some(Wanted::Auto),
-            count => count.name().parse().ok().map(Wanted::Count),
+            Self::Number(count) => Some(Wanted::Count(count as usize)),
+        }
+    }
+}
+
+impl Field for CaptureCount {
+    fn domain() -> Domain {
+        Domain::ChoicesOrCount(Self::NAMED, 1, MAX_CAPTURES as u32)
+    }
+
+    fn value(self) -> Value {
+        match self {
+            Self::None => Value::Choice("none"),
+            Self::Auto => Value::Choice("auto"),
+            Self::Camera => Value::Choice("camera"),
+            Self::Number(count) => Value::Count(count),
+        }
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Choice("none") => Some(Self::None),
+            Value::Choice("auto") => Some(Self::Auto),
+            Value::Choice("camera") => Some(Self::Camera),
+            Value::Count(count) => Some(Self::Number(count)),
+            _ => None,
         }
     }
 }
@@ -140,8 +159,9 @@ parameters! {
         oracle: OracleVersion = Parameter::new(OracleVersion::V1)
             .sweep(Preset::Published, &[OracleVersion::V2])
             .source("this project"),
-        /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
-        /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
+        /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
+        /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
+        /// screen's border.
         captures: CaptureCount = Parameter::new(CaptureCount::None)
             .source("this project; camera: Hermanns and Franke 2014, Conclusion"),
         /// Width and height of the faces of captures.

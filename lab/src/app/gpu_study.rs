@@ -97,7 +97,7 @@ impl Plan {
     /// Every method, and with captures those that look into them.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::new(self.size);
-        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // Without captures the method `captures` shows nothing.
         let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
         let plain = Variant::of(&plain, &setup).into_iter();

@@ -265,7 +265,7 @@ fn pictures(
     bar: &ProgressBar,
 ) -> Result<Vec<Gallery>> {
     let plain = Setup::new(plan.size);
-    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
     let methods = plan.methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
     let with_captures = "unified with four captures, roughness 0.1".to_owned();
     let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();

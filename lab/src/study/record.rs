@@ -211,7 +211,7 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
         Domain::Switch if text == "true" => row.typed_name(),
         Domain::Switch => format!("no {}", row.typed_name()),
         // A number alone says nothing, and nor does on or off.
-        Domain::Choices(_)
+        Domain::Choices(_) | Domain::ChoicesOrCount(..)
             if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
         {
             text.to_owned()
