@@ -139,15 +139,14 @@ parameters! {
         /// were reflected at, for a deviation of 1. With 0 they are not.
         bump_after: f32 =
             Parameter::new(0.0).between(0.0, 4.0).unit("screen heights").source("Hermanns 2015, §4.4; no number there"),
-        /// What is seen behind a screen-space method where its reflection fades out.
+        /// What shows where a screen-space reflection fades out.
         fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
         /// How often light is reflected in screen-space methods: with each bounce the reflections are made again, from the
         /// image with those of the bounce before in it (docs/definitions.md, "Bounces"). With 1, what is reflected does not
         /// reflect. The references follow rays over as many bounces.
         bounces: u32 = Parameter::new(1).within(1, 8).unit("bounces").source("Hermanns 2015, §4.2.11"),
-        /// Reflections are averaged over frames: those of earlier frames are found again where they were seen then, as far
-        /// as they are not hidden, and kept within what the pixels around show now. An image at rest is shown after
-        /// `history_frames` frames.
+        /// Reflections are averaged over frames. Earlier frames are reprojected, rejected where they were occluded, and
+        /// clamped to what the pixels around show now. An image at rest is shown after `history_frames` frames.
         history: HistoryUse = Parameter::new(HistoryUse::Off).source("Hermanns 2015, §4.2.11; Salvi 2016"),
         /// Frames that the history averages at most.
         history_frames: u32 = Parameter::new(16).within(1, 256).unit("frames").source("tuned (docs/findings.md)"),

@@ -46,17 +46,20 @@ const KEPT: &str = "same";
 /// Options of `ssct gpu-study`.
 #[derive(Debug, Args)]
 pub struct GpuStudyOptions {
-    /// Small images, few frames: to try it, or for a device that is a CPU.
+    /// Small images and few frames, for a device that is a CPU
     #[arg(long)]
     pub quick: bool,
-    /// The folder of a study of another device, from any machine: this one's images are held against that one's, on the
-    /// same G-buffers.
+    /// Folder of a study of another device
+    ///
+    /// The other device may be of any machine. Both devices' images are compared, on the same G-buffers.
     #[arg(long, value_name = "DIR")]
     pub beside: Vec<PathBuf>,
-    /// The folder; its page is index.html.
+    /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "gpu-study")]
     pub output: PathBuf,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    /// Go on with what the folder has
+    ///
+    /// Nothing that was measured with the same settings is measured again.
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
