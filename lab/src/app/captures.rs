@@ -17,9 +17,10 @@ use std::path::{Path, PathBuf};
 /// Options of `ssct captures`.
 #[derive(Debug, Args)]
 pub struct CapturesOptions {
-    /// Built-in scene or file: .scene.toml, glTF, OBJ
+    /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
     ///
-    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor.
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
+    /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(value_name = "NAME|FILE", required = true)]
     scene: Vec<PathBuf>,
     /// Factor on the scene's coordinates

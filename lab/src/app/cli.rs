@@ -30,10 +30,10 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// Built-in scene or file: .scene.toml, glTF, OBJ
+    /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
     ///
-    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A glTF file ends in .gltf or .glb.
-    /// Several OBJ files make one scene.
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
+    /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
     /// Factor on the scene's coordinates
