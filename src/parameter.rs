@@ -32,7 +32,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// As records keep it; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
+/// Writes a value for records; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
@@ -277,9 +277,9 @@ fn named(all: &[Choice], text: &str) -> Option<Value> {
 pub trait Field: Copy + PartialEq {
     /// Every value of the type.
     fn domain() -> Domain;
-    /// As a value.
+    /// Converts to a value.
     fn value(self) -> Value;
-    /// From a value; `None` if it is of another type.
+    /// Converts from a value; `None` if it is of another type.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -393,7 +393,7 @@ impl Values {
         self.given.keys().copied()
     }
 
-    /// The same values, but for what a function changes of some parameters.
+    /// Returns these values with what a function changes in some parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         let mut all = P::of(self);
