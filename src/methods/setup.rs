@@ -50,7 +50,7 @@ pub enum CaptureCount {
 choices! {
     /// Width and height of the faces of captures, in texels.
     pub enum CaptureSide {
-        /// As the scene file says, else 512.
+        /// The side that the scene file says, else 512.
         Scene = "scene",
         /// 128.
         Side128 = "128",
@@ -198,13 +198,13 @@ impl Setup {
         Self { extent, values: Values::default() }
     }
 
-    /// The same at another size.
+    /// Returns this setup at another size.
     #[must_use]
     pub fn at(&self, extent: [u32; 2]) -> Self {
         Self { extent, values: self.values.clone() }
     }
 
-    /// The same with the values of a preset, but for those that were given.
+    /// Returns this setup with another preset; values that were given stay.
     #[must_use]
     pub fn of_preset(&self, preset: Preset) -> Self {
         let mut of_preset = self.clone();
@@ -212,7 +212,7 @@ impl Setup {
         of_preset
     }
 
-    /// The same, but for what a function changes of some parameters: of [`EffectParams`] or of a method's own.
+    /// Returns this setup with what a function changes in [`EffectParams`] or in a method's own parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         Self { extent: self.extent, values: self.values.with(change) }
@@ -228,7 +228,7 @@ impl Setup {
         self.of()
     }
 
-    /// As records keep it: size, preset, and the value of every parameter of the effect and of a method.
+    /// The setup in records: size, preset, and the value of every parameter of the effect and of a method.
     pub fn recorded(&self, method: Option<&MethodInfo>) -> BTreeMap<&'static str, Value> {
         let own = method.map(MethodInfo::own_parameters).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);
