@@ -35,7 +35,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let outcome = plan.measure(&gpu, &mut run.journal, Some(&list), pictures.as_deref(), &mut || bar.inc(1));
     bar.finish_and_clear();
     let records = plan.records(&gpu, &run.journal);
-    // What there is, whatever ended the measurement; and what ended it counts for more.
+    // Cells that were measured are written even after an error, and that error is reported before one of writing.
     let wrote = write(options, &records, &plan.costs(&gpu, &run.journal), &list.command);
     run.ended(outcome)?;
     wrote?;

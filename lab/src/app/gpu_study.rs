@@ -164,7 +164,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
     let methods = methods.iter().flat_map(records).collect();
     let times = DeviceTimes { table: records(&table), methods, stages: records(&stages) };
-    // What there is, whatever ended the measurement; and what ended it counts for more.
+    // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
         .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()));
@@ -234,7 +234,7 @@ fn keep(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<()> {
     Ok(())
 }
 
-/// The same of the methods that see the screen alone: a G-buffer is all that they need.
+/// Returns the part of a comparison that a G-buffer is enough for: the screen-space methods.
 fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     let methods: Vec<&'static MethodInfo> = spec.methods.iter().copied().filter(|m| m.is_screen_space()).collect();
     AgreementSpec { methods, ..spec.clone() }

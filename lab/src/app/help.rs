@@ -261,7 +261,7 @@ fn long(command: Command) -> Command {
     // Positional arguments have no heading, come first and keep their order; so do the parameters of methods at the end.
     sorted.sort_by_key(rank);
     let mut sorted = sorted.into_iter().enumerate().map(|(n, a)| a.display_order(n));
-    // As many as there are, so that the function never runs out of them.
+    // The function is called once for each argument, so that it never runs out of sorted ones.
     command.mut_args(|argument| sorted.next().unwrap_or(argument))
 }
 

@@ -72,7 +72,7 @@ impl TypedVariant {
     /// The method, set up as a base is, but for the flags of its own.
     ///
     /// # Errors
-    /// As for [`methods::find`] and [`methods::check_read`].
+    /// Errors of [`methods::find`] and [`methods::check_read`].
     pub fn over(&self, base: &Setup) -> crate::error::Result<Variant> {
         let method = methods::find(&self.method)?;
         methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;

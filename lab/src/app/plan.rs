@@ -34,7 +34,7 @@ struct MachinePlan {
     total_s: f64,
     /// Seconds until the last machine is done, as `--shard` divides the cells.
     makespan_s: f64,
-    /// The same if digests alone divided them.
+    /// Seconds until the last machine is done if digests alone divided the cells.
     makespan_by_digest_s: f64,
     /// No division is faster than this: all cells over the machines, or the dearest cell.
     bound_s: f64,

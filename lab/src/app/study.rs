@@ -54,7 +54,7 @@ struct Plan {
     table_sizes: Vec<[u32; 2]>,
     /// Rays a pixel of the references.
     rays: u32,
-    /// Those of the table, and any from folders.
+    /// The methods of the table, and any from folders.
     methods: Vec<&'static MethodInfo>,
     command: String,
 }

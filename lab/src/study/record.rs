@@ -28,7 +28,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Of any number of samples; all zero for none.
+    /// The statistics of any number of samples; all zero for none.
     pub fn of(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -70,9 +70,9 @@ pub struct PassRecord {
 pub struct Provenance {
     /// The version of docs/definitions.md that the figures are of.
     pub definitions: u32,
-    /// Of this program.
+    /// Version of this program.
     pub version: String,
-    /// Of its source; "unknown" outside a repository.
+    /// Commit of the program's source; "unknown" outside a repository.
     pub commit: String,
     /// Device.
     pub device: DeviceInfo,
