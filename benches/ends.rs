@@ -38,7 +38,7 @@ const RAYS: u32 = 32;
 /// Where a method ended a ray, how that compares, and what shows the true end.
 type Kind = [&'static str; 3];
 
-/// What of a scene shows a place.
+/// The parts of a scene that show a place.
 struct Shown<'a> {
     triangles: &'a Triangles<'a>,
     captures: Vec<DVec3>,
