@@ -48,7 +48,7 @@ const CITING: &[&str] = &[
     "tests",
 ];
 
-/// Of these, what no person wrote or reads.
+/// Folders among them that no person wrote or reads.
 const NOT_TEXT: &[&str] = &["benches/runs/2", "fuzz/corpus", "fuzz/target", "tests/golden"];
 
 fn root() -> PathBuf {
