@@ -109,7 +109,7 @@ impl Borrowed {
     /// Takes an image over, unless an input before held the same.
     ///
     /// # Errors
-    /// [`Error::Usage`] if an input before held the same with another use.
+    /// [`Error::Usage`] if an earlier input is the same image with another use.
     pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<Loan> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
         let Some(at) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
@@ -121,7 +121,9 @@ impl Borrowed {
         if (known.before, known.after) == (input.before, input.after) {
             return Ok(Loan(at));
         }
-        Err(Error::Usage(format!("the input {name} is an image of another input, with other uses before or after")))
+        Err(Error::Usage(format!(
+            "the input {name} is the same image as another input, but declares a different use before or after"
+        )))
     }
 
     /// The image of an input.

@@ -288,7 +288,8 @@ impl Gpu {
     /// [`Error::Usage`] if the device belongs to the caller, who must submit the work.
     pub fn queue(&self) -> Result<MutexGuard<'_, vk::Queue>> {
         let queue = self.shared.queue.as_ref();
-        let queue = queue.ok_or_else(|| Error::Usage("whoever made this device submits to its queues".into()))?;
+        let queue =
+            queue.ok_or_else(|| Error::Usage("this device belongs to the caller, who must submit the work".into()))?;
         Ok(queue.lock().unwrap_or_else(|e| e.into_inner()))
     }
 
