@@ -72,7 +72,7 @@ impl CaptureSide {
 
 impl CaptureCount {
     const NAMED: &'static [Choice] = &[
-        Choice { name: "none", help: "None: the screen is all there is." },
+        Choice { name: "none", help: "No captures: the screen is all there is." },
         Choice { name: "auto", help: "All captures of the scene file, or as many as the scene needs." },
         Choice { name: "camera", help: "A single capture at the camera, drawn anew in each frame." },
     ];

@@ -37,7 +37,7 @@ pub const INFO: MethodInfo = MethodInfo {
 choices! {
     /// How `stochastic` walks its rays.
     pub enum StochasticWalk {
-        /// Exact: over the pyramid of `unified`.
+        /// The exact walk, over the pyramid of `unified`.
         Exact = "exact",
         /// The thesis's walk, which `ssct` uses: over the Hi-Z buffer, and by a march towards the camera.
         Thesis = "thesis",

@@ -43,7 +43,7 @@ choices! {
 choices! {
     /// How wide a reflected ray is where it meets a billboard.
     pub enum Blur {
-        /// No width, as of a mirror's ray, at any roughness: as published.
+        /// No width, whatever the roughness, as published.
         None(BLUR_NONE) = "none",
         /// The width of the cone of the surface's roughness, which begins at the surface.
         Roughness(BLUR_ROUGHNESS) = "roughness",

@@ -41,7 +41,8 @@ fn every_command_is_in_one_group() {
     let command = Cli::command();
     let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
     let mut names: Vec<&str> = command.get_subcommands().map(Command::get_name).collect();
-    (grouped.sort_unstable(), names.sort_unstable());
+    grouped.sort_unstable();
+    names.sort_unstable();
     assert_eq!(grouped, names);
     let mut command = arranged(false).term_width(COLUMNS);
     let text = command.render_long_help().to_string();

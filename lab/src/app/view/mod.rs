@@ -59,14 +59,15 @@ const ANIMATION_DELAY_MS: u16 = 80;
 #[command(after_help = "\
 Keys, by their place on a US keyboard:
   W A S D, Q E   fly forward, left, back, right, down, up; with Shift fast
-  mouse          look around while a button is held; the wheel changes the speed; a click with the
-                 part `ray` of the panel open picks a ray; the line between two methods can be drawn
+  mouse          look around while a button is held; the wheel changes the speed;
+                 a click picks a ray while the part `ray` of the panel is open;
+                 the line between two methods can be drawn
   1 ... 9        the scene's named views
   M              the next method
   C              one method, two side by side, their difference
   R, Shift+R     rougher, smoother
   K, P           record a key frame of the camera, play the key frames
-  N, B, Delete   put a new capture at the eye, move the selected one there, remove it
+  N, B, Delete   put a new capture at the eye, move the selected one, remove it
   F1, F2         show or hide the panel, open its next part
   Esc            quit")]
 pub struct ViewOptions {
