@@ -91,7 +91,7 @@ fn run() -> Result<(), String> {
     Ok(())
 }
 
-/// Of all sources: their paths and texts, hashed (FNV-1a).
+/// Hashes the paths and texts of all sources (FNV-1a).
 fn fingerprint() -> Result<String, String> {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |bytes: &[u8]| {

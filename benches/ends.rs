@@ -38,7 +38,7 @@ const RAYS: u32 = 32;
 /// Where a method ended a ray, how that compares, and what shows the true end.
 type Kind = [&'static str; 3];
 
-/// What of a scene shows a place.
+/// The parts of a scene that show a place.
 struct Shown<'a> {
     triangles: &'a Triangles<'a>,
     captures: Vec<DVec3>,
@@ -82,7 +82,7 @@ impl Shown<'_> {
 
 fn print_view(scene: &Scene, view: &View, stage: &mut Stage) {
     let materials = Globals { roughness: Some(0.0), ..Globals::default() }.materials(scene, view);
-    let setup = Setup::new(SIZE).with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+    let setup = Setup::new(SIZE).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
     let shot = Shot::new(stage, &unified::INFO, &setup, Wants::HITS, view.camera(scene, SIZE), materials.clone())
         .expect("a shot");
     let (_, _, output) = stage.output(&shot).expect("a frame");

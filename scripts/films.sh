@@ -24,11 +24,11 @@ all=(
 film() { # folder, flags...
     local folder=$out/$1
     shift
-    "$ssct" error --frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}" "$@" -o "$folder" --resume
+    "$ssct" video --frames "${FRAMES:-60}" --size "${SIZE:-320x180}" --rays "${RAYS:-64}" "$@" -o "$folder" --resume
 }
 
-film rooms --video walk --scene rooms --view corridor --roughness "$roughness" "${all[@]}"
-film museum --video walk --scene museum --view exit-sign --roughness "$roughness" "${all[@]}"
-film turn --video turn --scene rooms --view corridor --roughness 0.1 "${all[@]}"
-film moving --video rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${all[@]}"
-RAYS=256 film rooms-256 --video walk --scene rooms --view corridor --roughness 0.3 "${captured[@]}"
+film rooms --way walk --scene rooms --view corridor --roughness "$roughness" "${all[@]}"
+film museum --way walk --scene museum --view exit-sign --roughness "$roughness" "${all[@]}"
+film turn --way turn --scene rooms --view corridor --roughness 0.1 "${all[@]}"
+film moving --way rest --moving ball --step=-0.02,0,-0.02 --scene rooms --view corridor --roughness 0.1 "${all[@]}"
+RAYS=256 film rooms-256 --way walk --scene rooms --view corridor --roughness 0.3 "${captured[@]}"

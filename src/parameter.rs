@@ -3,7 +3,10 @@
 //! the keys of journals, the columns of CSV files, the sweeps of the error study, the pairing of comparisons and the
 //! table in `docs/options.md` are all derived from that declaration.
 
+mod domain;
+
 use crate::error::{Error, Result};
+pub use domain::{Choice, Domain};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -32,7 +35,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// As records keep it; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
+/// Writes a value for records; a number by its decimal: 0.1, and not the nearest binary fraction in more digits.
 impl Serialize for Value {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         match self {
@@ -40,79 +43,6 @@ impl Serialize for Value {
             Self::Count(n) => serializer.serialize_u32(*n),
             Self::Number(n) => serializer.serialize_f64(n.to_string().parse().unwrap_or(f64::NAN)),
             Self::Choice(name) => serializer.serialize_str(name),
-        }
-    }
-}
-
-/// One of the choices of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Choice {
-    /// Its name.
-    pub name: &'static str,
-    /// What it does.
-    pub help: &'static str,
-}
-
-/// Which values a parameter takes.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Domain {
-    /// On and off.
-    Switch,
-    /// Whole numbers from the first to the second, both included.
-    Count(u32, u32),
-    /// Numbers between two bounds, of which the second is included, and the first if `with_least`.
-    Number {
-        /// Lower bound.
-        least: f32,
-        /// Whether the lower bound itself is a value.
-        with_least: bool,
-        /// Upper bound, a value itself.
-        most: f32,
-    },
-    /// These numbers alone.
-    Numbers(&'static [f32]),
-    /// One of these.
-    Choices(&'static [Choice]),
-}
-
-impl Domain {
-    /// Whether it has a value.
-    pub fn has(&self, value: Value) -> bool {
-        match (self, value) {
-            (Self::Switch, Value::Switch(_)) => true,
-            (Self::Count(least, most), Value::Count(n)) => (*least..=*most).contains(&n),
-            (Self::Number { least, with_least, most }, Value::Number(n)) => {
-                n <= *most && (n > *least || *with_least && n == *least)
-            }
-            (Self::Numbers(all), Value::Number(n)) => all.contains(&n),
-            (Self::Choices(all), Value::Choice(name)) => all.iter().any(|c| c.name == name),
-            _ => false,
-        }
-    }
-
-    /// Every value, if they are few: the choices of a list.
-    pub fn few(&self) -> Option<Vec<Value>> {
-        match self {
-            Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
-            Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
-            Self::Choices(all) => Some(all.iter().map(|c| Value::Choice(c.name)).collect()),
-            Self::Count(..) | Self::Number { .. } => None,
-        }
-    }
-}
-
-/// As a reader is told: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
-impl fmt::Display for Domain {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        if let Some(few) = self.few() {
-            let names: Vec<_> = few.iter().map(Value::to_string).collect();
-            return f.write_str(&names.join(", "));
-        }
-        match self {
-            Self::Count(least, most) => write!(f, "whole numbers from {least} to {most}"),
-            Self::Number { least, with_least: true, most } => write!(f, "numbers from {least} to {most}"),
-            Self::Number { least, most, .. } => write!(f, "numbers above {least} and at most {most}"),
-            _ => Ok(()),
         }
     }
 }
@@ -224,24 +154,14 @@ impl Parameter {
         self.name.replace('_', "-")
     }
 
-    /// Reads a value.
+    /// Reads a value from text.
     ///
     /// # Errors
     /// [`Error::Usage`] with the values that there are.
     pub fn parse(&self, text: &str) -> Result<Value> {
         let text = text.trim();
-        let value = match &self.domain {
-            Domain::Switch => match text {
-                "on" => Some(Value::Switch(true)),
-                "off" => Some(Value::Switch(false)),
-                _ => None,
-            },
-            Domain::Count(..) => text.parse().ok().map(Value::Count),
-            Domain::Number { .. } | Domain::Numbers(_) => text.parse().ok().map(Value::Number),
-            Domain::Choices(all) => all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name)),
-        };
-        value
-            .filter(|v| self.domain.has(*v))
+        self.domain
+            .read(text)
             .ok_or_else(|| Error::Usage(format!("{} is {text:?}; it takes {}", self.typed_name(), self.domain)))
     }
 }
@@ -250,9 +170,9 @@ impl Parameter {
 pub trait Field: Copy + PartialEq {
     /// Every value of the type.
     fn domain() -> Domain;
-    /// As a value.
+    /// Converts to a value.
     fn value(self) -> Value;
-    /// From a value; `None` if it is of another type.
+    /// Converts from a value; `None` if it is of another type.
     fn from_value(value: Value) -> Option<Self>;
 }
 
@@ -366,7 +286,7 @@ impl Values {
         self.given.keys().copied()
     }
 
-    /// The same values, but for what a function changes of some parameters.
+    /// Returns these values with what a function changes in some parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         let mut all = P::of(self);

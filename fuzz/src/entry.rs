@@ -141,7 +141,7 @@ pub fn frame() -> Vec<u8> {
     gbuffer_file::encode(&gbuffer, Path::new("a.exr")).expect("encodes")
 }
 
-/// Whether there is a value, which must be valid. An error must name its file.
+/// True if a value was read, which must be valid. An error must name its file.
 fn judged<T>(result: Result<T>, sound: impl Fn(&T)) -> bool {
     match result {
         Ok(value) => {

@@ -61,7 +61,7 @@ const uint NORMAL_SHIFT = 8u;     // of its normal map,
 const uint MASK_SHIFT = 14u;      // and of its alpha mask.
 
 // How another renderer stores normals (`passes::import`).
-const int NORMAL_FLOAT = 0;             // As they are.
+const int NORMAL_FLOAT = 0;             // -1 to 1.
 const int NORMAL_UNORM = 1;             // 0 to 1 for -1 to 1.
 const int NORMAL_OCTAHEDRAL = 2;        // On an octahedron, -1 to 1.
 const int NORMAL_OCTAHEDRAL_UNORM = 3;  // On an octahedron, 0 to 1.
@@ -112,10 +112,10 @@ const int MAX_IMPOSTORS = 16;     // The most impostors that `billboard` and `ib
 const int CONVERT_LINEAR_DEPTH = 0;    // View-space z in metres; the far plane's where nothing stands.
 const int CONVERT_REVERSED_DEPTH = 1;  // Reversed depth, as a colour.
 const int CONVERT_MOTION = 2;          // Texture coordinates now less those in the frame before.
-const int CONVERT_VIEW_NORMAL = 3;     // As it is; 4: 0 to 1; 5: octahedral; 6: octahedral, 0 to 1.
-const int CONVERT_WORLD_NORMAL = 7;    // The same in world space, up to 10.
+const int CONVERT_VIEW_NORMAL = 3;     // -1 to 1; 4: 0 to 1; 5: octahedral; 6: octahedral, 0 to 1.
+const int CONVERT_WORLD_NORMAL = 7;    // The four encodings in world space, up to 10.
 const int CONVERT_VIEW_PLACE = 11;     // Where the surface stands in view space; w 1, and all 0 where nothing stands.
-const int CONVERT_WORLD_PLACE = 12;    // The same in world space.
+const int CONVERT_WORLD_PLACE = 12;    // Where the surface stands in world space; w as in view space.
 
 const int ALPHA_FADE = 0;              // What is in a of a user's reflection: its fade.
 const int ALPHA_PREMULTIPLIED = 1;     // Its fade, which the colour is multiplied by already.

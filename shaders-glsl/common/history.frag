@@ -35,7 +35,7 @@ layout(location = 1) out vec4 out_guide;      // reversed depth, frames averaged
 // plane by less than this share of its depth.
 #define SAME_NORMAL 0.9
 #define SAME_PLANE 0.02
-// Of the four pixels around a place, those that are the same surface must weigh at least this.
+// Least weight that pixels of the same surface must have among the four pixels around a place.
 #define LEAST_SHARE 0.05
 
 float Luminance(vec3 color) {

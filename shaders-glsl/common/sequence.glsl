@@ -3,8 +3,7 @@
 #ifndef COMMON_SEQUENCE_GLSL
 #define COMMON_SEQUENCE_GLSL
 
-// Point n; point 0 is the corner. In integers that wrap around: floats of a late point would have no digits left behind
-// the point.
+// Returns point n; point 0 is the corner. Uses integers that wrap around: in floats, a large n would lose the fraction.
 vec2 SequencePoint(int n) {
     uvec2 along = uint(n) * uvec2(3242174889u, 2447445414u);
     return vec2(along >> 8) * exp2(-24.0);

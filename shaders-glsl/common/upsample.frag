@@ -17,7 +17,7 @@ layout(binding = 4) uniform sampler2D small_reflection;
 
 layout(location = 0) out vec4 out_reflection;
 
-// Of a normal's agreement; cos 20 deg to this power is 0.14.
+// Power of the agreement of two normals; cos 20 deg to this power is 0.14.
 #define NORMAL_POWER 32.0
 
 vec3 Position(ivec2 pixel) {

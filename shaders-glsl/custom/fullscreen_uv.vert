@@ -1,6 +1,6 @@
 #version 460
 #pragma program(FullscreenUv)
-// As common/fullscreen.vert, with the texture coordinates that a user's fragment shader may take: (0, 0) is the upper
+// The triangle of common/fullscreen.vert, with texture coordinates for a user's fragment shader: (0, 0) is the upper
 // left corner of the target.
 
 layout(location = 0) out vec2 uv;

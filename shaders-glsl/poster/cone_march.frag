@@ -116,7 +116,7 @@ float BinarySearch(Cone cone, float pathLength, float stride, int layer) {
 bool Stands(Cone cone, float pathLength, int layer) {
     vec3 Q = At(cone, pathLength);
     float texel = exp2(Level(cone.solidAngle, pathLength, Q.z));
-    // As long a path as a texel is wide, and more where it is seen shortened, up to MOST_SHORTENED times.
+    // The path goes on by a texel's width, and by more where it is seen shortened, up to MOST_SHORTENED times.
     float further = texel * ScreenHeight(Q.z) / camera.resolution.y;
     vec2 across = (Project(At(cone, pathLength + further)).xy - Project(Q).xy) * camera.resolution;
     further *= clamp(texel / max(length(across), 1e-6), 1.0, MOST_SHORTENED);

@@ -24,7 +24,7 @@ void main() {
     ivec2 size = textureSize(depth_source, 0);
     ivec2 here = ivec2(gl_FragCoord.xy);
     ivec2 first = 2 * here;
-    // Of an odd size the last texel takes the row or column that is left over.
+    // The last texel takes the row or column that is left over where a size is odd.
     ivec2 last = mix(first + 1, size - 1, greaterThanEqual(here + 1, max(size / 2, ivec2(1))));
 
     float depths[9];

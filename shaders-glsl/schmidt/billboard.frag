@@ -93,10 +93,11 @@ bool Occluded(vec3 wsPosition, vec3 wsReflectVec, float t) {
     return false;
 }
 
-// Of the pixel that is drawn.
+// Roughness of the pixel that is drawn.
 float roughness = 0.0;
 
-// Of a pixel's width seen along the whole path, as a mirror shows it. With a blur, the width of the cone there is added.
+// Level of detail for the width of a pixel seen along the whole path, as a mirror shows it. With a blur, the width of the
+// cone there is added.
 float BillboardLod(int i, vec3 wsPosition, float t) {
     vec3 eye = camera.view_to_world[3].xyz;
     float pixel = 2.0 / (camera.view_to_clip[1][1] * camera.resolution.y);

@@ -197,7 +197,7 @@ vec3 BillboardGlow(in vec3 wsPosition, in vec3 wsReflectVec)
         float off = length((uvt.xy - nearest) * sides);
         if (!(uvt.z > 0.001 && off < glowWidth && dot(wsReflectVec, m[1].xyz) < 0.0))
             continue;
-        // Of billboards in one plane none is before the other.
+        // Billboards in one plane do not hide each other.
         float left = uvt.z >= 0.9999 * shownDistance ? 1.0 - shownAlpha : 1.0;
         if (left <= 0.0 || Occluded(wsPosition, wsReflectVec, uvt.z))
             continue;

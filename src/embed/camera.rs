@@ -29,7 +29,7 @@ pub struct CameraInput {
     pub clip_y: ClipY,
 }
 
-/// What of the caller's camera matters.
+/// The caller's camera in our conventions.
 pub(super) struct Taken {
     pub camera: Camera,
     /// What reversed depth is of the caller's: the first number times it plus the second.

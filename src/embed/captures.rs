@@ -106,7 +106,7 @@ impl CaptureCubes {
     /// [`Error::Usage`] with what is wrong with an input; nothing is recorded then.
     ///
     /// # Safety
-    /// As for [`Reflections::record`](super::Reflections::record).
+    /// Errors of [`Reflections::record`](super::Reflections::record).
     pub unsafe fn record_face(
         &mut self,
         commands: vk::CommandBuffer,

@@ -52,13 +52,13 @@ impl ImageInput {
         Self { part, ..color }
     }
 
-    /// The same of a cube map, of one level; the view is an array of its six faces.
+    /// A whole cube map with one level that is used as colour; the view is an array of its six faces.
     pub fn cube(image: vk::Image, view: vk::ImageView, format: vk::Format, extent: [u32; 2]) -> Self {
         let color = Self::color(image, view, format, extent);
         Self { part: vk::ImageSubresourceRange { layer_count: 6, ..color.part }, ..color }
     }
 
-    /// The same, but for how the caller uses it before and after.
+    /// Returns this input with other uses by the caller before and after.
     #[must_use]
     pub fn used(self, before: ImageUse, after: ImageUse) -> Self {
         Self { before, after, ..self }
@@ -109,7 +109,7 @@ impl Borrowed {
     /// Takes an image over, unless an input before held the same.
     ///
     /// # Errors
-    /// [`Error::Usage`] if an input before held the same with another use.
+    /// [`Error::Usage`] if an earlier input is the same image with another use.
     pub fn take(&mut self, gpu: &Gpu, name: &str, input: &ImageInput) -> Result<Loan> {
         let place = |i: &ImageInput| (i.image, i.view, i.part.base_mip_level, i.part.base_array_layer);
         let Some(at) = self.0.iter().position(|(known, _)| place(known) == place(input)) else {
@@ -121,7 +121,9 @@ impl Borrowed {
         if (known.before, known.after) == (input.before, input.after) {
             return Ok(Loan(at));
         }
-        Err(Error::Usage(format!("the input {name} is an image of another input, with other uses before or after")))
+        Err(Error::Usage(format!(
+            "the input {name} is the same image as another input, but declares a different use before or after"
+        )))
     }
 
     /// The image of an input.
@@ -177,7 +179,7 @@ pub enum NormalEncoding {
     Unorm,
     /// Two numbers, −1…1: the place on an octahedron that is unfolded to a square.
     Octahedral,
-    /// The same, mapped to 0…1.
+    /// The octahedral place, mapped to 0…1.
     OctahedralUnorm,
 }
 
@@ -226,7 +228,7 @@ impl NormalInput {
 /// Reflectivity or roughness of a frame (docs/definitions.md, "Surfaces").
 #[derive(Debug, Clone, Copy)]
 pub enum FactorInput {
-    /// The same everywhere, 0…1.
+    /// One value for the whole frame, 0…1.
     Constant(f32),
     /// A channel, 0 to 3 for red to alpha, of an image.
     Channel(ImageInput, u32),
@@ -247,14 +249,14 @@ impl FactorInput {
     /// Takes its image over, if it has one.
     pub(super) fn take(&self, borrowed: &mut Borrowed, gpu: &Gpu, name: &str) -> Result<TakenFactor> {
         Ok(match self {
-            // As an image would round it.
+            // Rounds as an image of half floats would.
             Self::Constant(value) => TakenFactor::Constant(half::f16::from_f32(*value).to_f32()),
             Self::Channel(image, channel) => TakenFactor::Channel(borrowed.take(gpu, name, image)?, *channel),
         })
     }
 }
 
-/// The same over a borrowed image.
+/// A [`FactorInput`] whose image is borrowed from the caller.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum TakenFactor {
     Constant(f32),

@@ -26,13 +26,13 @@ pub struct ReflectionsInfo<'a> {
     pub parameters: &'a [(&'a str, &'a str)],
     /// Width and height of the faces of the [`CaptureCubes`] that every frame is given; `None` for frames without.
     pub captures: Option<u32>,
-    /// Whether an image shows lit colour with what is reflected in it.
+    /// Produces the composite: lit colour plus reflections.
     pub composite: bool,
-    /// Whether an image shows the reflection alone, for a renderer that adds it up itself.
+    /// Produces the reflection alone, for a renderer that adds it up itself.
     pub reflection: bool,
-    /// Whether an image says where each ray ended, if the method can.
+    /// Produces an image of where each ray ended, if the method can.
     pub hits: bool,
-    /// How many frames may be under way at once.
+    /// Number of frames that may be under way at once.
     pub frames_in_flight: usize,
 }
 
@@ -152,7 +152,7 @@ impl Reflections {
     /// Makes images of another size. The device is done with every frame that was recorded.
     ///
     /// # Errors
-    /// As for [`Self::new`]; the old size stays then.
+    /// Errors of [`Self::new`]; the old size stays then.
     pub fn resize(&mut self, extent: [u32; 2]) -> Result<()> {
         let setup = self.setup.at(extent);
         let import = ImportPass::new(self.frames.gpu(), extent)?;

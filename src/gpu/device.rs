@@ -78,11 +78,11 @@ pub struct DeviceListing {
 /// The features that were on when a device was made.
 #[derive(Clone, Default)]
 pub struct EnabledFeatures {
-    /// Those of Vulkan 1.0.
+    /// Features of Vulkan 1.0.
     pub core: vk::PhysicalDeviceFeatures,
-    /// Those of Vulkan 1.2, whatever is chained to it.
+    /// Features of Vulkan 1.2; structures that are chained to it are ignored.
     pub vulkan12: vk::PhysicalDeviceVulkan12Features<'static>,
-    /// Those of Vulkan 1.3, whatever is chained to it.
+    /// Features of Vulkan 1.3; structures that are chained to it are ignored.
     pub vulkan13: vk::PhysicalDeviceVulkan13Features<'static>,
 }
 
@@ -245,7 +245,7 @@ impl Gpu {
         self.shared.debug.as_ref().map(|d| Arc::clone(&d.log))
     }
 
-    /// What of it is outside the allow-list.
+    /// Returns the validation messages that the allow-list does not excuse.
     pub fn violations(&self) -> Vec<validation::Message> {
         self.shared.debug.as_ref().map(|d| d.log.violations()).unwrap_or_default()
     }
@@ -283,14 +283,14 @@ impl Gpu {
         &self.shared.memory
     }
 
-    /// The device's queue, for as long as it is held.
-    /// The queue that frames are submitted to.
+    /// Locks the queue that frames are submitted to.
     ///
     /// # Errors
-    /// [`Error::Usage`] on a device of somebody else, who submits.
+    /// [`Error::Usage`] if the device belongs to the caller, who must submit the work.
     pub fn queue(&self) -> Result<MutexGuard<'_, vk::Queue>> {
         let queue = self.shared.queue.as_ref();
-        let queue = queue.ok_or_else(|| Error::Usage("whoever made this device submits to its queues".into()))?;
+        let queue =
+            queue.ok_or_else(|| Error::Usage("this device belongs to the caller, who must submit the work".into()))?;
         Ok(queue.lock().unwrap_or_else(|e| e.into_inner()))
     }
 

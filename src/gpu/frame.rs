@@ -46,7 +46,7 @@ pub enum Mode {
 pub enum Resource<'a> {
     /// An image, sampled or fetched.
     Sampled(Sampled<'a>),
-    /// As many images as the shader's array has, sampled.
+    /// Sampled images, one for each element of the shader's array.
     SampledArray(&'a [Sampled<'a>]),
     /// A level of an image, stored to.
     Storage(ImageSlice<'a>),
@@ -204,8 +204,8 @@ impl Frame<'_> {
         self.submit(&[], &[])
     }
 
-    /// As [`Self::finish`], around the presentation engine: waits for `acquired` before
-    /// `wait_stages`, and signals `rendered` when all is done.
+    /// Finishes a frame that the presentation engine shows: waits for `acquired` before `wait_stages`, and signals
+    /// `rendered` when all is done.
     pub fn finish_presenting(
         self,
         acquired: vk::Semaphore,

@@ -117,7 +117,7 @@ impl Image {
     /// Makes an array of [`ImageDesc::layers`] images, which shaders see as a whole.
     ///
     /// # Errors
-    /// As for [`Self::new`], and [`Error::Usage`] for more layers than the device has.
+    /// Errors of [`Self::new`], and [`Error::Usage`] for more layers than the device has.
     pub fn array(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
         Self::layered(gpu, desc, Kind::Array)
     }
@@ -125,7 +125,7 @@ impl Image {
     /// Makes an array of cube maps, six of [`ImageDesc::layers`] each, which shaders see as a whole.
     ///
     /// # Errors
-    /// As for [`Self::array`].
+    /// Errors of [`Self::array`].
     pub fn cubes(gpu: &Gpu, desc: &ImageDesc) -> Result<Self> {
         assert!(desc.layers > 0 && desc.layers.is_multiple_of(6), "{}: a cube has six faces", desc.name);
         Self::layered(gpu, desc, Kind::Cubes)
@@ -149,7 +149,7 @@ impl Image {
     /// one level and one layer.
     ///
     /// # Errors
-    /// As for [`Self::new`], with the limit of volumes.
+    /// Errors of [`Self::new`], with the limit of volumes.
     pub fn volume(gpu: &Gpu, desc: &ImageDesc, depth: u32) -> Result<Self> {
         assert_eq!((desc.levels, desc.layers), (1, 1), "{}: a volume has one level and one layer", desc.name);
         let [width, height] = desc.extent;

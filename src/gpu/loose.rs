@@ -28,7 +28,7 @@ pub enum Reach<'a> {
     Threads([u32; 3]),
     /// So many workgroups.
     Workgroups([u32; 3]),
-    /// As many workgroups as the first three words of a buffer say.
+    /// The number of workgroups is in the first three words of a buffer.
     Said(&'a Buffer),
 }
 
@@ -67,7 +67,7 @@ impl LooseProgram {
     /// A fragment program over whole targets of some formats, which gets texture coordinates at location 0.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn fragment(
         gpu: &Gpu,
         shader: &'static Shader,
@@ -82,7 +82,7 @@ impl LooseProgram {
     /// A compute program.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn compute(gpu: &Gpu, shader: &'static Shader, constants: &[(u32, u32)]) -> Result<Self> {
         let pipeline = SharedPipeline::compute(gpu, shader, constants.to_vec())?;
         Ok(Self { shader, pipeline, _gpu: gpu.clone() })
@@ -98,7 +98,7 @@ impl Frame<'_> {
     /// A fragment program over whole targets, all of one size.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn draw_loose(
         &mut self,
         name: &str,
@@ -113,7 +113,7 @@ impl Frame<'_> {
     /// A compute program.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn dispatch_loose(
         &mut self,
         name: &str,

@@ -160,7 +160,7 @@ impl<F: Fragment> GraphicsPipeline<F> {
         Self::fullscreen_with(gpu, targets, &())
     }
 
-    /// The same for a program with specialization constants.
+    /// Makes a pipeline that draws a full-screen triangle, for a program with specialization constants.
     pub fn fullscreen_with(gpu: &Gpu, targets: F::Outputs<vk::Format>, constants: &F::Constants) -> Result<Self> {
         Self::of(gpu, constants, Geometry::Triangles(None), targets, None)
     }
@@ -193,8 +193,8 @@ impl<F: Fragment, V: VertexProgram<Constants = ()>> GraphicsPipeline<F, V> {
         Self::of(gpu, &(), Geometry::Triangles(Some(input)), targets, Some(depth))
     }
 
-    /// As [`Self::mesh`], but draws only where a [`GraphicsPipeline::marking`] pipeline marked the stencil; the
-    /// depth format has one.
+    /// Makes the pipeline of [`Self::mesh`] that draws only where a [`GraphicsPipeline::marking`] pipeline marked the
+    /// stencil; the depth format must have a stencil.
     pub fn mesh_where_marked(
         gpu: &Gpu,
         input: VertexInput,
@@ -395,7 +395,7 @@ impl<P: program::Compute> ComputePipeline<P> {
         Self::with(gpu, &())
     }
 
-    /// The same for a program with specialization constants.
+    /// Makes the pipeline of a program with specialization constants.
     pub fn with(gpu: &Gpu, constants: &P::Constants) -> Result<Self> {
         let compute = SharedPipeline::compute(gpu, P::SHADER, constants.entries())?;
         Ok(Self { compute, _gpu: gpu.clone(), program: PhantomData })

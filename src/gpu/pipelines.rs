@@ -40,12 +40,12 @@ pub(super) struct Key {
 /// What the vertices are.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, Default)]
 pub(super) enum KeptVertices {
-    /// Of triangles, by their number alone.
+    /// Corners of triangles that the shader makes from the number of the vertex.
     #[default]
     Triangles,
-    /// Of points, by their number alone.
+    /// Points that the shader makes from the number of the vertex.
     Points,
-    /// Of triangles, from a buffer: bytes from one vertex to the next, and format and offset of each location.
+    /// Corners of triangles from a buffer: bytes from one vertex to the next, and format and offset of each location.
     Meshes(u32, Vec<(vk::Format, u32)>),
 }
 

@@ -9,7 +9,7 @@ use super::shader::Shader;
 /// A program: one stage with what is defined for it. Its fields are its bindings and its push constants, named as in
 /// GLSL; see [`programs`](super::programs).
 pub trait Program {
-    /// The same program, whatever it borrows.
+    /// The program without its borrowed lifetimes, by which a pipeline knows it.
     type Kind: 'static;
 
     /// Values of its specialization constants; `()` where it has none.

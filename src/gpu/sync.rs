@@ -230,7 +230,7 @@ impl State {
         self.layout
     }
 
-    /// As somebody else left it.
+    /// The state in which a caller's use leaves an image.
     pub(super) fn left(by: ImageUse) -> Self {
         Self { layout: by.layout, write_stages: by.stages, write_access: by.access, ..Self::default() }
     }

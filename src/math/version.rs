@@ -54,7 +54,7 @@ versions! {
         /// docs/definitions.md, "Oracle": a ray hits the first block whose depth it meets.
         #[default]
         V1,
-        /// As version 1, but the ray must come from in front. It passes the first block if it leaves that surface;
+        /// Version 1 with the condition that the ray comes from in front. It passes the first block if it leaves that surface;
         /// if it meets a block from behind, or past the edge of a surface, it misses.
         V2,
     }

@@ -108,10 +108,10 @@ impl CaptureImages {
         Ok(made)
     }
 
-    /// The same without content, for captures that each frame moves and draws before it looks into them.
+    /// Makes the images without content, for captures that each frame moves and draws before it looks into them.
     ///
     /// # Errors
-    /// As for [`Self::new`].
+    /// Errors of [`Self::new`].
     pub fn undrawn(gpu: &Gpu, taken: &[Capture]) -> Result<Self> {
         Self::empty(gpu, taken)
     }
@@ -137,11 +137,11 @@ impl CaptureImages {
         self
     }
 
-    /// The same of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
+    /// Makes captures of faces that come from elsewhere: `face` hands over face 0…5 of a capture, as
     /// [`face_camera`] sees it, and is asked for each once.
     ///
     /// # Errors
-    /// As for [`Self::new`], and what `face` returns.
+    /// Errors of [`Self::new`], and what `face` returns.
     pub fn of_faces(
         context: &mut FrameContext,
         taken: &[Capture],
@@ -167,7 +167,7 @@ impl CaptureImages {
         Self::of_camera(gpu, places, taken.first().map_or(1, |c| c.resolution), &forward)
     }
 
-    /// The same with the projection of a camera, whatever it looks at.
+    /// Makes the images for faces with the projection of a camera; where that camera looks does not matter.
     pub(crate) fn of_camera(gpu: &Gpu, places: Vec<Vec3>, side: u32, forward: &Camera) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let extent = [side; 2];
@@ -296,7 +296,7 @@ impl Renewal {
     /// is renewed twice in one.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(gpu: &Gpu, taken: &[Capture], faces_per_frame: u32) -> Result<Self> {
         Ok(Self { passes: FacePasses::new(gpu, taken)?, faces_per_frame, next: Cell::new(0) })
     }
@@ -305,7 +305,7 @@ impl Renewal {
     /// time.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn move_to(
         &self,
         context: &mut FrameContext,
@@ -324,7 +324,7 @@ impl Renewal {
     /// Draws `scene` as it is now.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(&self, frame: &mut Frame, scene: &SceneInput, into: &CaptureImages) -> Result<()> {
         let all = into.faces();
         for _ in 0..self.faces_per_frame.min(all) {

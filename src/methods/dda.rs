@@ -38,7 +38,7 @@ parameters! {
             .unit("pixels")
             .sweep(Preset::Published, &[1, 16])
             .source(TUNED),
-        /// What every surface is taken to measure in view depth.
+        /// Assumed thickness of every surface along the view; deeper rays pass behind it.
         dda_thickness: f32 = Parameter::new(0.25)
             .between(0.0, 1000.0)
             .unit("m")

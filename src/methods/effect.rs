@@ -80,12 +80,12 @@ struct Captured {
     of: Vec<Material>,
     /// `None` where the captures stay as and where they are.
     renewal: Option<Renewal>,
-    /// Whether there is one, which each frame moves to its camera and draws there.
+    /// True if the only capture follows the camera and is redrawn every frame.
     at_camera: bool,
 }
 
 impl Captured {
-    /// Those that come from elsewhere: at once, or with each input.
+    /// Captures that the caller brings along: their images at once, or with each input.
     fn from_elsewhere(face: [u32; 2], images: Option<CaptureImages>) -> Self {
         Self { places: Vec::new(), face, images, of: Vec::new(), renewal: None, at_camera: false }
     }
@@ -151,10 +151,11 @@ impl Effect {
         Self::beside(context, info, setup, wants, (false, Some(captured), None))
     }
 
-    /// The same for captures that each input brings along ([`Input::captures`]), with faces of a size in texels.
+    /// Makes the method and what surrounds it for captures that each input brings along ([`Input::captures`]), with faces of
+    /// a size in texels.
     ///
     /// # Errors
-    /// As for [`Self::with_captures`].
+    /// Errors of [`Self::with_captures`].
     pub fn for_captures(
         context: &mut FrameContext,
         info: &MethodInfo,
@@ -175,7 +176,7 @@ impl Effect {
     ) -> Result<Self> {
         let (name, extent, effect) = (info.name, setup.extent, setup.effect());
         let divisor = effect.divisor();
-        // Of captures that are made already, a method that follows rays in them needs no scene.
+        // A method that follows rays in captures needs no scene if the captures are made already.
         let is_seen = |m: &MethodInfo| has_scene || m.is_screen_space() || (m.takes_captures && captured.is_some());
         if !is_seen(info) {
             return Err(Error::Usage(format!("the method {name} needs the scene; a G-buffer alone does not show it")));

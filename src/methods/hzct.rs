@@ -29,9 +29,9 @@ pub const INFO: MethodInfo = MethodInfo {
 parameters! {
     /// Parameters of `hzct`.
     pub struct HzctParams {
-        /// Of the Hi-Z traversal.
+        /// Parameters of the Hi-Z traversal.
         hi_z: HiZParams,
-        /// Of the cone trace.
+        /// Parameters of the cone trace.
         cone: ConeParams,
         /// How fast reflections fade out as their rays turn towards the camera; 0 for not at all.
         camera_fade: f32 = Parameter::new(10.0).between(0.0, 1e6).source("not printed; the author's program"),

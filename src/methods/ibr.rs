@@ -59,7 +59,7 @@ struct IbrMethod {
     pass: BillboardPass,
     parameters: IbrParams,
     images: Vec<Image>,
-    /// Of what the images were drawn.
+    /// The materials that the images were drawn with.
     captured: Vec<Material>,
 }
 

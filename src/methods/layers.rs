@@ -29,7 +29,7 @@ parameters! {
 }
 
 impl LayerParams {
-    /// Whether there is a second layer.
+    /// True if rays are held against two layers of depth.
     pub fn has_second(&self) -> bool {
         self.layers > 1
     }
@@ -47,7 +47,7 @@ impl SecondLayer {
     /// For G-buffers of a size in pixels, of which rays are traced by blocks of `divisor` × `divisor` pixels.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], divisor: u32, parameters: LayerParams) -> Result<Self> {
         let downsample = (divisor != 1).then(|| DownsamplePass::new(gpu, extent, divisor)).transpose()?;
         Ok(Self {
@@ -62,7 +62,7 @@ impl SecondLayer {
     /// are traced at.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,

@@ -34,7 +34,7 @@ parameters! {
         march: LinearMarch = Parameter::new(LinearMarch::Growing)
             .sweep(Preset::Published, &[LinearMarch::Fixed])
             .source("§4.2.2"),
-        /// Of the march.
+        /// Parameters of the march.
         numbers: MarchParams,
     }
 }

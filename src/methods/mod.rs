@@ -194,7 +194,7 @@ pub trait Added: Send + Sync {
     /// Makes it.
     ///
     /// # Errors
-    /// Those of the device, and a sentence on what of it does not fit together.
+    /// Errors of the device, and a sentence on parts of the method that do not fit together.
     fn create(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>>;
 }
 
@@ -251,7 +251,7 @@ impl MethodInfo {
         }
     }
 
-    /// The same of a method that needs the scene, and does not fade.
+    /// A method that needs the scene and does not fade, without parameters of its own; a row of the table says what differs.
     const fn scene(name: &'static str, summary: &'static str, source: &'static str, create: Create) -> Self {
         Self { sees: Sees::Scene, fades: false, ..Self::screen(name, summary, source, create) }
     }
@@ -259,7 +259,7 @@ impl MethodInfo {
     /// Makes the method alone, without what [`Effect`] puts around it: it may finish the image itself.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn alone(&self, gpu: &Gpu, setup: &Setup, wants: Wants) -> Result<Box<dyn Method>> {
         let Wants { hits, reflection, composite } = wants;
         let making = Making {
@@ -283,7 +283,7 @@ impl MethodInfo {
     /// The method of one size on one device.
     ///
     /// # Errors
-    /// Those of the device, and what of the method does not fit the setup.
+    /// Errors of the device, and of a method that does not fit the setup.
     pub fn make(&self, gpu: &Gpu, making: &Making) -> Result<Box<dyn Method>> {
         match self.added {
             Some(added) => added.create(gpu, making),

@@ -22,7 +22,7 @@ pub const INFO: MethodInfo = MethodInfo::scene(
 pub struct PccmMethod {
     pass: PccmPass,
     maps: Vec<(Probe, Image)>,
-    /// Of what the maps were captured.
+    /// The materials that the maps were captured with.
     captured: Vec<Material>,
 }
 

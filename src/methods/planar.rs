@@ -117,7 +117,7 @@ impl Method for PlanarMethod {
             }
         }
         let made = |name, content, image| Intermediate { name, content, image };
-        // Of the last plane; empty where there is none.
+        // The intermediates of the last plane, if there is a plane.
         let intermediates = if planes.is_empty() {
             Vec::new()
         } else {

@@ -30,7 +30,8 @@ parameters! {
         poster_filter: PosterFilter = Parameter::new(PosterFilter::Mip)
             .sweep(Preset::Published, &[PosterFilter::Volume, PosterFilter::EdgeAware])
             .source("Hermanns and Franke 2014, figure 2; edge-aware: its conclusion"),
-        /// Of the edge-aware filter: how far depths of one surface differ from texel to texel, as a part of the depth.
+        /// Greatest difference of depth from texel to texel that the edge-aware filter takes for one surface, as a part of
+        /// the depth.
         edge_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("not in Hermanns and Franke 2014"),
         /// First step of the march.
         march_stride: f32 =
@@ -58,7 +59,7 @@ parameters! {
 
 struct PosterMethod {
     filter: FilteredGBufferPass,
-    /// Of the second layer, where there are two.
+    /// Filters the second layer; `None` if there is one layer.
     behind_filter: Option<FilteredGBufferPass>,
     march: ConeMarchPass,
     parameters: PosterBlock,
@@ -80,7 +81,7 @@ impl PosterMethod {
                 search_decrease: p.search_decrease,
                 first_step: p.march_stride,
                 epsilon: p.search_tolerance,
-                // Of the thesis's Eq. 4.7.
+                // The thesis's Eq. 4.7 has these two numbers.
                 fade_start: 0.8,
                 fade_end: 1.0,
                 edge_retries: p.edge_retries as i32,

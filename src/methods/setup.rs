@@ -2,7 +2,9 @@
 
 use super::{MethodInfo, captures, environment, pccm};
 use crate::math::{DefinitionsVersion, OracleVersion};
-use crate::parameter::{Choices, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters};
+use crate::parameter::{
+    Choice, Choices, Domain, Field, Parameter, Parameters, Preset, Value, Values, choices, parameters,
+};
 use crate::passes::trace_normals::TraceNormals;
 use crate::scene::capture::{MAX_CAPTURES, Wanted};
 use std::collections::BTreeMap;
@@ -45,38 +47,24 @@ choices! {
     }
 }
 
-choices! {
-    /// How many captures of the scene `unified` follows rays in that the screen loses.
-    pub enum CaptureCount {
-        /// None: the screen is all there is.
-        None = "none",
-        /// Those of the scene file, or as many as the scene needs.
-        Auto = "auto",
-        /// The first of them.
-        One = "1",
-        /// The first two.
-        Two = "2",
-        /// The first three.
-        Three = "3",
-        /// The first four.
-        Four = "4",
-        /// The first five.
-        Five = "5",
-        /// The first six.
-        Six = "6",
-        /// The first seven.
-        Seven = "7",
-        /// The first eight.
-        Eight = "8",
-        /// One at the camera, which each frame draws anew.
-        Camera = "camera",
-    }
+/// The number of captures in which rays go on that the screen loses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CaptureCount {
+    /// None: the screen is all there is.
+    #[default]
+    None,
+    /// All captures of the scene file, or as many as the scene needs.
+    Auto,
+    /// A single capture at the camera, drawn anew in each frame.
+    Camera,
+    /// So many captures, the scene file's first; from 1 to [`MAX_CAPTURES`].
+    Number(u32),
 }
 
 choices! {
     /// Width and height of the faces of captures, in texels.
     pub enum CaptureSide {
-        /// As the scene file says, else 512.
+        /// The side that the scene file says, else 512.
         Scene = "scene",
         /// 128.
         Side128 = "128",
@@ -97,12 +85,43 @@ impl CaptureSide {
 }
 
 impl CaptureCount {
-    /// What is asked of the places of a scene; `None` for no captures there.
+    const NAMED: &'static [Choice] = &[
+        Choice { name: "none", help: "No captures: the screen is all there is." },
+        Choice { name: "auto", help: "All captures of the scene file, or as many as the scene needs." },
+        Choice { name: "camera", help: "A single capture at the camera, drawn anew in each frame." },
+    ];
+
+    /// Returns what to ask of the scene's places; `None` if no capture stands at a place of the scene.
     pub fn wanted(self) -> Option<Wanted> {
         match self {
             Self::None | Self::Camera => None,
             Self::Auto => Some(Wanted::Auto),
-            count => count.name().parse().ok().map(Wanted::Count),
+            Self::Number(count) => Some(Wanted::Count(count as usize)),
+        }
+    }
+}
+
+impl Field for CaptureCount {
+    fn domain() -> Domain {
+        Domain::ChoicesOrCount(Self::NAMED, 1, MAX_CAPTURES as u32)
+    }
+
+    fn value(self) -> Value {
+        match self {
+            Self::None => Value::Choice("none"),
+            Self::Auto => Value::Choice("auto"),
+            Self::Camera => Value::Choice("camera"),
+            Self::Number(count) => Value::Count(count),
+        }
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Choice("none") => Some(Self::None),
+            Value::Choice("auto") => Some(Self::Auto),
+            Value::Choice("camera") => Some(Self::Camera),
+            Value::Count(count) => Some(Self::Number(count)),
+            _ => None,
         }
     }
 }
@@ -134,15 +153,14 @@ parameters! {
         /// were reflected at, for a deviation of 1. With 0 they are not.
         bump_after: f32 =
             Parameter::new(0.0).between(0.0, 4.0).unit("screen heights").source("Hermanns 2015, §4.4; no number there"),
-        /// What is seen behind a screen-space method where its reflection fades out.
+        /// What shows where a screen-space reflection fades out.
         fallback: Fallback = Parameter::new(Fallback::None).source("Hermanns 2015, §4.2.11; Schmidt 2013, §5.4.2"),
         /// How often light is reflected in screen-space methods: with each bounce the reflections are made again, from the
         /// image with those of the bounce before in it (docs/definitions.md, "Bounces"). With 1, what is reflected does not
         /// reflect. The references follow rays over as many bounces.
         bounces: u32 = Parameter::new(1).within(1, 8).unit("bounces").source("Hermanns 2015, §4.2.11"),
-        /// Reflections are averaged over frames: those of earlier frames are found again where they were seen then, as far
-        /// as they are not hidden, and kept within what the pixels around show now. An image at rest is shown after
-        /// `history_frames` frames.
+        /// Reflections are averaged over frames. Earlier frames are reprojected, rejected where they were occluded, and
+        /// clamped to what the pixels around show now. An image at rest is shown after `history_frames` frames.
         history: HistoryUse = Parameter::new(HistoryUse::Off).source("Hermanns 2015, §4.2.11; Salvi 2016"),
         /// Frames that the history averages at most.
         history_frames: u32 = Parameter::new(16).within(1, 256).unit("frames").source("tuned (docs/findings.md)"),
@@ -157,8 +175,9 @@ parameters! {
         /// Where unified follows the rays that the screen loses. Where they go on, it hits what version 2 of the oracle says,
         /// and its reflections do not fade at the screen's border.
         beyond: Beyond = Parameter::new(Beyond::Auto).source("this project"),
-        /// Captures of the scene in which unified follows the rays that the screen loses. With captures it hits what
-        /// version 2 of the oracle says, and its reflections do not fade at the screen's border.
+        /// Captures of the scene for rays that the screen loses. The methods unified and captures follow these rays in
+        /// them. With captures, unified hits what version 2 of the oracle says, and its reflections do not fade at the
+        /// screen's border.
         captures: CaptureCount = Parameter::new(CaptureCount::None)
             .source("this project; camera: Hermanns and Franke 2014, Conclusion"),
         /// Width and height of the faces of captures.
@@ -214,13 +233,13 @@ impl Setup {
         Self { extent, values: Values::default() }
     }
 
-    /// The same at another size.
+    /// Returns this setup at another size.
     #[must_use]
     pub fn at(&self, extent: [u32; 2]) -> Self {
         Self { extent, values: self.values.clone() }
     }
 
-    /// The same with the values of a preset, but for those that were given.
+    /// Returns this setup with another preset; values that were given stay.
     #[must_use]
     pub fn of_preset(&self, preset: Preset) -> Self {
         let mut of_preset = self.clone();
@@ -228,7 +247,7 @@ impl Setup {
         of_preset
     }
 
-    /// The same, but for what a function changes of some parameters: of [`EffectParams`] or of a method's own.
+    /// Returns this setup with what a function changes in [`EffectParams`] or in a method's own parameters.
     #[must_use]
     pub fn with<P: Parameters>(&self, change: impl FnOnce(&mut P)) -> Self {
         Self { extent: self.extent, values: self.values.with(change) }
@@ -244,7 +263,7 @@ impl Setup {
         self.of()
     }
 
-    /// As records keep it: size, preset, and the value of every parameter of the effect and of a method.
+    /// The setup in records: size, preset, and the value of every parameter of the effect and of a method.
     pub fn recorded(&self, method: Option<&MethodInfo>) -> BTreeMap<&'static str, Value> {
         let own = method.map(MethodInfo::own_parameters).unwrap_or_default();
         let rows = EffectParams::table().into_iter().chain(own);

@@ -32,11 +32,11 @@ pub const INFO: MethodInfo = MethodInfo {
 parameters! {
     /// Parameters of `ssct`.
     pub struct SsctParams {
-        /// Of the Hi-Z traversal.
+        /// Parameters of the Hi-Z traversal.
         hi_z: HiZParams,
-        /// Of the march of rays towards the camera.
+        /// Parameters of the march of rays towards the camera.
         march: MarchParams,
-        /// Of the cone trace.
+        /// Parameters of the cone trace.
         cone: ConeParams,
         /// How the passes are made.
         drawn: ThesisDrawing,
@@ -53,7 +53,7 @@ parameters! {
         /// What the blur of the colour chain leaves out. A mask needs the Gaussian, which then filters the chain.
         chain_mask: ChainMask =
             Parameter::new(ChainMask::None).source("Hermanns 2015, ch. 6 and §4.3.2; not which mask"),
-        /// Of the mask by surfaces: how far depths of one surface differ, as a part of the lesser one.
+        /// Greatest difference of depths that the mask by surfaces takes for one surface, as a part of the lesser depth.
         chain_mask_tolerance: f32 = Parameter::new(0.1).above(0.0, 1.0).source("this project"),
         /// The Hi-Z buffer keeps the maximum of depth beside the minimum. Nothing reads it; it costs time.
         hi_z_maximum: bool = Parameter::new(false).author(true).source("§4.2.4: the minimum"),
@@ -103,7 +103,7 @@ impl ThesisMethod {
     /// The chains and the cone of a setup, which [`Self::record_cone`] runs from hits of any origin.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn cone_alone(gpu: &Gpu, setup: &Setup) -> Result<Self> {
         let parameters: SsctParams = setup.of();
         let making = Making {

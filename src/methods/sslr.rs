@@ -38,7 +38,7 @@ choices! {
 parameters! {
     /// Parameters of `sslr`.
     pub struct SslrParams {
-        /// Of the march.
+        /// Parameters of the march.
         march: UniformMarchParams,
         /// How the chains of ray trace colour and mask are filtered. The author's program leaves its blur shaders out and
         /// lets the GPU make the chains.

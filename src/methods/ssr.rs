@@ -43,7 +43,7 @@ parameters! {
 pub struct SchmidtMethod {
     /// The blur reads a coarse level of the lit colour; without it there is no chain.
     chain: Option<ColorChainPass>,
-    /// The same of the second layer, where there are two.
+    /// The chain of the second layer; `None` if there is one layer, or no chain.
     behind_chain: Option<ColorChainPass>,
     trace: SchmidtTracePass,
     parameters: SchmidtBlock,

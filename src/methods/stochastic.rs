@@ -37,9 +37,9 @@ pub const INFO: MethodInfo = MethodInfo {
 choices! {
     /// How `stochastic` walks its rays.
     pub enum StochasticWalk {
-        /// Over the pyramid of `unified`: exact.
+        /// The exact walk, over the pyramid of `unified`.
         Exact = "exact",
-        /// As `ssct` does: over the Hi-Z buffer, and by a march towards the camera.
+        /// The thesis's walk, which `ssct` uses: over the Hi-Z buffer, and by a march towards the camera.
         Thesis = "thesis",
     }
 }

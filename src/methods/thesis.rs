@@ -60,7 +60,7 @@ choices! {
     /// Which exponent α of Eq. 4.5 a roughness ϱ stands for. The equation is printed with an α that grows with ϱ, so that
     /// mirrors have the widest cones.
     pub enum ConeAngle {
-        /// That of the lobe that ϱ stands for everywhere in this project: the angle is ϱ/2, as in the author's program.
+        /// The exponent of the lobe that ϱ means everywhere in this project: the angle is ϱ/2, as in the author's program.
         Lobe = "lobe",
         /// The equation's interpolation with its ends swapped, from `cone_alpha_max` for mirrors to `cone_alpha_min`; and
         /// no angle at all for an α above 1000 (§4.2.8).

@@ -2,9 +2,9 @@ use super::*;
 
 choices! {
     enum Colour {
-        /// Of the sky.
+        /// The colour of the sky.
         Blue = "blue",
-        /// Of roses.
+        /// The colour of roses.
         Red = "red",
     }
 }

@@ -21,7 +21,7 @@ pub const MAX_IMPOSTORS: usize = constants::MAX_IMPOSTORS as usize;
 choices! {
     /// Which of several billboards on a ray shows.
     pub enum Order {
-        /// As listing 2 has it: the last of the list, and none after the first that lies behind the pixel.
+        /// The order of listing 2: the last of the list, and none after the first that lies behind the pixel.
         Printed(ORDER_PRINTED) = "printed",
         /// The last of the list that lies ahead.
         Unbroken(ORDER_UNBROKEN) = "unbroken",
@@ -43,11 +43,11 @@ choices! {
 choices! {
     /// How wide a reflected ray is where it meets a billboard.
     pub enum Blur {
-        /// As a mirror's, whatever the roughness, as published.
+        /// No width, whatever the roughness, as published.
         None(BLUR_NONE) = "none",
-        /// As the cone of the surface's roughness is, from the surface on.
+        /// The width of the cone of the surface's roughness, which begins at the surface.
         Roughness(BLUR_ROUGHNESS) = "roughness",
-        /// As the same cone would be if it began at the viewer, so that what is farther away is blurred more.
+        /// The width of that cone if it began at the viewer, so that what is farther away is blurred more.
         Distance(BLUR_DISTANCE) = "distance",
     }
 }

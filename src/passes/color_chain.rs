@@ -41,7 +41,7 @@ enum Make {
     Coarse(ComputePipeline<ColorCoarse<'static>>),
     /// Two passes each, with the image between the two directions.
     Gaussian(GraphicsPipeline<GaussianBlur<'static>>, Box<Image>),
-    /// The same, with how far depths of one surface differ, as a part of the lesser one.
+    /// Two masked passes each, with the greatest difference of depths that counts as one surface, as a part of the lesser.
     Masked(GraphicsPipeline<GaussianBlurMasked<'static>>, Box<Image>, f32),
 }
 
@@ -78,7 +78,7 @@ impl ColorChainPass {
         Ok(Self(Make::Masked(pipeline, between(gpu, extent, LIT_COLOR)?, tolerance)))
     }
 
-    /// As with [`ChainFilter::Hardware`], in fewer passes.
+    /// Makes the chain that [`ChainFilter::Hardware`] makes, in fewer passes.
     pub fn in_few_passes(gpu: &Gpu) -> Result<Self> {
         Ok(Self(Make::Coarse(ComputePipeline::new(gpu)?)))
     }
@@ -105,7 +105,7 @@ impl ColorChainPass {
         Ok(ColorChain(chain))
     }
 
-    /// The same, where a mask is read from the Hi-Z buffer of the same G-buffer, if there is one.
+    /// Records the chain; a mask, if there is one, is read from the Hi-Z buffer of the same G-buffer.
     pub fn record_masked<'a>(
         &self,
         frame: &mut Frame,

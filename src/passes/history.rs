@@ -34,7 +34,7 @@ impl HistoryPass {
     /// around a pixel its history may lie from their mean.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], averaged: u32, deviations: f32) -> Result<Self> {
         let image = |name, format| Image::target(gpu, name, format, extent);
         let kept = || -> Result<Kept> {
@@ -70,7 +70,7 @@ impl HistoryPass {
     /// [`unit()`], where the method knows it: a mirror's image moves as what it shows, not as the mirror.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,

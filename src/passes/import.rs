@@ -46,7 +46,7 @@ pub struct Foreign<'a> {
 /// A number a pixel.
 #[derive(Clone, Copy)]
 pub enum Factor<'a> {
-    /// The same everywhere.
+    /// One value for all pixels.
     Constant(f32),
     /// A channel (0 to 3) of an image.
     Channel(&'a Image, u32),

@@ -18,7 +18,7 @@ impl LightingPass {
         Self::with(gpu, false)
     }
 
-    /// The same, but black where the sky is seen. Either way a is 1 for what is lit and 0 for sky.
+    /// Makes a lighting pass that is black where the sky is seen. In both passes, a is 1 for what is lit and 0 for sky.
     pub fn without_sky(gpu: &Gpu) -> Result<Self> {
         Self::with(gpu, true)
     }

@@ -71,7 +71,7 @@ pub struct Tone {
 }
 
 impl Tone {
-    /// As the display image shows colour.
+    /// Colour with the tone of the display image.
     pub const DISPLAY: Self = Self { content: Content::Color, channel: None, exposure_stops: 0.0, range: [0.0, 1.0] };
 }
 

@@ -105,13 +105,13 @@ pub struct GBuffer<'a> {
 /// neither looked for nor shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reflectors {
-    /// Whether there may be mirrors: surfaces that reflect with roughness 0.
+    /// True if mirrors may occur: surfaces that reflect with roughness 0.
     pub mirrors: bool,
-    /// Whether there may be gloss with narrow lobes: roughness above 0, up to [`WIDE_ABOVE`].
+    /// True if gloss with narrow lobes may occur: roughness above 0, up to [`WIDE_ABOVE`].
     pub narrow: bool,
-    /// Whether there may be gloss with wide lobes: roughness above that.
+    /// True if gloss with wide lobes may occur: roughness above [`WIDE_ABOVE`].
     pub wide: bool,
-    /// Whether every surface that is lit reflects: where the image shows no sky, all of it does.
+    /// True if every lit surface reflects, so that every pixel without sky does.
     pub everywhere: bool,
 }
 
@@ -122,7 +122,7 @@ impl Reflectors {
     /// Nothing is known: there may be both.
     pub const UNKNOWN: Self = Self { mirrors: true, narrow: true, wide: true, everywhere: false };
 
-    /// Of a frame whose reflectivity or roughness is the same everywhere, where that is known.
+    /// The kinds that can occur in a frame, given its reflectivity and roughness if they are constant.
     pub fn of(reflectivity: Option<f32>, roughness: Option<f32>) -> Self {
         let reflects = reflectivity.is_none_or(|r| f64::from(r) > constants::REFLECTS_ABOVE);
         let may = |is: fn(f32) -> bool| reflects && roughness.is_none_or(is);
@@ -134,7 +134,7 @@ impl Reflectors {
         }
     }
 
-    /// What there may be by both of two, each of which knows something of the same frame.
+    /// Combines two partial descriptions of a frame: a kind may occur only if both allow it.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self {

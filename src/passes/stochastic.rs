@@ -70,7 +70,7 @@ impl StochasticTrace<StochasticExact<'static>> {
     /// rays, where it is known. `hits`: an image of the hits of mirrors is made.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(
         gpu: &Gpu,
         extent: [u32; 2],
@@ -85,7 +85,7 @@ impl StochasticTrace<StochasticExact<'static>> {
     /// A ray for each pixel.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -112,10 +112,10 @@ impl StochasticTrace<StochasticExact<'static>> {
 }
 
 impl StochasticTrace<StochasticThesis<'static>> {
-    /// As for [`StochasticExact`].
+    /// Traces by the thesis's walk, for images of a size in pixels; `sky` and `hits` as for [`StochasticExact`].
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], (sky, hits): (bool, bool)) -> Result<Self> {
         Self::of(gpu, extent, &StochasticThesisConstants { fallback: true, sky, hits }, hits)
     }
@@ -123,7 +123,7 @@ impl StochasticTrace<StochasticThesis<'static>> {
     /// A ray for each pixel.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,
@@ -163,7 +163,7 @@ impl StochasticResolvePass {
     /// For images of a size in pixels. `over`: another reflection shows where this one misses.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn new(gpu: &Gpu, extent: [u32; 2], over: bool) -> Result<Self> {
         let stored = |name, format| stored_target(gpu, name, format, extent);
         Ok(Self {
@@ -178,7 +178,7 @@ impl StochasticResolvePass {
     /// Adds the rays of one turn to those of the turns before.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn record(
         &self,
         frame: &mut Frame,

@@ -53,7 +53,7 @@ pub struct Camera {
     pub projection: Option<Projection>,
 }
 
-/// What of a perspective projection with reversed depth is neither 0 nor 1.
+/// The elements of a perspective matrix with reversed depth that are neither 0 nor 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Projection {
     /// M_00 and M_11, both above 0: y is up in clip space.
@@ -76,7 +76,7 @@ impl Projection {
 /// What can be read off the perspective matrix of any renderer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReadProjection {
-    /// The same projection, in the conventions of this crate.
+    /// The projection in the conventions of this crate.
     pub projection: Projection,
     /// For each axis, 1 if the renderer's view space and ours have it in the same direction, −1 if in opposite ones.
     pub turn: Vec3,

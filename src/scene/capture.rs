@@ -68,9 +68,9 @@ impl Capture {
 /// How many captures a scene is to have, and where they come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
-    /// Those of the scene file; where it has none, as many as pay, as the laboratory's placement judges it.
+    /// All captures of the scene file; if it has none, as many as pay, as the laboratory's placement judges it.
     Auto,
-    /// This many: first those of the scene file, in its order, then places that show most of what they do not.
+    /// This many: first the captures of the scene file, in its order, then places that show most of what these do not.
     /// Fewer, if no further place shows anything new. More than [`MAX_CAPTURES`] mean that many.
     Count(usize),
 }

@@ -287,7 +287,7 @@ impl View {
     }
 }
 
-/// What of a scene scales and moves by rules of its own.
+/// The parts of a scene that scale and move by rules of their own.
 struct Extended<'a> {
     paths: &'a mut [CameraPath],
     probes: &'a mut [Probe],

@@ -52,10 +52,10 @@ impl CameraPath {
         })
     }
 
-    /// The same as [`Self::new`], with the faulty key frame apart from the sentence.
+    /// Makes a path as [`Self::new`] does; an error names the faulty key frame apart from the sentence.
     ///
     /// # Errors
-    /// As for [`Self::new`].
+    /// Errors of [`Self::new`].
     pub fn joined(name: &str, keys: Vec<KeyFrame>) -> std::result::Result<Self, KeyFault> {
         if keys.len() < 2 {
             return Err((None, format!("a path needs at least two key frames, not {}", keys.len())));

@@ -1,4 +1,4 @@
-//! The same on two drivers that were written apart: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the second,
+//! Two drivers that were written apart must agree: Mesa's lavapipe and SwiftShader (`make test-drivers` fetches the second,
 //! and a validation layer three years younger than Debian's). What drivers may do as they like, by the specification, has a
 //! stated bound; docs/findings.md says what comes of it.
 
@@ -61,7 +61,7 @@ fn methods_make_the_same_of_one_gbuffer() {
                 let name = &head.method;
                 println!("{} {view} {roughness} {name}: {hits:?} {apart:?} {ties:?} {rmse:.5} {flip:.4}", scene.name);
                 assert!(*pixels > 1000 && *flip <= greatest_flip(name)[n], "{name}, {roughness}: FLIP {flip}");
-                // Of a mirror's hits no driver decides; a lobe's ray may be another one.
+                // No driver has a choice in a mirror's hits; a lobe may be traced by another ray.
                 if let Some(agree) = hits.hit_agreement.filter(|_| n == 0) {
                     assert!(agree >= 0.9995, "{name}: {hits:?}");
                 }

@@ -42,7 +42,7 @@ pub fn own_gpu() -> Gpu {
 /// Devices that no test uses now.
 static POOL: OnceLock<Mutex<Vec<Gpu>>> = OnceLock::new();
 
-/// As many as tests run at a time, unless told otherwise.
+/// Opens a device for each test that runs at a time, if the number of threads is not set.
 fn new_pool() -> Vec<Gpu> {
     let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
     (0..threads).map(|_| own_gpu()).collect()
@@ -251,7 +251,7 @@ impl Shown {
         self.levels(name)[0]
     }
 
-    /// Whether there is such an intermediate.
+    /// True if the method made an intermediate of this name.
     pub fn has(&self, name: &str) -> bool {
         self.image.intermediates.as_ref().unwrap().iter().any(|(stem, ..)| stem == name)
     }
@@ -274,7 +274,7 @@ pub fn show(gpu: &Gpu, scene: &Scene, camera: Camera, method: &str, setup: &Setu
     show_with(gpu, scene, (camera, globals), method, setup, Wants::HITS)
 }
 
-/// The same, with what is wanted beside the image.
+/// Shows a scene as [`show`] does, with a choice of what is wanted beside the image.
 pub fn show_with(
     gpu: &Gpu,
     scene: &Scene,

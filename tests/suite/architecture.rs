@@ -149,7 +149,7 @@ fn is_wrapper(code: &str) -> bool {
 #[derive(Debug, Clone, PartialEq)]
 struct Number {
     name: String,
-    /// As its literal spells it, which tells whole numbers from others.
+    /// True if the literal spells a whole number.
     is_whole: bool,
     value: f64,
     path: String,

@@ -189,7 +189,7 @@ fn a_rectangle_fills_its_share_of_the_lobe() {
 fn a_cylinder_fills_its_share_of_the_lobe() {
     let thin = AreaShape::Cylinder { a: Vec3::new(-1.5, 0.8, 4.0), b: Vec3::new(1.0, 1.6, 6.0), radius: 0.15 };
     holds(thin, [(0.02, 0.03, 0.2), (0.1, 0.03, 0.2), (0.3, 0.03, 0.2), (0.8, 0.02, 0.1)]);
-    // As wide as long, and seen from one of its ends.
+    // A cylinder that is as wide as it is long, seen from one of its ends.
     let thick = AreaShape::Cylinder { a: Vec3::new(0.2, 1.2, 4.5), b: Vec3::new(0.6, 1.4, 5.5), radius: 0.5 };
     holds(thick, [(0.02, 0.15, 0.7), (0.1, 0.09, 0.4), (0.3, 0.06, 0.25), (0.8, 0.03, 0.15)]);
 }

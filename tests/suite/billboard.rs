@@ -36,7 +36,7 @@ fn scene(with_block: bool) -> Scene {
     }
     let impostor = Impostor { name: "picture".into(), centre: CENTRE, half_u: HALF_U, half_v: HALF_V, texture: 0 };
     b.0.impostors = vec![impostor];
-    // As bright as the picture, which no light meets: ambient light alone.
+    // No light meets the picture, so that ambient light alone shows its colours.
     let texels = (0..64).flat_map(|k| [colour(k % 8, k / 8).as_slice(), &[255]].concat()).collect();
     b.0.textures.push(Texture { name: "impostor".into(), width: 8, height: 8, rgba: texels, encoding: Encoding::Srgb });
     b.0.impostors[0].texture = 1;
@@ -185,7 +185,7 @@ fn glowing(gpu: &Gpu, scene: &Scene, occlusion: Occlusion, glow: (f32, f32)) -> 
 #[test]
 fn a_glow_fades_beyond_the_edges_of_a_billboard() {
     let gpu = gpu();
-    // Of one colour, so that all levels of the image show the same.
+    // An image of one colour, so that all its levels are equal.
     let mut even = scene(false);
     even.textures[1].rgba = [255, 188, 0, 255].repeat(64);
     let color = Vec3::new(1.0, ssct::math::srgb_to_linear(188.0 / 255.0), 0.0);

@@ -215,7 +215,7 @@ fn bounces_work_with_all_that_stands_around_a_method() {
         ("unified", "history", |p| (p.history, p.history_frames) = (HistoryUse::On, 3)),
         ("ssct", "environment", |p| p.fallback = Fallback::Environment),
         ("ssct", "captures behind", |p| p.fallback = Fallback::Captures),
-        ("unified", "captures", |p| p.captures = ssct::methods::setup::CaptureCount::One),
+        ("unified", "captures", |p| p.captures = ssct::methods::setup::CaptureCount::Number(1)),
         ("unified", "half resolution", |p| p.resolution_scale = 0.5),
         ("ssct", "quarter resolution", |p| p.resolution_scale = 0.25),
         ("ssct", "bumps", |p| (p.trace_normals, p.bump_after) = (TraceNormals::Geometric, 0.1)),

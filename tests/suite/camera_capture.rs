@@ -208,6 +208,6 @@ fn the_command_takes_it_and_says_where_it_cannot_be() {
         assert_eq!(record["setup"]["captures"], "camera");
         assert!(record["flicker"].is_number(), "{record}");
     }
-    let path = ["time", "--path", "views", "--method", "unified", "--frames", "3", "--warmup", "1", "-o", "path"];
+    let path = ["path", "--method", "unified", "--frames", "3", "--warmup", "1", "-o", "path"];
     folder.succeed(&[&path, &small[..], &camera].concat());
 }

@@ -25,7 +25,7 @@ use ssct_lab::study::{Globals, Shot, Stage, gbuffer, stress};
 struct Drawn {
     data: GBufferData,
     captures: Vec<CaptureData>,
-    /// Of the scene, outside of which a ray that is lost has escaped.
+    /// Bounds of the scene; a lost ray that is outside has escaped.
     bounds: Aabb,
     /// What mirror.glsl and follow.comp left.
     hits: Pixels,
@@ -97,7 +97,7 @@ struct Count {
     followed: usize,
     in_captures: usize,
     in_sky: usize,
-    /// Of those in the sky, which only the scene's bounds tell.
+    /// Rays in the sky that only the scene's bounds find there.
     outside: usize,
     unknown: usize,
     most_steps: i32,

@@ -268,7 +268,7 @@ fn a_path_gives_frames_per_second_of_each_method() {
     let way = "[[key]]\neye = [0, 1, 0]\nlook_at = [0, 0, 3]\n[[key]]\neye = [0.5, 1, 0.5]\nlook_at = [0, 0, 3]\n";
     folder.write("way.toml", way);
     let args = ["--size", "32x16,17x9", "--method", "hzct,ssct", "--frames", "5", "--warmup", "1"];
-    let succeed = |own: &[&str]| folder.succeed(&[&["time"], own, &args].concat());
+    let succeed = |own: &[&str]| folder.succeed(&[&["path"], own, &args].concat());
     let said = succeed(&["--scene", "room.obj", "--path", "way.toml", "--json", "-o", "p"]);
     let records: Value = serde_json::from_str(&said).unwrap();
     let records = records.as_array().unwrap();
@@ -290,12 +290,15 @@ fn a_path_gives_frames_per_second_of_each_method() {
     assert_eq!(rows, 4 * 5);
     let svg = folder.text("p/path.svg");
     assert_eq!(svg.matches("stroke-width=\"2\"").count(), 4, "a line a record");
-    let text = succeed(&["--path", "views"]);
+    let text = succeed(&[]);
     assert!(text.contains("rooms views") && text.contains("1 % low"), "{text}");
-    let output = folder.run(&["time", "--path", "nowhere"]);
-    assert_eq!(output.status.code(), Some(2));
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(said.contains("neither a path of scene") && said.contains("views"), "{said}");
+    for (wrong, says) in
+        [(["--path", "nowhere"], "neither a path of scene rooms (views"), (["--view", "corridor"], "leave out --view")]
+    {
+        let output = folder.run(&[&["path"][..], &wrong].concat());
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(says), "{said}");
+    }
 }
 
 #[test]

@@ -292,7 +292,7 @@ fn an_exr_that_cannot_be_read_is_refused() {
     };
     write("depth.exr", ["R", "G", "depth"]);
     fails(&folder, &["a.exr", "depth.exr"], 1, "depth.exr: no OpenEXR image");
-    // Of channel B: name, pixel type (2 is 32-bit float), linearity and reserved bytes, then the samplings.
+    // Channel B has a name, a pixel type (2 is 32-bit float), linearity, reserved bytes, and then the samplings.
     write("coarse.exr", ["R", "G", "B"]);
     let mut bytes = std::fs::read(folder.path("coarse.exr")).unwrap();
     let start = b"chlist\0";
@@ -319,7 +319,7 @@ fn a_method_timed_against_itself_knows_its_noise_floor() {
     assert_eq!(timed, 12 * (3 + passes));
     let floor = records[0]["noise_floor"].as_f64().expect("a floor");
     assert!(floor > 0.0 && records[0]["passes"].as_array().unwrap().iter().all(|p| p["noise_floor"].is_f64()));
-    // Of the same rows with other times, all alike so that the floor alone decides.
+    // Rows with other times, all alike so that the floor alone decides.
     let floor = floor.max(0.06);
     let samples = folder.text("a/time-samples.csv");
     let with = |name: &str, ms: f64| {

@@ -48,7 +48,7 @@ const CITING: &[&str] = &[
     "tests",
 ];
 
-/// Of these, what no person wrote or reads.
+/// Folders among them that no person wrote or reads.
 const NOT_TEXT: &[&str] = &["benches/runs/2", "fuzz/corpus", "fuzz/target", "tests/golden"];
 
 fn root() -> PathBuf {
@@ -367,9 +367,10 @@ fn the_world_plot_shows_what_the_records_say() {
 /// The options of all methods, as the methods' own tables declare them.
 fn options() -> String {
     let mut page =
-        "# Parameters of the methods\n\nEvery parameter is a flag of the commands `render`, `time`, `error`, \
-                    `gbuffer reflect` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the \
+        "# Parameters of the methods\n\nEvery parameter is an option of the commands that run methods, such as `render`, \
+                    `error` and `view` (`--cone-samples 3`), a row of the window's panel, and a value in the \
                     `setup` of every record (`cone_samples`). A method that is not named does not read it. \
+                    A switch takes `on` or `off` (`--split on`, `--fade off`), and alone it means on (`--split`). \
                     `--captures` of `gbuffer reflect` takes a folder instead \
                     ([what is in it](definitions.md#captures)). `--preset` \
                     chooses between the published values and those of the author's own program. This page is made from \

@@ -100,8 +100,8 @@ fn a_shifted_projection_shifts_the_image() {
     let theirs = Theirs::new(&mut engine, &data, NATIVE);
     let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
     let native = engine.read(&recorded.composite.unwrap());
-    // The same images, taken to be those of a projection that is shifted by 8 pixels, of a camera that looks so much
-    // aside: what was in the middle of the view is at its side, and every angle changes.
+    // The images stay, but the projection is said to be shifted by 8 pixels, by a camera that looks as much aside: what was
+    // in the middle of the view is at its side, and every angle changes.
     let mut aside = theirs.input();
     aside.camera.view_to_clip[8] = 2.0 * 8.0 / 96.0;
     let recorded = engine.frame(&mut reflections, &aside).unwrap();

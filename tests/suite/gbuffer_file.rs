@@ -6,7 +6,7 @@ use crate::common::gpu;
 use ssct::math::DefinitionsVersion;
 use ssct::methods::setup::{CaptureCount, CaptureSide};
 use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
-use ssct::parameter::Choices;
+use ssct::parameter::{Choices, Field};
 use ssct_lab::scene::capture_file::CaptureFolder;
 use ssct_lab::scene::{gbuffer_file, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
@@ -45,7 +45,7 @@ fn export_and_reflect_are_the_direct_run_to_the_bit() {
 
 /// Mirrors and both kinds of lobes, windows that show the sky, and sky beyond the atrium's roof; and how many captures.
 const CAPTURED: [(&str, &str, CaptureCount); 2] =
-    [("rooms", "window", CaptureCount::Two), ("atrium", "hall", CaptureCount::One)];
+    [("rooms", "window", CaptureCount::Number(2)), ("atrium", "hall", CaptureCount::Number(1))];
 
 /// Texels along a side of their captures.
 const SIDE: CaptureSide = CaptureSide::Side128;
@@ -70,7 +70,7 @@ fn captures_beside_a_gbuffer_are_those_of_the_scene_to_the_bit() {
     };
     let side = SIDE.name();
     for (scene, view, captures) in CAPTURED {
-        let captures = captures.name();
+        let captures = &captures.value().to_string();
         for cubes in ["cubes", scene] {
             run(&["captures", scene, "--captures", captures, "--capture-side", side, "--view", view, "-o", cubes]);
         }

@@ -29,7 +29,7 @@ fn gbuffer(gpu: &Gpu, view: &str, extent: [u32; 2], roughness: f32, deviation: f
 }
 
 fn reflection(gpu: &Gpu, data: &GBufferData, method: &str) -> Pixels {
-    // As the reference here, by version 1 of the definitions.
+    // The reference here follows version 1 of the definitions, too.
     let v1 = DefinitionsVersion::V1;
     let setup = Setup::new([data.width, data.height]).with(|p: &mut EffectParams| p.definitions = v1);
     reflect(gpu, data, None, methods::find(method).unwrap(), &setup).unwrap().reflection

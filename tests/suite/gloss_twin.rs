@@ -154,11 +154,11 @@ fn aim_error(aim: &Aim) -> f32 {
 struct Count {
     /// Rays, or pixels and cells.
     all: usize,
-    /// Those that hit, or show a hit.
+    /// Rays that hit, or pixels and cells that show a hit.
     hits: usize,
     /// Rays that end in another pixel, or nowhere, if their direction is off by [`aim_error`].
     ties: usize,
-    /// Those that are off by more than is allowed.
+    /// Rays, or pixels and cells, that are off by more than is allowed.
     wrong: usize,
 }
 

@@ -91,7 +91,7 @@ fn the_page_has_runs_changes_and_trends_within_a_device() {
     for word in ["http:", "https:", "url(", "@import", "<iframe", "<object", " src="] {
         assert!(!page.contains(word), "{word}");
     }
-    // The same runs make the same page, over which the command may write, and no other page.
+    // Equal runs make an equal page, over which the command may write, and no other page.
     folder.succeed(&["index", "all"]);
     assert_eq!(folder.text("all/index.html"), page);
     // Elsewhere, nothing links to what is not beside the page.

@@ -45,6 +45,7 @@ mod many;
 mod mirror;
 mod oracle_rooms;
 mod page;
+mod plain_words;
 mod planar;
 mod precision;
 mod renewal;

@@ -52,7 +52,7 @@ fn a_mirror_shows_what_its_rays_meet() {
             let setup = setup(variant, planes);
             let Truth { reflection, world: truth, first_hits } =
                 beside_truth(&gpu, &scene, look(EXTENT), "planar", &setup, &Globals::default());
-            // Of the first mirror, unless both are mirrored: the second stands to the right of it.
+            // Only the first mirror reflects unless both are mirrored; the second stands to the right of it.
             let (mut of_mirror, mut alike, mut lit) = (0, 0, 0);
             for ((texel, truth), receiver) in reflection.texels().zip(&truth).zip(&first_hits.receivers) {
                 let Some(receiver) = receiver else {

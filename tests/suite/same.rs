@@ -1,4 +1,4 @@
-//! The same everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of
+//! Equal images everywhere: a G-buffer gives the same image, to the bit, in every run, on any number of
 //! threads and in subgroups of any size. On lavapipe both are set for a process, so each configuration is
 //! a process of its own.
 

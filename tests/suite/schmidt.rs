@@ -146,7 +146,7 @@ fn steps_and_blur_do_what_they_say() {
     assert_eq!(plain.get("hits"), blurred.get("hits"));
     assert_ne!(plain.get("reflection"), blurred.get("reflection"));
     assert!(find("ssr").unwrap().reads().iter().all(|p| p.name != "distance_blur"));
-    // As printed, level 7 is added and not counted: near the viewer that is one sample and the mean of
+    // The printed listing adds level 7 and does not count it: near the viewer that is one sample and the mean of
     // the surroundings, over one.
     let mean = |s: &Shown| s.get("reflection").texels().map(|t| f64::from(t[0] + t[1] + t[2])).sum::<f64>();
     let ratio = mean(&blurred) / mean(&plain);

@@ -76,7 +76,7 @@ fn many_rays_by_themselves_come_to_the_screen_reference() {
         let [one, many] = [1, 64].map(|rays| colors(&made(&data, "stochastic", &alone(rays))));
         let [error_of_one, error_of_many] = [&one, &many].map(|image| masked_rmse(&truth, image, &mask));
         println!("{view}, {roughness}: 1 ray {error_of_one:.4}, 64 rays {error_of_many:.4}");
-        // Of independent rays an eighth would be left; these are spread better, but the reference has noise, too.
+        // Independent rays would leave an eighth; these are spread better, but the reference has noise, too.
         assert!(error_of_many < 0.16 * error_of_one, "{view}: {error_of_many} against {error_of_one}");
         let bias = mean(&many) / mean(&truth) - 1.0;
         assert!(bias.abs() < 0.005, "{view}: {bias}");
@@ -202,7 +202,7 @@ fn a_history_follows_what_a_moving_camera_sees() {
         let (image, _) = frames(&scene, "stochastic", setup, &cameras);
         masked_rmse(reference, &colors(&image), &vec![true; reference.len()])
     };
-    // The same camera, with so many rays that there is nothing to average.
+    // One frame of the last camera, with so many rays that there is nothing to average.
     let many = setup(|p| (p.stochastic_rays, p.stochastic_gathered) = (64, 1));
     let (reference, _) = frames(&scene, "stochastic", &many, &cameras[11..]);
     let reference = colors(&reference);

@@ -42,7 +42,7 @@ fn without_normal_maps_the_geometry_is_what_shades() {
     assert!(bumped < geometric + 0.1, "{bumped}");
 }
 
-/// Of the pixels that a bump displaces, the share that shows what the pixel shows to which it is displaced. Along `y`, 1
+/// Share of displaced pixels that show what the pixel shows to which the bump displaces them. Along `y`, 1
 /// is down in the image.
 fn displaced(flat: &Shown, bumped: &Shown, geometric: &Pixels, strength: f32, y: f32) -> f64 {
     let (reflection, material, shading) = (flat.get("reflection"), flat.get("material"), flat.get("normal"));

@@ -34,7 +34,7 @@ const SIZES: [[u32; 2]; 12] = [
     [641, 479],
 ];
 
-/// Those of them that are tried: instrumented shaders are the same at all, and slow.
+/// The sizes that are tried: instrumented shaders are equal at all sizes, and slow.
 fn sizes() -> Vec<[u32; 2]> {
     SIZES.into_iter().filter(|s| !is_gpu_assisted() || [[1, 1], [5, 3], [65, 127]].contains(s)).collect()
 }

@@ -149,7 +149,7 @@ fn instrumented_shaders_tell_of_a_write_beyond_a_buffer() {
         };
         let listed_image = Image::new(&gpu, &listed_image).unwrap();
         let pipeline = ComputePipeline::new(&gpu).unwrap();
-        // Of an image without pixels, so that it writes the numbers of instances alone.
+        // The block of an image without pixels, so that the shader writes the numbers of instances alone.
         let block = UnifiedBlock::default();
         let classify = Classify {
             unified: &block,

@@ -1,26 +1,18 @@
-//! `ssct error --video`: films of variants beside the world's, held against what still images of the same frames say.
+//! `ssct video`: films of variants beside the world's, held against what still images of the same frames say.
 
 use crate::common::folder::Folder;
 use serde_json::Value;
 use std::fs::File;
 
-const STAGE: [&str; 12] = [
-    "error",
-    "--scene",
-    "rooms",
-    "--view",
-    "corridor",
-    "--size",
-    "96x54",
-    "--roughness",
-    "0.1",
-    "--rays",
-    "4",
-    "--json",
-];
+const STAGE: [&str; 11] =
+    ["--scene", "rooms", "--view", "corridor", "--size", "96x54", "--roughness", "0.1", "--rays", "4", "--json"];
+
+fn records(folder: &Folder, command: &str, more: &[&str]) -> Vec<Value> {
+    serde_json::from_str(&folder.succeed(&[&[command], &STAGE[..], more].concat())).unwrap()
+}
 
 fn films(folder: &Folder, more: &[&str]) -> Vec<Value> {
-    serde_json::from_str(&folder.succeed(&[&STAGE[..], more].concat())).unwrap()
+    records(folder, "video", more)
 }
 
 fn number(record: &Value, name: &str) -> f64 {
@@ -31,8 +23,8 @@ fn number(record: &Value, name: &str) -> f64 {
 fn at_rest_every_frame_is_the_still_image() {
     let folder = Folder::new();
     let variants = ["--variant", "ssct", "--variant", "unified --captures 1"];
-    let still = films(&folder, &[&variants[..], &["--samples", "1"]].concat());
-    let records = films(&folder, &[&variants[..], &["--video", "rest", "--frames", "3"]].concat());
+    let still = records(&folder, "error", &[&variants[..], &["--samples", "1"]].concat());
+    let records = films(&folder, &[&variants[..], &["--way", "rest", "--frames", "3"]].concat());
     assert_eq!(records.len(), 2);
     for (record, method) in records.iter().zip(["ssct", "unified"]) {
         assert_eq!((&record["method"], &record["way"]), (&method.into(), &"rest".into()));
@@ -56,7 +48,7 @@ fn at_rest_every_frame_is_the_still_image() {
 #[test]
 fn a_walk_is_kept_as_records_clips_and_a_page() {
     let folder = Folder::new();
-    let how = ["--video", "walk", "--frames", "4", "--variant", "ssct", "--variant", "stochastic --history on"];
+    let how = ["--way", "walk", "--frames", "4", "--variant", "ssct", "--variant", "stochastic --history on"];
     let records = films(&folder, &[&how[..], &["-o", "out"]].concat());
     for record in &records {
         assert!(number(record, "reference_flicker") > 0.0 && number(record, "flicker") > 0.0, "{record}");
@@ -88,7 +80,7 @@ fn a_walk_is_kept_as_records_clips_and_a_page() {
 #[test]
 fn what_moves_is_filmed_where_it_is() {
     let folder = Folder::new();
-    let how = ["--video", "rest", "--frames", "3", "--variant", "ssct"];
+    let how = ["--way", "rest", "--frames", "3", "--variant", "ssct"];
     let moving = films(&folder, &[&how[..], &["--moving", "ball", "--step", "0.1,0,0"]].concat());
     let frames = moving[0]["frames"].as_array().unwrap();
     assert!(frames.windows(2).all(|pair| pair[0]["rmse"] != pair[1]["rmse"]), "{frames:?}");
@@ -100,15 +92,16 @@ fn what_moves_is_filmed_where_it_is() {
 fn what_cannot_be_filmed_is_refused_in_a_sentence() {
     let folder = Folder::new();
     for (flags, says) in [
-        (&["--video", "nowhere"][..], "--video nowhere: neither a path of scene rooms"),
-        (&["--video", "views"], "--video: a path says where the camera is"),
-        (&["--video", "rest", "--fps", "0"], "--fps 0: must lie between 1 and 1000"),
-        (&["--video", "rest", "--moving", "nobody", "--step", "1,0,0"], "has no mesh of this name"),
-        (&["--video", "rest", "--variant", "ssct --no-such-flag"], "--no-such-flag"),
-        (&["--video", "rest", "--variant", "ssct --stochastic-rays 2"], "stochastic-rays"),
-        (&["--moving", "ball", "--step", "1,0,0"], "--age"),
+        (&["--way", "nowhere"][..], "--way nowhere: neither a path of scene rooms"),
+        (&["--way", "views"], "--way: a path says where the camera is"),
+        (&["--way", "rest", "--fps", "0"], "--fps 0: must lie between 1 and 1000"),
+        (&["--way", "rest", "--moving", "nobody", "--step", "1,0,0"], "has no mesh of this name"),
+        (&["--way", "rest", "--variant", "ssct --no-such-flag"], "--no-such-flag"),
+        (&["--way", "rest", "--variant", "ssct --stochastic-rays 2"], "stochastic-rays"),
+        (&["--moving", "ball"], "--step"),
+        (&["--step", "1,0,0"], "--moving"),
     ] {
-        let output = folder.run(&[&STAGE[..], flags].concat());
+        let output = folder.run(&[&["video"], &STAGE[..], flags].concat());
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && said.contains(says), "{flags:?}: {said}");
     }

@@ -89,7 +89,7 @@ mod with_window {
     fn what_the_window_shows_is_what_render_renders() {
         let Some(x) = Xvfb::start("what_the_window_shows_is_what_render_renders") else { return };
         let folder = tempfile::tempdir().unwrap();
-        // Of the .exr the panel is no part, wherever it is open; the rounding of a .png is the device's.
+        // The panel is no part of the .exr, wherever it is open; the rounding of a .png is the device's.
         for (name, panel, off) in [("frame.png", "none", 1), ("frame.exr", "tune", 0)] {
             let view = ["view", "--validation", "--frames", "3", "--panel", panel, "--screenshot"];
             let shown = ssct(folder.path(), Some(&x.display), &[&view[..], &[&format!("view-{name}")]].concat());

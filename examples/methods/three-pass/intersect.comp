@@ -66,7 +66,7 @@ void main() {
         vec3 p = from + line * at;
         if (any(lessThan(p.xy, vec2(0.0))) || any(greaterThanEqual(p.xy, vec2(1.0))) || p.z <= 0.0)
             return;
-        // As far as the side of the cell that the ray leaves by.
+        // Goes on to the side of the cell that the ray leaves by.
         vec2 q = p.xy * f.size;
         ivec2 cell = ivec2(q) >> level;
         vec2 side = (vec2(cell) + step(vec2(0.0), pixels)) * float(1 << level);

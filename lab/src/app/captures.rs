@@ -17,33 +17,44 @@ use std::path::{Path, PathBuf};
 /// Options of `ssct captures`.
 #[derive(Debug, Args)]
 pub struct CapturesOptions {
-    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, or OBJ files.
+    /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
+    ///
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
+    /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(value_name = "NAME|FILE", required = true)]
     scene: Vec<PathBuf>,
-    /// Scale factor on the scene's coordinates.
-    #[arg(long, default_value_t = 1.0)]
+    /// Factor on the scene's coordinates
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
     scale: f32,
-    /// How many: `auto` takes those of the scene file or, where it has none, as many as pay; a number takes so many,
-    /// first those of the file.
-    #[arg(long, value_name = "auto|N", value_parser = wanted, default_value = "auto")]
+    /// Number of captures, or `auto`
+    ///
+    /// `auto` takes the captures of the scene file or, if it has none, as many as pay. A number takes so many, first the
+    /// captures of the file.
+    #[arg(long, value_name = "N|auto", value_parser = wanted, default_value = "auto")]
     captures: Wanted,
-    /// Write them as [[capture]] tables, to be pasted into a scene file.
+    /// File for [[capture]] tables of a scene file
     #[arg(long, value_name = "FILE.toml")]
     write: Option<PathBuf>,
-    /// Draw a map: the places where people stand, seen from above, and the captures among them.
+    /// File for a map of the captures, seen from above
+    ///
+    /// The map also shows the places where people can stand.
     #[arg(long, value_name = "FILE.svg")]
     map: Option<PathBuf>,
-    /// Width and height of a face in texels, instead of the scene's.
+    /// Texels along a side of a face
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_RESOLUTION)))]
     capture_side: Option<u32>,
-    /// Draw them, and write their faces as .exr for `ssct gbuffer reflect --captures DIR`, with a .png of colour and one
-    /// of depth for each capture.
+    /// Folder for the images of the captures
+    ///
+    /// The faces are written as .exr, which `ssct gbuffer reflect --captures DIR` reads, and for each capture there is a
+    /// .png of colour and one of depth.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// The named view whose materials they are drawn with; without it, the scene's first.
-    #[arg(long, requires = "output")]
+    /// Named view whose materials are drawn
+    ///
+    /// Without it, the materials are those of the first view.
+    #[arg(long, value_name = "NAME", requires = "output")]
     view: Option<String>,
-    /// Print the records as JSON, and nothing else.
+    /// Print the records as JSON, and nothing else
     #[arg(long)]
     json: bool,
     #[command(flatten)]

@@ -30,40 +30,50 @@ pub struct CommonOptions {
 /// What is looked at, from where, and with which materials.
 #[derive(Debug, Clone, Args)]
 pub struct SceneOptions {
-    /// A built-in scene (rooms, atrium, street, museum, cathedral, corridor), a .scene.toml file, a glTF file (.gltf, .glb), or an OBJ file; several OBJ files make one scene.
+    /// Scene (rooms, atrium, street, …) or file (glTF, OBJ)
+    ///
+    /// The built-in scenes are rooms, atrium, street, museum, cathedral and corridor. A file is a .scene.toml, a glTF file
+    /// (.gltf, .glb) or an OBJ file; several OBJ files make one scene.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: Vec<PathBuf>,
-    /// Scale factor on the scene's coordinates.
-    #[arg(long, default_value_t = 1.0)]
+    /// Factor on the scene's coordinates
+    #[arg(long, value_name = "F", default_value_t = 1.0)]
     pub scale: f32,
-    /// The greatest side of a material's image in texels; larger ones are made smaller as they are loaded.
+    /// Greatest side of a material's image
+    ///
+    /// Larger images are made smaller as they are loaded.
     #[arg(long, value_name = "TEXELS", default_value_t = MAX_EXTENT, value_parser = clap::value_parser!(u32).range(1..))]
     pub texture_size: u32,
-    /// A named view of the scene; without it, the scene's first.
-    #[arg(long, conflicts_with_all = ["eye", "look_at"])]
+    /// Named view of the scene; by default its first
+    #[arg(long, value_name = "NAME", conflicts_with_all = ["eye", "look_at"])]
     pub view: Option<String>,
-    /// Camera position in metres.
+    /// Position of the camera in metres, with --look-at
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "look_at")]
     pub eye: Option<Vec3>,
-    /// Where the camera looks.
+    /// Point in metres that the camera looks at, with --eye
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "eye")]
     pub look_at: Option<Vec3>,
-    /// Vertical field of view in degrees.
+    /// Vertical field of view in degrees
     #[arg(long, value_name = "DEG")]
     pub fov: Option<f32>,
-    /// Near plane in metres.
+    /// Near plane in metres
     #[arg(long, value_name = "M")]
     pub near: Option<f32>,
-    /// Far plane in metres.
+    /// Far plane in metres
     #[arg(long, value_name = "M")]
     pub far: Option<f32>,
-    /// Replace every material's roughness (0 is a mirror, 1 the roughest).
+    /// Roughness of every material: 0 a mirror, 1 diffuse
+    ///
+    /// Without it, materials keep their own, unless the command says otherwise. Commands that measure take several values,
+    /// with commas between them.
     #[arg(long, value_name = "R", value_delimiter = ',')]
     pub roughness: Vec<f32>,
-    /// Scale every material's reflectivity.
+    /// Factor on every material's reflectivity
     #[arg(long, value_name = "F", default_value_t = 1.0)]
     pub reflectivity: f32,
-    /// Replace every material's normal deviation (0 is the geometric normal, 1 the normal map).
+    /// Normals of every material: 0 geometric, 1 its map's
+    ///
+    /// The number replaces the materials' own normal deviation.
     #[arg(long, value_name = "D")]
     pub normal_deviation: Option<f32>,
 }
@@ -71,10 +81,14 @@ pub struct SceneOptions {
 /// Which device, and whether it is watched.
 #[derive(Debug, Args)]
 pub struct DeviceOptions {
-    /// An index of `ssct devices`, or a part of a name; also the variable SSCT_DEVICE.
-    #[arg(long, value_name = "INDEX|NAME")]
+    /// Part of a device's name, or index of `ssct devices`
+    ///
+    /// The environment variable SSCT_DEVICE does the same. Without both, the best device by its type is used.
+    #[arg(long, value_name = "NAME|INDEX")]
     pub device: Option<String>,
-    /// Run under the validation layers; any message outside the allow-list fails the run.
+    /// Run under the validation layers
+    ///
+    /// A message of the layers that the allow-list does not excuse fails the run.
     #[arg(long)]
     pub validation: bool,
 }
@@ -82,10 +96,12 @@ pub struct DeviceOptions {
 /// What a command that measures does with its records.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct RunOptions {
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    /// Go on with what the folder has
+    ///
+    /// Nothing that was measured with the same settings is measured again.
     #[arg(long, requires = "output")]
     pub resume: bool,
-    /// Print the records as JSON, and nothing else.
+    /// Print the records as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }
@@ -93,8 +109,9 @@ pub struct RunOptions {
 /// Which part of a study is run.
 #[derive(Debug, Clone, Copy, Args)]
 pub struct ShardOptions {
-    /// Measure only this share of the cells, such as 3/8, the third of eight; `ssct merge` puts shards together
-    /// (docs/many-machines.md).
+    /// Measure only this share, such as 3/8
+    ///
+    /// 3/8 is the third of eight shares of the study's cells. `ssct merge` puts shards together (docs/many-machines.md).
     #[arg(long, value_name = "I/N", requires = "output")]
     pub shard: Option<Shard>,
 }
@@ -104,26 +121,28 @@ pub struct ShardOptions {
 pub struct RenderOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The method, or `reference`: the ground truth, traced on the CPU against the triangles. Without it,
-    /// the method that --figure is of, or ssct.
-    #[arg(long)]
+    /// Method, or `reference` for the ground truth
+    ///
+    /// The ground truth is traced on the CPU against the triangles. Without --method, the method of --figure is used, or
+    /// ssct. A path to a folder adds the method that is in it (docs/custom-methods.md).
+    #[arg(long, value_name = "NAME")]
     pub method: Option<String>,
-    /// Width and height in pixels.
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
-    /// The image: .png (display) or .exr (linear).
+    /// Image to write: .png (display) or .exr (linear)
     #[arg(short, long, value_name = "FILE", required_unless_present = "dump")]
     pub output: Option<PathBuf>,
     /// Write every intermediate into a folder, as PNG and EXR.
     #[arg(long, value_name = "DIR")]
     pub dump: Option<PathBuf>,
-    /// Write a figure of the thesis or the poster instead of the image.
-    #[arg(long, value_parser = choice::<Figure>(), requires = "output")]
+    /// Write a figure of the thesis or the poster instead
+    #[arg(long, value_name = "NUMBER", value_parser = choice::<Figure>(), requires = "output")]
     pub figure: Option<Figure>,
     /// Write only the reflection, before fade and reflectivity.
     #[arg(long, conflicts_with = "figure")]
     pub reflection_only: bool,
-    /// For --method reference: sample until the reflection's standard error is at most this.
+    /// For --method reference: the standard error of the reflection at which sampling ends
     #[arg(long, value_name = "E", default_value_t = 0.003)]
     pub standard_error: f32,
     /// For --method reference: rays a pixel at most.
@@ -132,14 +151,16 @@ pub struct RenderOptions {
     /// For --method reference: where samples are kept, to go on from; without it, the user's cache folder.
     #[arg(long, value_name = "DIR")]
     pub cache: Option<PathBuf>,
-    /// For --method reference: take only this share of the --max-rays rays, such as 3/8, the third of eight, keep them in
-    /// --cache, and show what they alone give; `ssct merge` puts the shares together (docs/many-machines.md).
+    /// For --method reference: take this share of the rays
+    ///
+    /// 3/8 is the third of eight shares of the --max-rays rays. They are kept in --cache, and the image shows what they
+    /// alone give. `ssct merge` puts the shares together (docs/many-machines.md).
     #[arg(long, value_name = "I/N", requires_all = ["output", "cache"], conflicts_with = "standard_error")]
     pub shard: Option<Shard>,
-    /// Print which passes were recorded, and which were not and why.
+    /// Print which passes ran, and why others did not
     #[arg(long, conflicts_with = "json")]
     pub explain: bool,
-    /// Print what was drawn, recorded and skipped, as JSON.
+    /// Print what was drawn, recorded and skipped, as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -149,43 +170,41 @@ pub struct RenderOptions {
 pub struct TimeOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The methods; without it, all of them.
-    #[arg(long, value_delimiter = ',')]
+    /// Methods, such as ssct,hzct; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
-    /// Widths and heights in pixels.
-    #[arg(long, visible_alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    /// Widths and heights in pixels; by default 960x540
+    #[arg(long, alias = "sizes", value_name = "WxH", value_parser = size, value_delimiter = ',')]
     pub size: Vec<[u32; 2]>,
-    /// Measure a table of the thesis (its sizes and roughness values, on the view `hall`), or the times in its
-    /// captions, each on the view that stands for its figure.
-    #[arg(long, value_enum)]
+    /// Measure a table of the thesis, or its captions' times
+    ///
+    /// A table is measured at its own sizes and roughness values, on the view `hall`; the times in the captions each on the
+    /// view that takes the place of its figure.
+    #[arg(long, value_name = "TABLE", value_enum)]
     pub table: Option<Table>,
-    /// For --table captions: rays a pixel of the reference that stands for Mitsuba.
+    /// For --table captions: rays a pixel of the reference that takes the place of Mitsuba.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub reference_rays: u32,
-    /// Move the camera along a path and give frames per second: `views` (through the scene's views), a path of
-    /// the scene file, or a path file (.toml).
-    #[arg(long, value_name = "NAME|FILE", conflicts_with_all = ["table", "samples", "view", "eye"])]
-    pub path: Option<PathBuf>,
-    /// For --path: frames from its beginning to its end.
-    #[arg(long, value_name = "N", default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub frames: u32,
-    /// Frames that count, for each method, size and roughness.
-    #[arg(long, default_value_t = 10)]
+    /// Frames of a method that are timed
+    ///
+    /// They are as many for each method, size and roughness.
+    #[arg(long, value_name = "N", default_value_t = 10)]
     pub samples: usize,
-    /// Frames before the first that counts.
-    #[arg(long, default_value_t = 2)]
+    /// Frames that are drawn before the first that is timed.
+    #[arg(long, value_name = "N", default_value_t = 2)]
     pub warmup: usize,
     /// Time each method against itself, too: how far it strays is its noise floor, within which `ssct compare` calls
     /// nothing faster or slower.
-    #[arg(long, conflicts_with = "path")]
+    #[arg(long)]
     pub a_a: bool,
     /// Write each sample's passes, on the host and on the device, as a trace for Chrome or Perfetto.
-    #[arg(long, value_name = "FILE", conflicts_with = "path")]
+    #[arg(long, value_name = "FILE")]
     pub trace: Option<PathBuf>,
     #[command(flatten)]
     pub shard: ShardOptions,
-    /// Write time.json, time-samples.csv, time.svg and time.txt into a folder; of a path, path.json,
-    /// path-frames.csv, path.svg and path.txt.
+    /// Folder for records, samples, a plot and a table
+    ///
+    /// Its files are time.json, time-samples.csv, time.svg and time.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -195,16 +214,20 @@ pub struct TimeOptions {
 /// Options of `ssct merge`.
 #[derive(Debug, Args)]
 pub struct MergeOptions {
-    /// The folders of the shards, or of runs that were merged before.
+    /// Folders of shards, or of runs that were merged
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
-    /// The folder of the whole study, with the files of a run that was never divided.
+    /// Folder of the whole study
+    ///
+    /// It gets the files of a run that was never divided.
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Merge although cells are missing; the page names them.
+    /// Merge although cells are missing; the page names them
     #[arg(long)]
     pub partial: bool,
-    /// Print what was merged as JSON: how many cells there are, on which devices, and which are missing.
+    /// Print the number of cells, devices and gaps as JSON
+    ///
+    /// The JSON object says how many cells there are, on which devices they were measured, and which are missing.
     #[arg(long)]
     pub json: bool,
 }
@@ -212,18 +235,20 @@ pub struct MergeOptions {
 /// Options of `ssct stress`.
 #[derive(Debug, Args)]
 pub struct StressOptions {
-    /// The methods; without it, all of them.
-    #[arg(long, value_delimiter = ',')]
+    /// Methods, such as ssct,hzct; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
-    /// Only small images and one scene: a minute.
+    /// Only small images and one scene: a minute
     #[arg(long)]
     pub quick: bool,
-    /// Only cases whose name contains this.
+    /// Only cases whose name contains these words
     #[arg(long, value_name = "WORDS")]
     pub case: Option<String>,
     #[command(flatten)]
     pub shard: ShardOptions,
-    /// Write stress.json, stress.txt and index.html into a folder.
+    /// Folder for records, a table and a page
+    ///
+    /// Its files are stress.json, stress.txt and index.html.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -237,19 +262,23 @@ pub struct StressOptions {
 pub struct MotionOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The methods; without it, all of them.
-    #[arg(long, value_delimiter = ',')]
+    /// Methods, such as ssct,hzct; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
-    /// Width and height in pixels.
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "320x180")]
     pub size: [u32; 2],
-    /// Frames of each motion of the camera.
+    /// Frames of each motion of the camera
     #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=10_000))]
     pub frames: u32,
-    /// Rays a pixel of the screen and the world reference.
+    /// Rays a pixel of the references
+    ///
+    /// The screen reference and the world reference trace as many.
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=65536))]
     pub rays: u32,
-    /// Write motion.json and motion.txt into a folder.
+    /// Folder for records and a table
+    ///
+    /// Its files are motion.json and motion.txt.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -263,21 +292,23 @@ pub enum GBufferCommand {
     Export(GBufferExportOptions),
     /// Run a method on a G-buffer file.
     Reflect(GBufferReflectOptions),
-    /// Write the G-buffer that a map makes of another renderer's files as a file of our own, to look at it.
+    /// Write another renderer's G-buffer as a file of our own.
+    ///
+    /// A map says how the files of the other renderer are read.
     Convert(GBufferConvertOptions),
 }
 
 /// Options of `ssct gbuffer export`.
 #[derive(Debug, Args)]
 pub struct GBufferExportOptions {
-    /// The file (.exr).
+    /// File to write
     #[arg(value_name = "FILE.exr")]
     pub file: PathBuf,
     #[command(flatten)]
     pub place: SceneOptions,
     #[command(flatten)]
     pub device: DeviceOptions,
-    /// Width and height in pixels.
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
 }
@@ -285,17 +316,21 @@ pub struct GBufferExportOptions {
 /// Options of `ssct gbuffer reflect`.
 #[derive(Debug, Args)]
 pub struct GBufferReflectOptions {
-    /// The G-buffer: R, G, B, depth or Z, N.X, N.Y, N.Z, roughness, reflectivity, and a projection; with --gbuffer-map what
-    /// the map says.
+    /// G-buffer, as `ssct gbuffer export` writes it
+    ///
+    /// Its channels are R, G, B, depth or Z, N.X, N.Y, N.Z, roughness and reflectivity, and it has a projection; with
+    /// --gbuffer-map, it has what the map says.
     #[arg(value_name = "FILE.exr")]
     pub file: PathBuf,
-    /// A map that says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
-    #[arg(long, value_name = "FILE.toml")]
+    /// Map that says what the channels mean
+    ///
+    /// It says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
+    #[arg(long, value_name = "MAP")]
     pub gbuffer_map: Option<PathBuf>,
-    /// The method.
-    #[arg(long, default_value = "ssct")]
+    /// Method
+    #[arg(long, value_name = "NAME", default_value = "ssct")]
     pub method: String,
-    /// The image: .png (display) or .exr (linear).
+    /// Image to write: .png (display) or .exr (linear)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Write only the reflection, before fade and reflectivity.
@@ -310,13 +345,17 @@ pub struct GBufferReflectOptions {
 /// Options of `ssct gbuffer convert`.
 #[derive(Debug, Args)]
 pub struct GBufferConvertOptions {
-    /// The G-buffer of another renderer; further files that the map names lie beside it.
-    #[arg(value_name = "FILE.exr")]
+    /// G-buffer of another renderer
+    ///
+    /// Further files that the map names lie beside it.
+    #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// The map that says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
-    #[arg(long, value_name = "FILE.toml")]
+    /// Map that says what the channels mean
+    ///
+    /// It says which channel of which file is what, and in which conventions (docs/gbuffer-maps.md).
+    #[arg(long, value_name = "MAP")]
     pub gbuffer_map: PathBuf,
-    /// The G-buffer in our own conventions (.exr), as `ssct gbuffer export` writes it.
+    /// G-buffer to write, in our conventions
     #[arg(short, long, value_name = "FILE.exr")]
     pub output: PathBuf,
 }
@@ -334,23 +373,27 @@ pub enum Table {
 /// Options of `ssct study`.
 #[derive(Debug, Args)]
 pub struct StudyOptions {
-    /// Two scenes, small and few: a minute.
+    /// Two scenes, small images: a minute
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
-    /// Show and time every view of every scene, instead of showing the first of each and timing it in the rooms and
-    /// the atrium: half an hour on two CPU cores.
+    /// Show and time every view of every scene
+    ///
+    /// It takes half an hour on two CPU cores. Without it, the first view of each scene is shown, and timed in the rooms
+    /// and in the atrium.
     #[arg(long)]
     pub full: bool,
-    /// Methods from folders, which are shown, timed and judged beside those of the table.
+    /// Folders of methods, to be judged beside the built-in
     #[arg(long, value_name = "FOLDER", value_delimiter = ',')]
     pub method: Vec<String>,
-    /// Frames that count, for each measurement.
-    #[arg(long, default_value_t = 5, conflicts_with = "quick")]
+    /// Frames that are timed for each measurement
+    #[arg(long, value_name = "N", default_value_t = 5, conflicts_with = "quick")]
     pub samples: usize,
-    /// The folder; its page is index.html.
+    /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "out")]
     pub output: PathBuf,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    /// Go on with what the folder has
+    ///
+    /// Nothing that was measured with the same settings is measured again.
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
@@ -360,20 +403,23 @@ pub struct StudyOptions {
 /// Options of `ssct figures`.
 #[derive(Debug, Args)]
 pub struct FiguresOptions {
-    /// The folder; its page is index.html.
+    /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "figures")]
     pub output: PathBuf,
-    /// Only the figures of these numbers, such as 4.5,5.2 or schmidt-27.
+    /// Only these figures, such as 4.5,5.2 or schmidt-27
     #[arg(long, value_name = "NUMBER", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Width and height of each render, instead of those in print.
+    /// Width and height of renders, instead of the printed
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// Make only this share of the figures, such as 3/8, the third of eight; `ssct merge` puts shards together
-    /// (docs/many-machines.md).
+    /// Make only this share of the figures, such as 3/8
+    ///
+    /// 3/8 is the third of eight shares. `ssct merge` puts shards together (docs/many-machines.md).
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Go on with what the folder has: nothing that was made with the same settings is made again.
+    /// Go on with what the folder has
+    ///
+    /// Nothing that was made with the same settings is made again.
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]

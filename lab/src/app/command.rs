@@ -1,6 +1,7 @@
 //! The command line as a whole: the list of commands. Only [`super::run`] reads it, so that no command depends on the
 //! others.
 
+use super::age::AgeOptions;
 use super::captures::CapturesOptions;
 use super::cli::{
     DevicesOptions, FiguresOptions, GBufferCommand, MergeOptions, MotionOptions, RenderOptions, StressOptions,
@@ -11,55 +12,81 @@ use super::drivers::DriversOptions;
 use super::error_options::ErrorOptions;
 use super::gpu_study::GpuStudyOptions;
 use super::index::IndexOptions;
+use super::path::PathOptions;
+use super::precision::PrecisionOptions;
 use super::truth::TruthOptions;
+use super::video::VideoOptions;
 use super::view::ViewOptions;
 use clap::{Parser, Subcommand};
 
 /// Glossy reflections in screen space on Vulkan: published methods, timed per pass.
 #[derive(Debug, Parser)]
-#[command(name = "ssct", version, about, propagate_version = true)]
+#[command(name = "ssct", version, propagate_version = true)]
 pub struct Cli {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// The subcommands.
+/// The subcommands, in the order of the groups that `ssct --help` shows (`help`).
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// List what Vulkan offers here.
-    Devices(DevicesOptions),
-    /// Hold what every device here makes of one G-buffer against what one of them makes of it.
-    Drivers(DriversOptions),
     /// Render one image.
     Render(RenderOptions),
+    /// Show, time and judge the built-in scenes, and write a page.
+    Study(StudyOptions),
+    /// Fly through a scene in a window.
+    View(ViewOptions),
     /// Time every pass on the GPU.
     Time(TimeOptions),
     /// Measure run time against error.
     Error(ErrorOptions),
-    /// Try every method on G-buffers and cameras that break renderers.
-    Stress(StressOptions),
+    /// Measure error against the bytes of a G-buffer's pixel.
+    ///
+    /// Depth, normals and colour are stored in one format after another.
+    Precision(PrecisionOptions),
+    /// Measure error over the age of captures, while meshes move.
+    ///
+    /// The meshes move a step in each frame, captures are renewed by so many faces a frame, and each frame is held against
+    /// the world as it then is.
+    Age(AgeOptions),
+    /// Film methods beside the truth, along a way of the camera.
+    ///
+    /// Every variant is judged on every frame, beside what the world shows in that frame.
+    Video(VideoOptions),
     /// Measure how much reflections change while the camera moves.
     Motion(MotionOptions),
-    /// Write a G-buffer to a file, or run a method on one from any renderer.
-    #[command(subcommand, name = "gbuffer")]
-    GBuffer(GBufferCommand),
-    /// Render and time the built-in scenes, and write a page that shows it all.
-    Study(StudyOptions),
-    /// Measure all that a device does in minutes: times and their noise, work, rates, and images against other devices'.
+    /// Try methods on G-buffers and cameras that break renderers.
+    Stress(StressOptions),
+    /// Measure frames per second along a path of the camera.
+    Path(PathOptions),
+    /// Measure all that a device does, in minutes.
+    ///
+    /// It measures times and their noise, work and rates, and compares the images with those of other devices.
     GpuStudy(GpuStudyOptions),
-    /// Make the figures of the theses, say what those lack that cannot be made, and show them on a page.
+    /// Compare the times of two runs, or two images.
+    Compare(CompareOptions),
+    /// Put the shards of a study together.
+    Merge(MergeOptions),
+    /// Make one page over many runs.
+    ///
+    /// The page shows devices, commits and dates, with figures over runs.
+    Index(IndexOptions),
+    /// Make the figures of the theses, on a page.
+    ///
+    /// The page also says which figures cannot be made, and why.
     Figures(FiguresOptions),
     /// Say where captures of a scene stand, or place them.
     Captures(CapturesOptions),
-    /// Fly through a scene in a window.
-    View(ViewOptions),
+    /// List what Vulkan offers here.
+    Devices(DevicesOptions),
+    /// Compare the images of every device here, on one G-buffer.
+    Drivers(DriversOptions),
+    /// Write a G-buffer to a file, or run a method on one.
+    ///
+    /// The G-buffer may come from any renderer.
+    #[command(subcommand, name = "gbuffer")]
+    GBuffer(GBufferCommand),
     /// Write the ground truth for another renderer to check.
     Truth(TruthOptions),
-    /// Compare the times of two runs, or two images.
-    Compare(CompareOptions),
-    /// Make one page over many runs: devices, commits and dates, with figures over runs.
-    Index(IndexOptions),
-    /// Put the shards of a study together.
-    Merge(MergeOptions),
 }

@@ -14,20 +14,26 @@ pub const THRESHOLD: f64 = 0.05;
 /// Options of `ssct compare`.
 #[derive(Debug, Args)]
 pub struct CompareOptions {
-    /// What is compared with: a folder of `ssct time` or `ssct study`, its time-samples.csv, or an image (.png, .exr).
+    /// Folder of times, time-samples.csv, .png or .exr
+    ///
+    /// `ssct time` and `ssct study` write folders of times.
     a: PathBuf,
-    /// The other one, of the same sort.
+    /// Second folder or image, to compare with the first
     b: PathBuf,
-    /// Change of a time that counts, as a share [default: 0.05].
+    /// Change of a time that counts [default: 0.05]
+    ///
+    /// The number is a share of the time.
     #[arg(long, value_name = "T")]
     threshold: Option<f64>,
-    /// Fail if a method's total is SLOWER.
+    /// Fail if a method's total is SLOWER
     #[arg(long)]
     fail_on_slower: bool,
-    /// Write compare.json and compare.txt into a folder; of images also error.exr, error.png and flip.png.
+    /// Folder for records, and error images
+    ///
+    /// Its files are compare.json and compare.txt, and for images also error.exr, error.png and flip.png.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Print the records as JSON, and nothing else.
+    /// Print the records as JSON, and nothing else
     #[arg(long)]
     json: bool,
 }

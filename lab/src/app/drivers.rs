@@ -20,16 +20,16 @@ const ROUGHNESS: [f32; 2] = [0.0, 0.1];
 pub struct DriversOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The methods; without it, all of them.
-    #[arg(long, value_delimiter = ',')]
+    /// Methods, such as ssct,hzct; by default all of them
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub method: Vec<String>,
-    /// Width and height in pixels.
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "641x359")]
     pub size: [u32; 2],
-    /// Write drivers.json and drivers.txt into a folder.
+    /// Folder for drivers.json and drivers.txt
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Print the records as JSON, and nothing else.
+    /// Print the records as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
 }

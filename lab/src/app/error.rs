@@ -3,7 +3,7 @@
 use super::error_cells::{Plan, QUICK_ROUGHNESS, QUICK_SIZE, QUICK_VIEWS, reference_rays};
 use super::error_options::ErrorOptions;
 use super::run::{Run, command_line};
-use super::{error_age, error_video, precision, progress, resolve};
+use super::{progress, resolve};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::report::error_report::{self, IMAGES};
@@ -19,15 +19,6 @@ use std::path::Path;
 
 /// Measures what is missing, writes and prints everything.
 pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
-    if options.precision {
-        return precision::run(options);
-    }
-    if let Some(frames) = options.age {
-        return error_age::run(options, frames);
-    }
-    if let Some(way) = &options.video {
-        return error_video::run(options, way);
-    }
     let plan = plan(options)?;
     if !options.plan.is_empty() {
         return super::plan::run(options, &plan);
@@ -44,7 +35,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
     let outcome = plan.measure(&gpu, &mut run.journal, Some(&list), pictures.as_deref(), &mut || bar.inc(1));
     bar.finish_and_clear();
     let records = plan.records(&gpu, &run.journal);
-    // What there is, whatever ended the measurement; and what ended it counts for more.
+    // Cells that were measured are written even after an error, and that error is reported before one of writing.
     let wrote = write(options, &records, &plan.costs(&gpu, &run.journal), &list.command);
     run.ended(outcome)?;
     wrote?;
@@ -97,7 +88,7 @@ fn plan(options: &ErrorOptions) -> Result<Plan> {
         sizes => sizes.to_vec(),
     };
     let base = common.method_options.setup(sizes[0]);
-    let variants = resolve::variants(options, &base, !options.quick && !options.no_sweep)?;
+    let variants = resolve::variants(&options.variants, &base, !options.quick && !options.no_sweep)?;
     let views = |scene: &Scene| -> Result<Vec<View>> {
         if common.place.view.is_some() || common.place.eye.is_some() {
             return Ok(vec![resolve::view(scene, &common.place, None)?]);

@@ -46,17 +46,20 @@ const KEPT: &str = "same";
 /// Options of `ssct gpu-study`.
 #[derive(Debug, Args)]
 pub struct GpuStudyOptions {
-    /// Small images, few frames: to try it, or for a device that is a CPU.
+    /// Small images and few frames, for a device that is a CPU
     #[arg(long)]
     pub quick: bool,
-    /// The folder of a study of another device, from any machine: this one's images are held against that one's, on the
-    /// same G-buffers.
+    /// Folder of a study of another device
+    ///
+    /// The other device may be of any machine. Both devices' images are compared, on the same G-buffers.
     #[arg(long, value_name = "DIR")]
     pub beside: Vec<PathBuf>,
-    /// The folder; its page is index.html.
+    /// Folder to write, with index.html
     #[arg(short, long, value_name = "DIR", default_value = "gpu-study")]
     pub output: PathBuf,
-    /// Go on with what the folder has: nothing that was measured with the same settings is measured again.
+    /// Go on with what the folder has
+    ///
+    /// Nothing that was measured with the same settings is measured again.
     #[arg(long)]
     pub resume: bool,
     #[command(flatten)]
@@ -97,7 +100,7 @@ impl Plan {
     /// Every method, and with captures those that look into them.
     fn methods<'a>(&self, gpu: &'a Gpu, place: &'a Place) -> TimeSpec<'a> {
         let setup = Setup::new(self.size);
-        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+        let captured = setup.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         // Without captures the method `captures` shows nothing.
         let plain: Vec<_> = METHODS.iter().filter(|m| m.name != captures::INFO.name).collect();
         let plain = Variant::of(&plain, &setup).into_iter();
@@ -161,7 +164,7 @@ pub fn run(options: &GpuStudyOptions) -> anyhow::Result<()> {
     let records = |spec: &TimeSpec| timing::records(spec, &run.journal);
     let methods = methods.iter().flat_map(records).collect();
     let times = DeviceTimes { table: records(&table), methods, stages: records(&stages) };
-    // What there is, whatever ended the measurement; and what ended it counts for more.
+    // Times that were measured are written even after an error, and that error is reported before one of writing.
     let all = times.all();
     let wrote = files::write(&folder.join("time.json"), files::json(&all).as_bytes())
         .and_then(|()| files::write(&folder.join("time-samples.csv"), files::samples_csv(&all).as_bytes()));
@@ -231,7 +234,7 @@ fn keep(gpu: &Gpu, folder: &Path, specs: &[AgreementSpec]) -> Result<()> {
     Ok(())
 }
 
-/// The same of the methods that see the screen alone: a G-buffer is all that they need.
+/// Returns the part of a comparison that a G-buffer is enough for: the screen-space methods.
 fn of_the_screen<'a>(spec: &AgreementSpec<'a>) -> AgreementSpec<'a> {
     let methods: Vec<&'static MethodInfo> = spec.methods.iter().copied().filter(|m| m.is_screen_space()).collect();
     AgreementSpec { methods, ..spec.clone() }

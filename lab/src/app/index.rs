@@ -17,16 +17,17 @@ const PAGE: &str = "index.html";
 /// Options of `ssct index`.
 #[derive(Debug, Args)]
 pub struct IndexOptions {
-    /// The folder below which the runs lie, each in a folder of its own. A folder whose name begins with a date
-    /// (YYYY-MM-DD) dates the runs in it.
+    /// Folder with the folders of runs
+    ///
+    /// A folder whose name begins with a date (YYYY-MM-DD) dates the runs in it.
     folder: PathBuf,
-    /// The folder into which index.html is written; without it, the library's own.
+    /// Folder for index.html; by default the runs' own
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// The method over whose times others are given.
-    #[arg(long, value_name = "METHOD", default_value = "ssct")]
+    /// Method over whose times others are given
+    #[arg(long, value_name = "NAME", default_value = "ssct")]
     base: String,
-    /// Change of a time that counts, as a share.
+    /// Change of a time that counts, as a share
     #[arg(long, value_name = "T", default_value_t = THRESHOLD)]
     threshold: f64,
 }

@@ -1,5 +1,6 @@
 //! The command: arguments, headless runs, exit status. The only place that prints.
 
+mod age;
 mod captures;
 mod cli;
 mod command;
@@ -8,17 +9,18 @@ mod custom_methods;
 mod devices;
 mod drivers;
 mod error;
-mod error_age;
 mod error_cells;
 mod error_options;
-mod error_video;
 mod figures;
 mod gbuffer;
 mod gpu_study;
+mod headings;
+mod help;
 mod index;
 mod merge;
 mod motion;
 mod parameters;
+mod path;
 mod plan;
 mod precision;
 mod progress;
@@ -32,8 +34,8 @@ mod study;
 mod time;
 mod time_captions;
 mod time_output;
-mod time_path;
 mod truth;
+mod video;
 #[cfg(feature = "window")]
 mod view;
 #[cfg(not(feature = "window"))]
@@ -41,7 +43,7 @@ mod view;
 mod view;
 
 use crate::error::Error;
-use clap::Parser;
+use clap::FromArgMatches;
 use command::{Cli, Command};
 use std::io::Write;
 use std::process::ExitCode;
@@ -57,7 +59,9 @@ pub fn run() -> ExitCode {
             return ExitCode::from(exit_status(&error));
         }
     };
-    let cli = match Cli::try_parse_from(arguments) {
+    let mut command = help::command(&arguments);
+    let matches = command.try_get_matches_from_mut(arguments);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches).map_err(|e| e.format(&mut command))) {
         Ok(cli) => cli,
         Err(e) => {
             let status = u8::try_from(e.exit_code()).unwrap_or(2);
@@ -71,23 +75,27 @@ pub fn run() -> ExitCode {
         .with_writer(std::io::stderr)
         .init();
     let done = match &cli.command {
-        Command::Devices(options) => devices::run(options),
-        Command::Drivers(options) => drivers::run(options),
         Command::Render(options) => render::run(options),
+        Command::Study(options) => study::run(options),
+        Command::View(options) => view::run(options),
         Command::Time(options) => time::run(options),
         Command::Error(options) => error::run(options),
-        Command::GBuffer(command) => gbuffer::run(command),
-        Command::GpuStudy(options) => gpu_study::run(options),
-        Command::Stress(options) => stress::run(options),
+        Command::Precision(options) => precision::run(options),
+        Command::Age(options) => age::run(options),
+        Command::Video(options) => video::run(options),
         Command::Motion(options) => motion::run(options),
-        Command::Study(options) => study::run(options),
+        Command::Stress(options) => stress::run(options),
+        Command::Path(options) => path::run(options),
+        Command::GpuStudy(options) => gpu_study::run(options),
+        Command::Compare(options) => compare::run(options),
+        Command::Merge(options) => merge::run(options),
+        Command::Index(options) => index::run(options),
         Command::Figures(options) => figures::run(options),
         Command::Captures(options) => captures::run(options),
-        Command::View(options) => view::run(options),
+        Command::Devices(options) => devices::run(options),
+        Command::Drivers(options) => drivers::run(options),
+        Command::GBuffer(command) => gbuffer::run(command),
         Command::Truth(options) => truth::run(options),
-        Command::Compare(options) => compare::run(options),
-        Command::Index(options) => index::run(options),
-        Command::Merge(options) => merge::run(options),
     };
     // What is still to be printed may find no room, as what is printed.
     let done = done.and_then(|()| Ok(std::io::stdout().flush()?));

@@ -1,7 +1,8 @@
 //! Parameters on the command line: the flags of methods, made from the methods' tables.
 
-use crate::methods::{self, Setup};
-use crate::parameter::{Choices, Domain, Parameter, Preset, Values};
+use super::headings::METHOD;
+use crate::methods::{self, EffectParams, Setup};
+use crate::parameter::{Choices, Domain, Parameter, Parameters, Preset, Values};
 use crate::study::error::Variant;
 use clap::builder::{PossibleValue, PossibleValuesParser, StringValueParser, TypedValueParser, ValueParser};
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
@@ -71,7 +72,7 @@ impl TypedVariant {
     /// The method, set up as a base is, but for the flags of its own.
     ///
     /// # Errors
-    /// As for [`methods::find`] and [`methods::check_read`].
+    /// Errors of [`methods::find`] and [`methods::check_read`].
     pub fn over(&self, base: &Setup) -> crate::error::Result<Variant> {
         let method = methods::find(&self.method)?;
         methods::check_read(&[method], &Setup { values: self.values.clone(), ..base.clone() })?;
@@ -120,24 +121,47 @@ fn flag(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> Arg {
         let author = if p.author == p.published { String::new() } else { format!("; author: {}", p.author) };
         format!("[{names}published: {}{author}]", p.published)
     };
-    let help = format!("{} {}", parameter.help, same.iter().map(values).collect::<Vec<_>>().join(" "));
-    let argument = Arg::new(parameter.typed_name()).long(parameter.typed_name()).help(help);
+    let values = same.iter().map(values).collect::<Vec<_>>().join(" ");
+    let (first, _) = parameter.help.split_once(". ").unwrap_or((parameter.help.trim_end_matches('.'), ""));
+    let argument = Arg::new(parameter.typed_name())
+        .long(parameter.typed_name())
+        .help(first.to_owned())
+        .long_help(format!("{} {values}", parameter.help))
+        .help_heading(heading(same));
     let row = parameter.clone();
     let parsed = StringValueParser::new().try_map(move |text| match row.parse(&text) {
         Ok(_) => Ok(text),
         Err(_) => Err(format!("it takes {}", row.domain)),
     });
     match &parameter.domain {
-        Domain::Switch if parameter.published == crate::parameter::Value::Switch(false) => argument
-            .value_parser(possible(parameter))
-            .num_args(0..=1)
-            .require_equals(true)
-            .default_missing_value("on")
-            .value_name("on|off"),
+        domain if domain.is_switch() => {
+            argument.value_parser(possible(parameter)).num_args(0..=1).default_missing_value("on").value_name("on|off")
+        }
         Domain::Count(..) => argument.value_parser(parsed).value_name("N"),
         Domain::Number { .. } => argument.value_parser(parsed).value_name("X"),
-        _ => argument.value_parser(possible(parameter)),
+        Domain::ChoicesOrCount(named, least, most) => {
+            let names: Vec<_> = named.iter().map(|c| c.name).collect();
+            let told: String = named.iter().map(|c| format!("\n- {}: {}", c.name, c.help)).collect();
+            let name = format!("N|{}", names.join("|"));
+            let help = format!("{} {values}{told}\n- N: so many, from {least} to {most}", parameter.help);
+            argument.value_parser(parsed).value_name(name).long_help(help)
+        }
+        domain => argument.value_parser(possible(parameter)).value_name(match domain {
+            Domain::Numbers(_) => "X",
+            _ => "NAME",
+        }),
     }
+}
+
+/// The heading of a flag: that of what surrounds every method, or the names of the methods that read the parameter.
+fn heading(same: &[(Parameter, Vec<&methods::MethodInfo>)]) -> String {
+    if EffectParams::table().iter().any(|around| around.name == same[0].0.name) {
+        return METHOD.to_owned();
+    }
+    let mut names: Vec<_> = same.iter().flat_map(|(_, methods)| methods.iter().map(|m| m.name)).collect();
+    // Methods are sorted as their table is: a name may come with the second of two declarations.
+    names.sort_by_key(|name| methods::all().iter().position(|m| m.name == *name));
+    format!("Parameters of {}", names.join(", "))
 }
 
 fn possible(parameter: &Parameter) -> ValueParser {
@@ -154,7 +178,9 @@ impl Args for MethodOptions {
     fn augment_args(command: Command) -> Command {
         let preset = Arg::new(PRESET)
             .long(PRESET)
-            .help("Whose constants a published method uses [default: published]")
+            .value_name("NAME")
+            .help("Whose constants a published method uses")
+            .long_help("Whose constants a published method uses [default: published]")
             .value_parser(choice::<Preset>().map(|p| p.name().to_owned()));
         let mut all = methods::parameters();
         let mut command = command.arg(preset);
@@ -198,9 +224,11 @@ const CAPTURES: &str = "captures";
 impl Args for BesideGBufferOptions {
     fn augment_args(command: Command) -> Command {
         MethodOptions::augment_args(command).mut_arg(CAPTURES, |flag| {
-            flag.value_parser(clap::value_parser!(PathBuf)).value_name("DIR").help(
-                "Captures of what the G-buffer does not show, in which unified follows the rays that the screen loses: a \
-                 folder that `ssct captures -o` wrote, or that has the same files from any renderer; none for none",
+            let flag = flag.value_parser(clap::value_parser!(PathBuf)).value_name("DIR");
+            flag.help("Folder with captures of the scene, or none").long_help(
+                "Folder with captures of what the G-buffer does not show, in which unified follows the rays that the \
+                 screen loses: `ssct captures -o` writes such a folder, and any renderer may write the same files; \
+                 `none` for no captures",
             )
         })
     }
@@ -241,7 +269,8 @@ impl FromArgMatches for BesideGBufferOptions {
 mod tests {
     use super::*;
     use crate::methods::METHODS;
-    use crate::methods::setup::HistoryUse;
+    use crate::methods::setup::{CaptureCount, HistoryUse};
+    use serde_json::json;
 
     fn parse(flags: &[&str]) -> Result<MethodOptions, clap::Error> {
         let command = MethodOptions::augment_args(Command::new("method")).no_binary_name(true);
@@ -279,6 +308,45 @@ mod tests {
         }
         for wrong in ["none", "ssct --stochastic-rays 2"] {
             assert!(typed_variant(wrong).expect("flags that there are").over(&base).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn every_switch_takes_on_and_off_and_means_on_where_it_stands_alone() {
+        let switches: Vec<_> = methods::parameters().into_iter().filter(|(p, _)| p.domain.is_switch()).collect();
+        assert!(switches.len() > 5, "fade, history, split and the like");
+        for (row, _) in switches {
+            let name = format!("--{}", row.typed_name());
+            let value = |flags: &[&str]| {
+                let options = parse(flags).unwrap_or_else(|e| panic!("{flags:?}: {e}"));
+                options.values.of(&row).to_string()
+            };
+            assert_eq!(value(&[&name, "--preset", "author"]), "on");
+            for wanted in ["on", "off"] {
+                assert_eq!(value(&[&name, wanted]), wanted);
+                assert_eq!(value(&[&format!("{name}={wanted}")]), wanted);
+            }
+            assert!(parse(&[&name, "maybe"]).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn captures_are_a_number_or_a_name() {
+        for (text, count) in [
+            ("none", CaptureCount::None),
+            ("auto", CaptureCount::Auto),
+            ("camera", CaptureCount::Camera),
+            ("1", CaptureCount::Number(1)),
+            ("8", CaptureCount::Number(8)),
+        ] {
+            let setup = parse(&["--captures", text]).expect(text).setup([8, 8]);
+            assert_eq!(setup.effect().captures, count);
+            let recorded = serde_json::to_value(setup.recorded(None)["captures"]).expect("a value");
+            assert_eq!(recorded, text.parse::<u32>().map_or_else(|_| json!(text), |n| json!(n)), "{text}");
+        }
+        for wrong in ["0", "9", "one", "-1"] {
+            let said = parse(&[&format!("--captures={wrong}")]).expect_err(wrong).to_string();
+            assert!(said.contains("none, auto, camera, or whole numbers from 1 to 8"), "{wrong}: {said}");
         }
     }
 

@@ -4,6 +4,8 @@
 use super::error_cells::{Plan, PricedCell, reference_rays};
 use super::error_options::ErrorOptions;
 use crate::error::{Error, Result};
+use crate::gpu::DeviceInfo;
+use crate::report::devices::name_among;
 use crate::report::error_report::COSTS;
 use crate::report::tables::aligned;
 use crate::study::cost::CellCost;
@@ -32,7 +34,7 @@ struct MachinePlan {
     total_s: f64,
     /// Seconds until the last machine is done, as `--shard` divides the cells.
     makespan_s: f64,
-    /// The same if digests alone divided them.
+    /// Seconds until the last machine is done if digests alone divided the cells.
     makespan_by_digest_s: f64,
     /// No division is faster than this: all cells over the machines, or the dearest cell.
     bound_s: f64,
@@ -181,7 +183,8 @@ fn read_costs(folder: &Path) -> Result<Vec<CellCost>> {
 }
 
 fn costs_of(measured: &[CellCost]) -> CostsOf {
-    let mut devices: Vec<String> = measured.iter().map(|c| c.device.name.clone()).collect();
+    let all: Vec<&DeviceInfo> = measured.iter().map(|c| &c.device).collect();
+    let mut devices: Vec<String> = all.iter().map(|device| name_among(device, &all)).collect();
     let mut threads: Vec<usize> = measured.iter().map(|c| c.threads).collect();
     devices.sort();
     devices.dedup();

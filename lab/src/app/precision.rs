@@ -1,7 +1,7 @@
-//! `ssct error --precision`: error against the bytes of a G-buffer's pixel.
+//! `ssct precision`: error against the bytes of a G-buffer's pixel.
 
+use super::cli::{CommonOptions, RunOptions, ShardOptions, size};
 use super::error_cells::{QUICK_SIZE, QUICK_VIEWS};
-use super::error_options::ErrorOptions;
 use super::run::{Run, list_head};
 use super::{progress, resolve};
 use crate::error::{Error, Result};
@@ -10,7 +10,9 @@ use crate::report::{error_report, files, precision_report};
 use crate::study::cell_list::{CellList, PlannedCell};
 use crate::study::precision::{PrecisionRecord, PrecisionSpec, measure};
 use crate::study::{Globals, stress};
+use clap::Args;
 use std::io::Write;
+use std::path::PathBuf;
 
 /// Roughness values where none are given.
 const ROUGHNESS: [f32; 2] = [0.0, 0.1];
@@ -21,8 +23,36 @@ const BESIDE: &str = "ssct";
 /// The method that copies the G-buffer's bits, and so has to know their formats.
 const COPIES: &str = "poster";
 
+/// Options of `ssct precision`.
+#[derive(Debug, Args)]
+pub struct PrecisionOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Methods, such as ssct,hzct; by default unified,ssct
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Width and height in pixels; by default 480x270
+    ///
+    /// With --quick, the default is 320x180.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Two views, small images
+    #[arg(long)]
+    pub quick: bool,
+    /// Rays a pixel of the reference
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    pub rays: u32,
+    #[command(flatten)]
+    pub shard: ShardOptions,
+    /// Folder for records, plots and a table
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: RunOptions,
+}
+
 /// Measures every rung for every view, writes and prints.
-pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
+pub fn run(options: &PrecisionOptions) -> anyhow::Result<()> {
     let place = &options.common.place;
     let scene = resolve::scene(place, "rooms")?;
     let views = match (&place.view, place.eye) {
@@ -38,22 +68,14 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
         }
         _ => resolve::globals(place)?,
     };
-    let size = match options.size[..] {
-        [] if options.quick => QUICK_SIZE,
-        [] => [480, 270],
-        [size] => size,
-        _ => return Err(Error::Usage("--precision is measured at one --size".into()).into()),
-    };
-    if options.rays < 2 {
-        return Err(Error::Usage("--rays must be at least 2".into()).into());
-    }
+    let size = options.size.unwrap_or(if options.quick { QUICK_SIZE } else { [480, 270] });
     let methods = match &options.method[..] {
         [] => [stress::JUDGED, BESIDE].iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
         names => names.iter().map(|n| methods::find(n)).collect::<Result<Vec<_>>>()?,
     };
     if let Some(method) = methods.iter().find(|m| !m.is_screen_space() || m.name == COPIES) {
         let message =
-            format!("--precision is for methods that sample a G-buffer of any format; {} does not", method.name);
+            format!("precision is for methods that sample a G-buffer of any format; {} does not", method.name);
         return Err(Error::Usage(message).into());
     }
     let gpu = resolve::gpu(&options.common.device)?;
@@ -95,7 +117,7 @@ pub fn run(options: &ErrorOptions) -> anyhow::Result<()> {
 }
 
 /// Writes the files, if a folder is asked for, and prints the records or the text.
-fn write(options: &ErrorOptions, records: &[PrecisionRecord], command: &str) -> anyhow::Result<()> {
+fn write(options: &PrecisionOptions, records: &[PrecisionRecord], command: &str) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
         precision_report::write(folder, records, command)?;
     }

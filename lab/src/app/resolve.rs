@@ -1,7 +1,7 @@
 //! From flags to what they mean together: scene, view, device, factors.
 
 use super::cli::{DeviceOptions, SceneOptions};
-use super::error_options::ErrorOptions;
+use super::error_options::VariantOptions;
 use crate::error::{Error, Result};
 use crate::gpu::{DeviceQuery, Gpu, Watch};
 use crate::methods::{self, MethodInfo, Setup};
@@ -172,7 +172,7 @@ pub fn one_globals(options: &SceneOptions, why: &str) -> Result<Globals> {
 
 /// What is compared: the variants that flags name, or those of a sweep, or each method as the base sets it up. Where no
 /// flag says which, `swept` says whether it is the sweep of both presets and their parameters.
-pub fn variants(options: &ErrorOptions, base: &Setup, swept: bool) -> Result<Vec<Variant>> {
+pub fn variants(options: &VariantOptions, base: &Setup, swept: bool) -> Result<Vec<Variant>> {
     if !options.variant.is_empty() {
         return options.variant.iter().map(|typed| typed.over(base)).collect();
     }

@@ -30,7 +30,7 @@ impl Run {
     /// samples; at the second signal, at once.
     ///
     /// # Errors
-    /// As for [`Claim::new`] and [`Claim::journal`].
+    /// Errors of [`Claim::new`] and [`Claim::journal`].
     pub fn begin(folder: Option<&Path>, resume: bool) -> Result<Self> {
         let claim = folder.map(|f| Ok::<_, Error>((Claim::new(f)?, f.to_owned()))).transpose()?;
         let journal = claim.as_ref().map(|(claim, _)| claim.journal(resume)).transpose()?.unwrap_or_default();

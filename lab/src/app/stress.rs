@@ -114,7 +114,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     };
     let motions: Vec<MotionRecord> = motions.iter().flat_map(of_motion).collect();
 
-    // What there is, whatever ended the measurement; and what ended it counts for more.
+    // Cases that were run are written even after an error, and that error is reported before one of writing.
     let stopped = if outcome.is_ok() { "" } else { ", stopped on the way" };
     let wrote = write(options, &records, &motions, &format!("{}{stopped}", list.command));
     run.ended(outcome)?;
@@ -124,7 +124,7 @@ pub fn run(options: &StressOptions) -> anyhow::Result<()> {
     all_passed(&records)
 }
 
-/// Fails if a case that must be passed is not.
+/// Returns an error if a mandatory case failed.
 pub fn all_passed(records: &[StressRecord]) -> anyhow::Result<()> {
     let violated: Vec<_> = records.iter().filter(|r| r.judged && !r.pass).collect();
     if let Some(first) = violated.first() {

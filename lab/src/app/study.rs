@@ -54,7 +54,7 @@ struct Plan {
     table_sizes: Vec<[u32; 2]>,
     /// Rays a pixel of the references.
     rays: u32,
-    /// Those of the table, and any from folders.
+    /// The methods of the table, and any from folders.
     methods: Vec<&'static MethodInfo>,
     command: String,
 }
@@ -265,7 +265,7 @@ fn pictures(
     bar: &ProgressBar,
 ) -> Result<Vec<Gallery>> {
     let plain = Setup::new(plan.size);
-    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+    let captured = plain.with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
     let methods = plan.methods.iter().map(|m| (*m, m.name, &plain, format!("{}, roughness 0.1", m.name)));
     let with_captures = "unified with four captures, roughness 0.1".to_owned();
     let shown: Vec<_> = methods.chain([(&unified::INFO, CAPTURED, &captured, with_captures)]).collect();

@@ -18,18 +18,10 @@ use serde_json::json;
 /// Measures, prints and writes.
 pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     let common = &options.common;
-    let undivided = match (&options.path, options.table) {
-        (Some(_), _) => Some("--path, whose frames follow each other"),
-        (None, Some(Table::Captions)) => Some("--table captions, whose rows are few"),
-        _ => None,
-    };
-    if let Some(what) = undivided.filter(|_| options.shard.shard.is_some()) {
-        return Err(Error::Usage(format!("--shard is not for {what}")).into());
-    }
-    if let Some(path) = &options.path {
-        return super::time_path::run(options, path);
-    }
     if options.table == Some(Table::Captions) {
+        if options.shard.shard.is_some() {
+            return Err(Error::Usage("--shard is not for --table captions, whose rows are few".into()).into());
+        }
         if options.trace.is_some() {
             return Err(
                 Error::Usage("--trace is not for --table captions, whose rows are of several scenes".into()).into()
@@ -71,7 +63,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
     }
 
     let written = output(&records, table).map_err(anyhow::Error::msg)?;
-    written.conclude(options, run, outcome, gpu)
+    written.conclude((options.output.as_deref(), options.run.json), run, outcome, gpu)
 }
 
 /// Settings that the files of a run depend on, beside its cells.

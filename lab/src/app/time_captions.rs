@@ -103,7 +103,7 @@ pub fn run(options: &TimeOptions) -> anyhow::Result<()> {
         plot: plot::stage_bars(&records).map_err(anyhow::Error::msg)?,
         text,
     };
-    written.conclude(options, run, outcome, &gpu)
+    written.conclude((options.output.as_deref(), options.run.json), run, outcome, &gpu)
 }
 
 /// The scene of the flags, or the built-in ones that stand for the figures.

@@ -1,6 +1,5 @@
-//! Writes and prints the results of `ssct time`, for each of its kinds of measurement.
+//! Writes and prints the results of `ssct time` and of `ssct path`.
 
-use super::cli::TimeOptions;
 use super::run::Run;
 use crate::error::Result;
 use crate::gpu::{DeviceInfo, Gpu};
@@ -22,11 +21,14 @@ pub struct TimeOutput {
     pub text: String,
 }
 
+/// The folder that files are written into, if any, and whether the records are printed as JSON instead of the text.
+pub type Destination<'a> = (Option<&'a Path>, bool);
+
 impl TimeOutput {
     /// Ends a run, whether it was finished or interrupted: writes and prints what was measured, and only then returns
     /// the error that ended it.
-    pub fn conclude(&self, options: &TimeOptions, run: Run, outcome: Result<()>, gpu: &Gpu) -> anyhow::Result<()> {
-        let wrote = self.out(options);
+    pub fn conclude(&self, to: Destination, run: Run, outcome: Result<()>, gpu: &Gpu) -> anyhow::Result<()> {
+        let wrote = self.out(to);
         run.ended(outcome)?;
         wrote?;
         run.finish()?;
@@ -43,11 +45,11 @@ impl TimeOutput {
     }
 
     /// Writes the files, if a folder is asked for, and prints the records or the text.
-    fn out(&self, options: &TimeOptions) -> anyhow::Result<()> {
-        if let Some(folder) = &options.output {
+    fn out(&self, (folder, as_json): Destination) -> anyhow::Result<()> {
+        if let Some(folder) = folder {
             self.write(folder)?;
         }
-        let shown = if options.run.json { &self.json } else { &self.text };
+        let shown = if as_json { &self.json } else { &self.text };
         std::io::stdout().lock().write_all(shown.as_bytes())?;
         Ok(())
     }

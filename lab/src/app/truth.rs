@@ -17,7 +17,9 @@ pub struct TruthOptions {
 
 #[derive(Debug, Subcommand)]
 enum TruthCommand {
-    /// Write scene, camera and the reference's reflections into a folder, for scripts/mitsuba_compare.py.
+    /// Write scene, camera and reflections into a folder.
+    ///
+    /// scripts/mitsuba_compare.py holds them against Mitsuba 3.
     Export(ExportOptions),
 }
 
@@ -25,16 +27,16 @@ enum TruthCommand {
 struct ExportOptions {
     #[command(flatten)]
     place: SceneOptions,
-    /// Width and height in pixels.
+    /// Width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "160x90")]
     size: [u32; 2],
-    /// Rays a glossy pixel.
-    #[arg(long, default_value_t = 256)]
+    /// Rays of a glossy pixel
+    #[arg(long, value_name = "N", default_value_t = 256)]
     samples: u32,
-    /// Seed of the random numbers.
-    #[arg(long, default_value_t = 1)]
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// The folder.
+    /// Folder to write
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }

@@ -141,9 +141,9 @@ impl Inputs {
                     Made::There
                 } else {
                     if **of == ImageSource::Depth(Depth::Reversed) {
-                        // A depth buffer is kept as a colour, and then read as that.
+                        // A depth buffer is kept as a colour image, which the shader then reads instead.
                         let as_color = ((**of).clone(), converted(CONVERT_REVERSED_DEPTH, Hand::Left, float)?);
-                        // In its place, before what is made of it.
+                        // Takes the place of the entry that is there, since later entries are made of it.
                         match self.made.iter_mut().find(|(known, _)| known == &**of) {
                             Some(known) => *known = as_color,
                             None => self.made.push(as_color),

@@ -59,7 +59,7 @@ pub fn folder(name: &str) -> Option<PathBuf> {
 pub fn add(folder: &Path) -> Result<&'static MethodInfo> {
     let manifest = Manifest::read(folder)?;
     let parameters = manifest.parameters()?;
-    // CompiledPass once here, so that what is wrong is said before a device is opened.
+    // Compiles once here, so that errors appear before a device is opened.
     bindings::check(&manifest)?;
     let leak = |text: &str| -> &'static str { text.to_owned().leak() };
     let (name, summary, source) = (leak(&manifest.name), leak(&manifest.summary), leak(&manifest.source));

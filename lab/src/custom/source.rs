@@ -27,7 +27,7 @@ pub struct Normal {
 pub struct DepthChain {
     /// Maxima, else minima.
     pub maximum: bool,
-    /// Of which depth.
+    /// The depth that the chain is made of.
     pub depth: Depth,
     /// Whether sizes are rounded up to powers of two; else each is half of the one before, rounded down.
     pub padded: bool,
@@ -71,7 +71,7 @@ pub enum ImageSource {
     ThesisHiZ,
     /// The thesis's visibility.
     Visibility,
-    /// That of `unified`.
+    /// The pyramid of `unified`.
     Pyramid,
     /// Blue noise.
     BlueNoise,
@@ -168,7 +168,7 @@ impl ImageSource {
     }
 }
 
-/// As a manifest names it.
+/// Writes the name that a manifest uses.
 impl fmt::Display for ImageSource {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let depth = |d: &Depth| match d {

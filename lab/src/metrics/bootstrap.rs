@@ -158,7 +158,7 @@ mod tests {
         // 3 · 2/27 + 1/27 = 7/27, the same for 3. Both lie in the tails' 2.5 %.
         let r = ratio_of_medians(&[1.0; 5], &[2.0, 3.0, 1.0], 1).expect("samples");
         assert_eq!(r, Ratio { ratio: 2.0, low: 1.0, high: 3.0 });
-        // Of seven, the least is drawn four times or more with probability
+        // With seven values, the least is drawn four times or more with probability
         // Σₖ C(7,k) 6^(7−k) / 7⁷ = 0.0102 < 0.025, and one of the least two with 0.108: so the second is the
         // end.
         let seven: Vec<f64> = (1..=7).map(f64::from).collect();

@@ -19,7 +19,7 @@ pub struct ScreenFloor<'a> {
 }
 
 impl<'a> ScreenFloor<'a> {
-    /// Of a G-buffer and its own first hits, without samples.
+    /// Makes the floor of a G-buffer and its own first hits, without samples.
     pub fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let screen = ShownPlaces::new(gbuffer, first_hits);
         Self { gbuffer, screen, sums: PartialSums::new(0, gbuffer.depth.len()) }
@@ -83,7 +83,7 @@ mod tests {
     /// What a pixel's floor differs by from the truth.
     struct Difference {
         color: Vec3,
-        /// Of pixels in the middle columns: how far the mirror ray ends above the screen's upper edge, in metres.
+        /// Metres from the screen's upper edge up to the end of the mirror ray; only of pixels in the middle columns.
         above_m: Option<f64>,
     }
 

@@ -109,7 +109,7 @@ enum How {
 }
 
 impl<'a> Images<'a> {
-    /// Of the screen's G-buffer and some captures.
+    /// Makes the images of the screen's G-buffer and of some captures.
     pub fn new(screen: &'a GBufferData, captures: &'a [CaptureData]) -> Self {
         let view_to_world = |data: &GBufferData| DMat3::from_mat4(data.camera.world_to_view.as_dmat4().inverse());
         let eye = screen.camera.world_to_view.as_dmat4().inverse().w_axis.truncate();
@@ -135,7 +135,7 @@ impl<'a> Images<'a> {
         self.end(self.on_screen(x, y))
     }
 
-    /// Where a ray ends of which the screen made this.
+    /// Where the ray ends, given what the screen trace found.
     pub fn end(&self, on_screen: OnScreen) -> Option<EndInImages> {
         match on_screen {
             OnScreen::Nothing => None,

@@ -42,7 +42,7 @@ pub fn short(of: &Fingerprint) -> String {
 /// steps, and its error ends the sampling. If there is a floor, it takes the same samples.
 ///
 /// # Errors
-/// Those of `go_on`, and [`Error::Io`] for files that cannot be written.
+/// Errors of `go_on`, and [`Error::Io`] for files that cannot be written.
 pub fn sample(
     reference: &WorldReference,
     mut floor: Option<&mut ScreenFloor>,

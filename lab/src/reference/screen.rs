@@ -123,7 +123,7 @@ impl Pixels<'_> {
                 Estimate { mean: seen(0, mirror), standard_error: DVec3::ZERO }
             }
             DefinitionsVersion::V1 => {
-                // Of several bounces, a later one may meet a lobe.
+                // With several bounces, a later one may meet a lobe.
                 let samples = if is_mirror { samples.max(MIRROR_SAMPLES_MIN) } else { samples };
                 mean_and_error((0..u64::from(samples)).map(|i| lobe(i, numbers(2 * i))))
             }

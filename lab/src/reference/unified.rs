@@ -30,7 +30,7 @@ pub struct Parameters {
     pub view_to_clip: Vec2,
     /// 1 / width and 1 / height.
     pub pixel_to_clip: Vec2,
-    /// The same, divided by `view_to_clip`.
+    /// `pixel_to_clip` divided by `view_to_clip`.
     pub pixel_to_view: Vec2,
     /// Pixels.
     pub size: IVec2,
@@ -43,7 +43,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Of a camera and a size in pixels; computed in f64 and rounded once.
+    /// The parameters for a camera and a size in pixels; computed in f64 and rounded once.
     pub fn new(camera: &Camera, [width, height]: [u32; 2]) -> Self {
         let projection = camera.view_to_clip_reversed().as_dmat4();
         let to_clip = glam::DVec2::new(projection.x_axis.x, projection.y_axis.y);
@@ -72,7 +72,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// Of sky: met by no depth.
+    /// The block of sky, which no depth meets.
     pub const EMPTY: Self = Self { front: -1.0, back: 2.0 };
 
     fn union(self, other: Self) -> Self {
@@ -133,7 +133,7 @@ pub struct Hit {
 #[derive(Debug, Clone, Copy)]
 struct Walk {
     pixel: IVec2,
-    /// Of the cell that is looked at next; below 0 the pixel's block is met.
+    /// Level of the cell that is looked at next; below 0 the pixel's block is met.
     level: i32,
     entry: f32,
     entry_depth: f32,
@@ -209,12 +209,13 @@ impl<'a> Traversal<'a> {
         Self { gbuffer, parameters, levels, version: OracleVersion::V1, is_followed: false }
     }
 
-    /// The same for rays that go on in captures where the screen loses them (`FOLLOWED`), by version 2 of the oracle.
+    /// Returns the traversal of rays that go on in captures where the screen loses them (`FOLLOWED`), by version 2 of the
+    /// oracle.
     pub fn followed(self) -> Self {
         Self { version: OracleVersion::V2, is_followed: true, ..self }
     }
 
-    /// The same for another version of the oracle.
+    /// Returns the traversal by another version of the oracle.
     pub fn of_version(self, version: OracleVersion) -> Self {
         Self { version, ..self }
     }
@@ -295,7 +296,7 @@ impl<'a> Traversal<'a> {
         self.walk(ray, |_| {})
     }
 
-    /// The same, telling every cell that is looked at.
+    /// Traces a ray and calls `visit` for every cell that is looked at.
     pub fn walk(&self, ray: &Ray, visit: impl FnMut(Visit)) -> Hit {
         let (pixel, position) = (ray.pixel, Vec2::ZERO);
         let hit = Hit { code: Code::Nothing, pixel, position, depth: 0.0, steps: 0, s: ray.end };

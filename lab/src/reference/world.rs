@@ -97,7 +97,7 @@ pub struct WorldImage {
 pub struct WorldSample {
     /// Its radiance, linear.
     pub radiance: DVec3,
-    /// What of it further bounces bring: the rest is the lit colour where the ray ends, or the environment.
+    /// The part of the radiance that further bounces bring; the rest is lit colour at the ray's end, or the environment.
     pub bounced: DVec3,
     /// Its unit direction in the world.
     pub direction: DVec3,
@@ -125,7 +125,7 @@ impl<'a> WorldReference<'a> {
         Self { world, first_hits, escape, footprint, seed, bounces: 1 }
     }
 
-    /// The same with several bounces.
+    /// Returns this reference with several bounces.
     pub fn with_bounces(self, bounces: u32) -> Self {
         Self { bounces, ..self }
     }
@@ -141,7 +141,7 @@ impl<'a> WorldReference<'a> {
     pub fn start_at(&self, first: u32) -> WorldState {
         let kind = |receiver: &Option<Receiver>| match (receiver, self.footprint) {
             (None, _) => Kind::None,
-            // Of several bounces, a later one may meet a lobe.
+            // With several bounces, a later one may meet a lobe.
             (Some(r), None) if r.roughness <= 0.0 && self.bounces == 1 => Kind::Single,
             (Some(r), _) if r.roughness <= 0.0 => Kind::Sampled { least: MIRROR_SAMPLES_MIN },
             (Some(_), _) => Kind::Sampled { least: 0 },

@@ -76,7 +76,7 @@ pub(super) struct ShownPlaces<'a> {
 }
 
 impl<'a> ShownPlaces<'a> {
-    /// Of a G-buffer and its own first hits.
+    /// The places that a G-buffer shows, with its own first hits.
     pub(super) fn new(gbuffer: &'a GBufferData, first_hits: &'a FirstHits) -> Self {
         let world_to_view = gbuffer.camera.world_to_view.as_dmat4();
         Self { gbuffer, view_z_m: &first_hits.view_z_m, world_to_view, view_to_clip: gbuffer.view_to_clip() }

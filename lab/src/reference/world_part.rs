@@ -65,7 +65,7 @@ pub struct MergedParts {
 /// parts that have different sums of the same samples.
 pub fn merge(mut parts: Vec<WorldPart>, samples: u32) -> Result<MergedParts> {
     parts.retain(|part| !part.samples().is_empty());
-    // Of two parts that begin with the same sample, the one that has more samples comes first.
+    // If two parts begin with the same sample, the longer part comes first.
     parts.sort_by_key(|part| (part.samples().start, u32::MAX - part.samples().end));
     let mut merged: Option<WorldPart> = None;
     let (mut missing, mut end): (Vec<Range<u32>>, u32) = (Vec::new(), 0);

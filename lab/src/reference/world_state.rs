@@ -264,7 +264,7 @@ impl WorldReference<'_> {
         self.resume_at(path, 0)
     }
 
-    /// As [`Self::resume`], but for a part of the samples that begins with number `first`.
+    /// Resumes a part of the samples that begins with number `first`; otherwise as [`Self::resume`].
     pub fn resume_at(&self, path: &Path, first: u32) -> (WorldState, Option<Error>) {
         match self.load(path) {
             Ok(state) if state.first() == first => (state, None),

@@ -420,7 +420,7 @@ fn a_pixel_across_an_edge_shows_the_mean_of_both_sides() {
     let scene = floor_and_wall();
     let world = World::new(&scene, &scene.materials);
     let camera = Camera::new(Vec3::new(0.0, 1.0, 0.0), Vec3::new(0.0, 1.0, 5.0), Lens::default(), 1.0);
-    // Of an odd number of columns, the edge of the wall's halves runs through the middle one.
+    // With an odd number of columns, the edge of the wall's halves runs through the middle column.
     let size = 33;
     let first_hits = FirstHits::trace(&world, &camera, [size, size]);
     let by = |definitions, samples: &[u32]| {

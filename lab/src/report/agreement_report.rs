@@ -1,7 +1,8 @@
 //! How devices agree, as tables.
 
+use super::devices::name_among;
 use super::tables;
-use crate::gpu::Precision;
+use crate::gpu::{DeviceInfo, Precision};
 use crate::study::agreement::{AgreementRecord, DrawnRecord};
 
 /// What the table of [`cells`] says, in a paragraph.
@@ -22,13 +23,14 @@ pub const ABOUT_DRAWN: &str = "Each device draws the G-buffer of one view; the t
 pub fn cells(records: &[AgreementRecord]) -> Vec<Vec<String>> {
     let header = ["method", "roughness", "device", "beside", "hits agree", "apart", "ties", "RMSE", "FLIP"];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
+    let devices: Vec<&DeviceInfo> = records.iter().flat_map(|r| [&r.head.program.device, &r.base]).collect();
     let count = |n: Option<usize>| n.map_or_else(|| "-".into(), |n| n.to_string());
     rows.extend(records.iter().map(|r| {
         vec![
             r.head.method.clone(),
             tables::roughness(r.head.roughness),
-            r.head.program.device.name.clone(),
-            r.base.name.clone(),
+            name_among(&r.head.program.device, &devices),
+            name_among(&r.base, &devices),
             r.hits.hit_agreement.map_or_else(|| "-".into(), |share| format!("{:.4} %", 100.0 * share)),
             count(r.apart),
             count(r.ties),
@@ -55,14 +57,15 @@ pub fn drawn_cells(records: &[DrawnRecord]) -> Vec<Vec<String>> {
         "RMSE",
     ];
     let mut rows = vec![header.map(str::to_owned).to_vec()];
+    let devices: Vec<&DeviceInfo> = records.iter().flat_map(|r| [&r.device, &r.base]).collect();
     let yes = |v: bool| if v { "yes" } else { "no" }.to_owned();
     let percent = |share: f64| format!("{:.3} %", 100.0 * share);
     let bits = |p: &Precision| format!("{}/{}/{}", p.sub_pixel_bits, p.sub_texel_bits, p.mipmap_bits);
     rows.extend(records.iter().map(|r| {
         vec![
             format!("{} {}", r.scene, r.view),
-            r.device.name.clone(),
-            r.base.name.clone(),
+            name_among(&r.device, &devices),
+            name_among(&r.base, &devices),
             bits(&r.precision[1]),
             bits(&r.precision[0]),
             yes(!r.isotropic),

@@ -34,7 +34,7 @@ pub struct ErrorPlot {
     pub axis: &'static str,
     /// Run time against error, SVG.
     pub svg: String,
-    /// The same points as rows.
+    /// The points of the plot as rows of a table.
     pub cells: Vec<Vec<String>>,
 }
 
@@ -131,7 +131,7 @@ fn cells(records: &[ErrorRecord]) -> usize {
     records.iter().map(cell_of).collect::<BTreeSet<_>>().len()
 }
 
-/// Of records of one figure by several devices, the first: an error is the same on all devices.
+/// Keeps the first record of each figure that several devices measured: an error is the same on all devices.
 fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
     let mut seen = BTreeSet::new();
     let of = |r: &&ErrorRecord| {

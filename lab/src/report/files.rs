@@ -18,7 +18,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     write_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`write()`], with the content streamed by `fill`.
+/// Writes a file whole or not at all, as [`write()`] does; `fill` streams the content.
 pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io::Result<()>) -> Result<()> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::create_dir_all(folder).map_err(|e| Error::io("create the folder", folder, e))?;
@@ -46,7 +46,7 @@ pub fn json<T: Serialize>(records: &[T]) -> String {
 const PLACE: [&str; 3] = ["scene", "view", "method"];
 /// The columns of a sample that say what was measured, after everything that was set.
 const MEASURED: [&str; 6] = ["sample", "pass", "counted", "ms", FLOORS[0], FLOORS[1]];
-/// Of these, the noise floors of the pass and of the total; empty where they were not measured.
+/// The columns of noise floors, of the pass and of the total; empty where they were not measured.
 const FLOORS: [&str; 2] = ["noise_floor", "total_noise_floor"];
 
 /// Raw samples of time records as CSV: one row a sample and pass, one column for everything that was set of any of the

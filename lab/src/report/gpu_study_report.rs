@@ -20,7 +20,7 @@ pub enum LayerMessages {
     Said(Vec<(String, String)>),
 }
 
-/// DeviceTimes.
+/// The times of a device.
 pub struct DeviceTimes {
     /// The cells of table 5.8.
     pub table: Vec<TimeRecord>,
@@ -54,7 +54,7 @@ pub struct Findings {
 /// Writes `gpu-study.json` and `index.html`.
 ///
 /// # Errors
-/// Those of writing a file.
+/// Errors of writing a file.
 pub fn write(folder: &Path, device: &DeviceInfo, command: &str, times: &DeviceTimes, found: &Findings) -> Result<()> {
     let rates: Vec<_> = times.all().iter().flat_map(|r| bandwidth::of_passes(r, &found.copy)).collect();
     files::write(&folder.join("gpu-study.json"), files::json(&records(device, &rates, found)).as_bytes())?;

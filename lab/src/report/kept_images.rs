@@ -24,7 +24,7 @@ fn image_path(folder: &Path, method: &str, stem: &str, what: &str) -> PathBuf {
 /// Writes which device it was.
 ///
 /// # Errors
-/// Those of writing a file.
+/// Errors of writing a file.
 pub fn write_device(folder: &Path, device: &DeviceInfo) -> Result<()> {
     files::write(&folder.join("device.json"), files::json(std::slice::from_ref(device)).as_bytes())
 }
@@ -44,7 +44,7 @@ pub fn read_device(folder: &Path) -> Result<DeviceInfo> {
 /// Writes a G-buffer and what methods made of it; `stem` tells several of a folder apart.
 ///
 /// # Errors
-/// Those of writing a file.
+/// Errors of writing a file.
 pub fn write(folder: &Path, stem: &str, data: &GBufferData, made: &[DeviceImage]) -> Result<()> {
     let path = gbuffer_path(folder, stem);
     files::write(&path, &gbuffer_file::encode(data, &path)?)?;
@@ -60,7 +60,7 @@ pub fn write(folder: &Path, stem: &str, data: &GBufferData, made: &[DeviceImage]
 /// Reads the G-buffer.
 ///
 /// # Errors
-/// As for [`gbuffer_file::load`].
+/// Errors of [`gbuffer_file::load`].
 pub fn read_gbuffer(folder: &Path, stem: &str) -> Result<GBufferData> {
     gbuffer_file::load(&gbuffer_path(folder, stem))
 }

@@ -87,7 +87,7 @@ pub fn device_folder(device: usize) -> PathBuf {
 /// all be equal.
 ///
 /// # Errors
-/// As for [`copy_file`].
+/// Errors of [`copy_file`].
 pub fn copy_files(from: &[PathBuf], to: &Path, same: bool) -> Result<()> {
     let mut all: BTreeMap<OsString, Vec<PathBuf>> = BTreeMap::new();
     for folder in from {

@@ -304,7 +304,7 @@ pub fn trend(runs: &[usize], lines: &[TrendLine], y_axis: &str) -> Result<String
             .label_style(("sans-serif", TEXT))
             .draw()
             .map_err(failed)?;
-        // Of many runs, as many are numbered as there is room for.
+        // Where there are many runs, only every `step`th number has room.
         let step = runs.len().div_ceil(16).max(1);
         for (n, run) in runs.iter().enumerate().filter(|(n, _)| n % step == 0) {
             let at = chart.backend_coord(&(n as f64, 0.0));

@@ -126,7 +126,7 @@ fn clip_file(r: &VideoRecord, name: &str) -> String {
 /// Writes the finished images of one measurement as animated pictures, which play on and on.
 ///
 /// # Errors
-/// Those of the disk, and of images too large for the format.
+/// Errors of the disk, and of images too large for the format.
 pub fn write_clips(folder: &Path, records: &[VideoRecord], films: &Films) -> Result<()> {
     let Some(first) = records.first() else { return Ok(()) };
     let fps = first.frames_per_second;

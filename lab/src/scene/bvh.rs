@@ -56,7 +56,7 @@ pub trait Intersector: Send + Sync {
     /// through the holes of an alpha mask.
     fn closest(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> Option<TriangleHit>;
 
-    /// Whether there is a hit with t_min ≤ t ≤ t_max that `accept` accepts: as [`Intersector::closest`], in less time.
+    /// True if [`Intersector::closest`] would find a hit with t_min ≤ t ≤ t_max that `accept` accepts; takes less time.
     fn any(&self, ray: &WorldRay, accept: &dyn Fn(&TriangleHit) -> bool) -> bool {
         self.closest(ray, accept).is_some()
     }
@@ -193,7 +193,7 @@ impl Intersector for TriangleBvh {
         let mut test = |triangle: u32| {
             let beyond = closest.map_or(ray.t_max, |hit| hit.t);
             match sheared.intersect(triangle, &self.triangles[triangle as usize]) {
-                // Of two equally close triangles the one with the lower index wins, whatever the order of the
+                // The lower index wins between equally close triangles, whatever the order of the
                 // boxes.
                 Some(hit)
                     if hit.t >= ray.t_min

@@ -138,7 +138,7 @@ impl CaptureFolder {
     /// Reads the sky; `None` if the folder has none.
     ///
     /// # Errors
-    /// As for [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
+    /// Errors of [`Self::face`], and [`Error::Malformed`] for faces of several sizes.
     pub fn sky(&self) -> Result<Option<SkyCube>> {
         if !self.path.join(SKY).is_dir() {
             return Ok(None);
@@ -206,7 +206,7 @@ pub fn encode_face(face: &GBufferData, path: &Path) -> Result<Vec<u8>> {
 /// Encodes the colours of a face of the sky, `side` texels a side, as the bytes of a file.
 ///
 /// # Errors
-/// As for [`encode_face`].
+/// Errors of [`encode_face`].
 pub fn encode_sky(side: u32, colors: &[Vec3], path: &Path) -> Result<Vec<u8>> {
     let channels = vec![("R", axis(colors, 0)), ("G", axis(colors, 1)), ("B", axis(colors, 2))];
     exr_channels::encode([side; 2], LayerAttributes::default(), channels, path)
@@ -347,7 +347,7 @@ mod tests {
         all(folder.path()).unwrap_err().to_string().replace(&folder.path().display().to_string(), "DIR")
     }
 
-    /// The same after a change of a face.
+    /// Returns the sentence that reading gives after a change of a face.
     fn said_of_face(change: impl FnOnce(&mut GBufferData)) -> String {
         said(|folder, captures| {
             let mut changed = face(&captures[1], 5);

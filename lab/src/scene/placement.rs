@@ -136,7 +136,7 @@ impl Found<'_> {
         let mut rows: Vec<Vec<f32>> = candidates.par_iter().map(|c| self.row(c.position)).collect();
         while self.placement.captures.len() < most {
             let gains: Vec<f32> = rows.par_iter().map(|row| self.gain(row)).collect();
-            // Of equal gains the first counts, so that the result does not depend on threads.
+            // The first of equal gains counts, so that the result does not depend on threads.
             let best = (0..gains.len()).rev().max_by(|a, b| gains[*a].total_cmp(&gains[*b]));
             let Some(index) = best.filter(|i| gains[*i] > 0.0) else { break };
             let row = std::mem::take(&mut rows[index]);

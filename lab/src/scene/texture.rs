@@ -63,7 +63,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path, encoding: Encoding) -> Result<Textu
 /// them. An image of 16 bits keeps all of them.
 ///
 /// # Errors
-/// As for [`from_bytes`].
+/// Errors of [`from_bytes`].
 pub(super) fn unit_values(bytes: &[u8], path: &Path) -> Result<([u32; 2], Vec<f32>)> {
     let image = decode_bytes(bytes, path)?;
     let size = [image.width(), image.height()];

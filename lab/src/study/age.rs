@@ -140,7 +140,7 @@ pub fn measure(spec: &AgeSpec, go_on: &mut dyn FnMut() -> Result<()>) -> Result<
                 none => none.insert(Truth::new(spec, gbuffer::read(&mut stage.context, shot)?, &materials, offset)),
             };
             let sum = |counts: &dyn Fn(&str) -> bool| {
-                // Of no passes, the sum is 0 and not -0.
+                // `fold` makes the sum of no passes 0; `sum` would make it -0.
                 report.passes.iter().filter(|p| p.counted && counts(&p.name)).fold(0.0, |sum, p| sum + p.ms)
             };
             record.frames.push(AgeFrame {
@@ -186,7 +186,7 @@ impl Truth {
             (color, state.overall_standard_error())
         };
         let (color, standard_error) = seen(&scene);
-        // The same rays, by the same seed: they bring the same to the bit unless they meet what moved.
+        // One seed traces the same rays in both scenes, so that colours are equal to the bit unless a ray meets what moved.
         let (before, _) = seen(spec.scene);
         let mask = screen.reflecting();
         let touched = color.iter().zip(&before).zip(&mask).map(|((now, then), m)| *m && now != then).collect();

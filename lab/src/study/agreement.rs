@@ -1,4 +1,4 @@
-//! The same on another device: what methods make of one G-buffer on one device, held against what they make of it on another;
+//! Agreement of devices: what methods make of one G-buffer on one device, held against what they make of it on another;
 //! and how far the G-buffers differ that two devices draw of one view.
 
 use super::error::display;
@@ -56,9 +56,9 @@ pub struct AgreementRecord {
     /// The device's hits against those of `base`; null for what traces no rays over the screen.
     #[serde(flatten)]
     pub hits: HitAgreement,
-    /// Of `unified`: the pixels whose hits are apart.
+    /// Pixels whose hits are apart; only of `unified`.
     pub apart: Option<usize>,
-    /// Of these, those where both ends are ends of the ray within the rounding of 32-bit floats.
+    /// Pixels of `apart` where both ends are ends of the ray within the rounding of 32-bit floats.
     pub ties: Option<usize>,
     /// Root mean square difference of the linear reflection colour over reflecting pixels.
     pub rmse: f64,
@@ -102,7 +102,7 @@ pub struct DrawnRecord {
 /// Draws the G-buffer of the view.
 ///
 /// # Errors
-/// Those of the device.
+/// Errors of the device.
 pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
     let mut stage = Stage::new(gpu, spec.scene)?;
     let camera = spec.view.camera(spec.scene, spec.setup.extent);
@@ -115,7 +115,7 @@ pub fn draw(gpu: &Gpu, spec: &AgreementSpec) -> Result<GBufferData> {
 /// What the methods make of a G-buffer, beside the scene for those that see more than the screen.
 ///
 /// # Errors
-/// Those of the device.
+/// Errors of the device.
 pub fn images(gpu: &Gpu, spec: &AgreementSpec, data: &GBufferData) -> Result<Vec<DeviceImage>> {
     let mut stage = Stage::new(gpu, spec.scene)?;
     let (context, scene) = stage.parts();

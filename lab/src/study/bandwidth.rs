@@ -70,7 +70,7 @@ impl BandwidthRecord {
 /// Times copies of an image of R32F texels, `side` on each side, into another.
 ///
 /// # Errors
-/// Those of the device.
+/// Errors of the device.
 pub fn copy(gpu: &Gpu, side: u32, samples: usize) -> Result<BandwidthRecord> {
     use vk::ImageUsageFlags as U;
     let (extent, usage) = ([side; 2], U::TRANSFER_SRC | U::TRANSFER_DST);
@@ -113,7 +113,7 @@ fn pyramid_bytes(extent: [u32; 2]) -> u64 {
     R32F_BYTES * area(extent) + RG32F_BYTES * cells
 }
 
-/// Of each level, all texels of the level below read once, and its own written once.
+/// Bytes of a Hi-Z chain: for each level, all texels of the level below are read once, and its own written once.
 fn hi_z_bytes(extent: [u32; 2]) -> u64 {
     let area = |level: u32| extent.map(|side| u64::from((side >> level).max(1))).iter().product::<u64>();
     (1..image::full_chain(extent)).map(|level| R32F_BYTES * (area(level - 1) + area(level))).sum()

@@ -129,7 +129,7 @@ impl CellList {
         self.cells.get(cell).is_some_and(|c| c.own)
     }
 
-    /// Of all cells of the study, in the order of the list, those that this run measures.
+    /// Selects the cells that this run measures from all cells of the study, which are in the order of the list.
     pub fn own<'a, T>(&'a self, all: &'a [T]) -> impl Iterator<Item = &'a T> {
         all.iter().enumerate().filter(|(n, _)| self.owns(*n)).map(|(_, cell)| cell)
     }

@@ -163,9 +163,9 @@ pub struct CompareHead {
     pub kind: &'static str,
     /// [`DEFINITIONS`].
     pub definitions: u32,
-    /// Of this program.
+    /// Version of this program.
     pub version: &'static str,
-    /// Of its source.
+    /// Commit of the program's source.
     pub commit: &'static str,
     /// The first, what is compared with.
     pub a: String,

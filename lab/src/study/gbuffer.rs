@@ -28,7 +28,7 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
     let material = context.read(gbuffer.material.all())?;
     let albedo = context.read(drawn.albedo().all())?;
     let shown = albedo.texels().zip(&depth.values).map(|(albedo, depth)| {
-        // As the lighting pass has it; where nothing stands the albedo is cleared.
+        // The lighting pass uses the same condition; the albedo is cleared where nothing stands.
         if albedo[3] < 0.5 && *depth > 0.0 { Surface::Sky } else { Surface::Lit }
     });
     Ok(GBufferData {
@@ -48,7 +48,7 @@ fn read_drawn(context: &mut FrameContext, drawn: &GBufferPass, camera: Camera) -
 /// is seen.
 ///
 /// # Errors
-/// Those of the device, and what `face` returns.
+/// Errors of the device, and what `face` returns.
 pub fn draw_captures(
     stage: &mut Stage,
     materials: &[Material],
@@ -88,7 +88,7 @@ pub struct Reflected {
 /// Runs a method on a G-buffer from the host, beside captures if there are any; `setup`'s size is the G-buffer's.
 ///
 /// # Errors
-/// As for [`Effect::new`], [`Effect::with_captures`], [`CaptureFolder::face`] and [`CaptureFolder::sky`].
+/// Errors of [`Effect::new`], [`Effect::with_captures`], [`CaptureFolder::face`] and [`CaptureFolder::sky`].
 pub fn reflect(
     gpu: &Gpu,
     data: &GBufferData,

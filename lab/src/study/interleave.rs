@@ -57,7 +57,7 @@ pub(super) fn shot_at(round: usize, turn: usize, shots: usize) -> usize {
 /// ends the loop.
 ///
 /// # Errors
-/// Those of the device, of the journal and of `progress`.
+/// Errors of the device, of the journal and of `progress`.
 pub fn interleave(
     stage: &mut Stage,
     shots: &mut [Shot],

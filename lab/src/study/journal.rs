@@ -46,7 +46,7 @@ impl Journal {
     /// A result that is known, or else measured now and kept.
     ///
     /// # Errors
-    /// Those of the measurement and of the sink.
+    /// Errors of the measurement and of the sink.
     pub fn get_or<T: Serialize + DeserializeOwned>(
         &mut self,
         key: &str,
@@ -63,7 +63,7 @@ impl Journal {
     /// Keeps an entry of another journal, whose line is copied as it stands there. A line that is no entry is left out.
     ///
     /// # Errors
-    /// Those of the sink.
+    /// Errors of the sink.
     pub fn keep_line(&mut self, line: &str) -> Result<()> {
         let Some((key, value)) = entry(line) else { return Ok(()) };
         if let Some(sink) = &mut self.sink {
@@ -76,7 +76,7 @@ impl Journal {
     /// Keeps a result.
     ///
     /// # Errors
-    /// Those of the sink.
+    /// Errors of the sink.
     pub fn put<T: Serialize>(&mut self, key: String, result: &T) -> Result<()> {
         let value = json!(result);
         if let Some(sink) = &mut self.sink {
@@ -114,7 +114,7 @@ pub fn setup_digest(settings: &Value) -> String {
     name(hash)
 }
 
-/// The same for a scene's whole content; views apart.
+/// A digest of a scene's whole content, without its views.
 pub fn scene_digest(scene: &Scene) -> String {
     let mut hash = Sha256::new();
     hash.update(format!("{} {:?} {:?} {:?}", scene.name, scene.lens, scene.materials, scene.lights));

@@ -8,7 +8,7 @@ use crate::gpu::{DeviceQuery, Gpu, device};
 /// Opens every device that can be used but `base`.
 ///
 /// # Errors
-/// Those of opening a device.
+/// Errors of opening a device.
 pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
     let listing = device::devices()?.into_iter();
     let usable = listing.filter(|d| d.unsuitable.is_none() && Some(d.index) != base.index());
@@ -18,7 +18,7 @@ pub fn others(base: &Gpu, validation: bool) -> Result<Vec<Gpu>> {
 /// Opens a device once more, under the validation layers.
 ///
 /// # Errors
-/// Those of opening a device; [`crate::error::Error::Usage`] where the layers are not installed.
+/// Errors of opening a device; [`crate::error::Error::Usage`] where the layers are not installed.
 pub fn validated(gpu: &Gpu) -> Result<Gpu> {
     open(gpu.index(), true, false)
 }
@@ -31,7 +31,7 @@ fn open(index: Option<usize>, validation: bool, isotropic: bool) -> Result<Gpu> 
 /// What devices make of the G-buffer that `base` draws, against what `base` makes of it.
 ///
 /// # Errors
-/// Those of the devices.
+/// Errors of the devices.
 pub fn compare<'g>(
     base: &Gpu,
     others: impl IntoIterator<Item = &'g Gpu>,
@@ -51,7 +51,7 @@ pub fn compare<'g>(
 /// normal maps, too.
 ///
 /// # Errors
-/// Those of the devices.
+/// Errors of the devices.
 pub fn compare_drawn(devices: [&Gpu; 2], validation: bool, spec: &AgreementSpec) -> Result<Vec<DrawnRecord>> {
     let again = |gpu: &Gpu| open(gpu.index(), validation, true);
     let isotropic = [again(devices[0])?, again(devices[1])?];

@@ -49,11 +49,11 @@ pub struct PathFrame {
 /// Frames per second of a whole way.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Fps {
-    /// Of the median frame.
+    /// Frames per second at the median time of a frame.
     pub median: f64,
-    /// What 95 % of the frames reach: that of the 95th percentile of the frames' times.
+    /// Frames per second that 95 % of the frames reach: at the 95th percentile of the frames' times.
     pub p95: f64,
-    /// Of the slowest 1 % of the frames (at least one) together: their number over their time.
+    /// Frames per second of the slowest 1 % of the frames, at least one: their number over their time.
     pub low_1_percent: f64,
 }
 
@@ -74,7 +74,7 @@ pub struct PathRecord {
 }
 
 impl Fps {
-    /// Of some frames' times in milliseconds; all 0 for none.
+    /// The rates of frames whose times are given in milliseconds; all 0 for none.
     fn of(frame_ms: &[f64]) -> Self {
         let fps = |ms: f64| if ms > 0.0 { 1000.0 / ms } else { 0.0 };
         let stats = Stats::of(frame_ms);

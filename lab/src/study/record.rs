@@ -28,7 +28,7 @@ pub struct Stats {
 }
 
 impl Stats {
-    /// Of any number of samples; all zero for none.
+    /// The statistics of any number of samples; all zero for none.
     pub fn of(samples: &[f64]) -> Self {
         let mut sorted = samples.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -70,9 +70,9 @@ pub struct PassRecord {
 pub struct Provenance {
     /// The version of docs/definitions.md that the figures are of.
     pub definitions: u32,
-    /// Of this program.
+    /// Version of this program.
     pub version: String,
-    /// Of its source; "unknown" outside a repository.
+    /// Commit of the program's source; "unknown" outside a repository.
     pub commit: String,
     /// Device.
     pub device: DeviceInfo,
@@ -211,7 +211,7 @@ pub fn differing(row: &Parameter, preset: Preset, text: &str) -> Option<String> 
         Domain::Switch if text == "true" => row.typed_name(),
         Domain::Switch => format!("no {}", row.typed_name()),
         // A number alone says nothing, and nor does on or off.
-        Domain::Choices(_)
+        Domain::Choices(_) | Domain::ChoicesOrCount(..)
             if row.name != "fallback" && !text.starts_with(|c: char| c.is_ascii_digit()) && text != "on" =>
         {
             text.to_owned()

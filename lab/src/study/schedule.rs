@@ -88,7 +88,7 @@ pub fn enough(cells: &[Share]) -> u32 {
         return 1;
     }
     let least = (total_s(cells) / greatest).floor().max(1.0) as u32;
-    // As many machines as there are cells are always enough.
+    // A machine for each cell is always enough.
     let most = (cells.len() as u32).max(1);
     let is_enough = |n: &u32| Schedule::divided(cells, *n).makespan() <= greatest * (1.0 + 1e-9);
     (least.min(most)..most).find(is_enough).unwrap_or(most)

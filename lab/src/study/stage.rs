@@ -99,14 +99,14 @@ impl Stage {
         self.output_in(Mode::Plain, shot)
     }
 
-    /// The same in a mode of choice.
+    /// Runs one frame of a shot in a mode and hands over what it made.
     pub fn output_in<'s>(&mut self, mode: Mode, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
         let mut frame = self.context.begin(mode)?;
         let (drawn, output) = shot.record(&mut frame, &self.data)?;
         Ok((frame.finish()?, drawn, output))
     }
 
-    /// The same for an image of a camera at rest: with a history, the last of as many frames as this averages, from the
+    /// Draws the image of a camera at rest: with a history, the last of as many frames as the history averages, from the
     /// first on.
     pub fn output_at_rest<'s>(&mut self, shot: &'s Shot) -> Result<(FrameReport, Drawn, Output<'s>)> {
         self.settle(shot)?;

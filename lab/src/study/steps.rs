@@ -28,7 +28,7 @@ pub enum StepsIn {
 }
 
 impl StepsIn {
-    /// As a page calls it.
+    /// The name on a page.
     pub fn label(self) -> &'static str {
         match self {
             Self::Screen => "the screen alone",
@@ -74,7 +74,7 @@ pub struct StepsRecord {
 /// Counts the steps on a G-buffer of a view: without captures, and with four that the program places.
 ///
 /// # Errors
-/// Those of the device.
+/// Errors of the device.
 pub fn count(gpu: &Gpu, scene: &Scene, view: &View, globals: &Globals, data: &GBufferData) -> Result<[StepsRecord; 3]> {
     let alone = Traversal::new(data);
     let pixels = blocks(data);

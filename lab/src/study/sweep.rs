@@ -21,10 +21,10 @@ pub fn variants(methods: &[&'static MethodInfo], base: &Setup) -> Vec<Variant> {
 
 /// A method without captures, and with each of some numbers of them at each of some sizes of face, around a base.
 pub fn captures(method: &'static MethodInfo, base: &Setup) -> Vec<Variant> {
-    use CaptureCount::{Eight, Four, None, One, Two};
+    use CaptureCount::{None, Number};
     use CaptureSide::{Scene, Side128, Side256, Side512, Side1024};
     let sides = [Side128, Side256, Side512, Side1024];
-    let all = [One, Two, Four, Eight].into_iter().flat_map(|count| sides.map(|side| (count, side)));
+    let all = [1, 2, 4, 8].into_iter().flat_map(|count| sides.map(|side| (Number(count), side)));
     let of = |(count, side)| Variant {
         method,
         setup: base.with(|p: &mut EffectParams| (p.captures, p.capture_side) = (count, side)),
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn a_sweep_of_fallbacks_has_each_and_captures_once() {
-        let base = Setup::new([64, 36]).with(|p: &mut EffectParams| p.captures = CaptureCount::Four);
+        let base = Setup::new([64, 36]).with(|p: &mut EffectParams| p.captures = CaptureCount::Number(4));
         let of = |name: &str| {
             let method = METHODS.iter().find(|m| m.name == name);
             let variants = method.map_or_else(Vec::new, |method| fallbacks(method, &base));
@@ -200,7 +200,7 @@ mod tests {
         };
         let behind = [Fallback::None, Fallback::Environment, Fallback::Pccm].map(|f| (f, CaptureCount::None));
         assert_eq!(of("ssct"), behind);
-        assert_eq!(of("unified"), [&behind[..], &[(Fallback::None, CaptureCount::Four)]].concat());
-        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Four)]);
+        assert_eq!(of("unified"), [&behind[..], &[(Fallback::None, CaptureCount::Number(4))]].concat());
+        assert_eq!(of("captures"), [(Fallback::None, CaptureCount::Number(4))]);
     }
 }

@@ -155,7 +155,7 @@ pub struct VideoRecord {
     pub change_error: f64,
     /// Quality of the finished images beside the world's, in JOD.
     pub jod: f64,
-    /// The same of the reflection colour alone.
+    /// Quality of the reflection colour alone beside the world's, in JOD.
     pub jod_reflection: f64,
     /// Mean over the frames of the world reference's standard error.
     pub standard_error: f64,
@@ -167,14 +167,14 @@ pub struct VideoRecord {
 pub struct Films {
     /// The world's.
     pub world: Film,
-    /// Those of the variants, in their order.
+    /// The films of the variants, in their order.
     pub variants: Vec<Film>,
 }
 
 /// What is known of a variant while its film is made.
 struct Filmed {
     shot: Shot,
-    /// Of the same, where the timed one makes no image of the reflection of its own.
+    /// A second shot that makes an image of the reflection; `None` if the timed one does.
     seen: Option<Shot>,
     before: Vec<Vec3>,
     frames: Vec<VideoFrame>,

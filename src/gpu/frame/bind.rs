@@ -20,8 +20,8 @@ impl<'a> Given<'a> {
         Self { resources, push: program.push() }
     }
 
-    /// The same with the fields of the other stage's program. What both have, bindings by their number and push
-    /// constants, is taken from the first.
+    /// Adds the fields of the other stage's program. Bindings and push constants that both programs have are taken from
+    /// the first.
     pub fn and<P: Program>(mut self, other: &'a P) -> Self {
         let other = Given::to(other);
         for (binding, resource) in other.resources {

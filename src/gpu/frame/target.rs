@@ -101,7 +101,7 @@ impl Frame<'_> {
         view: View,
         draw: impl FnOnce(&mut Self) -> Result<()>,
     ) -> Result<()> {
-        // Of no pipeline is an unwanted output at the end a target (`SharedPipeline::graphics`).
+        // Pipelines have no target for unwanted outputs at the end (`SharedPipeline::graphics`).
         let wanted = targets.iter().rposition(|target| target.slice.is_some()).map_or(0, |last| last + 1);
         let targets = &targets[..wanted];
         for slice in targets.iter().filter_map(|target| target.slice) {

@@ -46,7 +46,7 @@ const TABLE_1: [(&str, [u64; 4]); 3] = [
     ("cathedral", [55_020, 149_719, 17, 0]),
 ];
 
-/// The same of a built-in scene; an edge counts once for all triangles of a mesh that share it.
+/// Counts for a built-in scene; an edge counts once for all triangles of a mesh that share it.
 fn counts(scene: &str) -> Result<[u64; 4]> {
     let scene = library::scene(scene).ok_or(format!("there is no built-in scene {scene}"))?;
     let edges = |indices: &[u32]| {

@@ -140,8 +140,9 @@ fn code() -> Vec<String> {
 #[test]
 fn methods_options_and_figures_that_the_page_names_exist() {
     let folder = Folder::new();
-    let help: BTreeMap<&str, String> =
-        ["render", "time", "error", "figures", "view"].map(|c| (c, folder.succeed(&[c, "--help"]))).into();
+    let help: BTreeMap<&str, String> = ["render", "time", "error", "precision", "path", "figures", "view"]
+        .map(|c| (c, folder.succeed(&[c, "--help"])))
+        .into();
     let refused = folder.run(&["figures", "--only", "none"]);
     let said = String::from_utf8(refused.stderr).unwrap();
     let figures: BTreeSet<&str> = said.split_once("available are: ").unwrap().1.trim().split(", ").collect();
@@ -156,7 +157,7 @@ fn methods_options_and_figures_that_the_page_names_exist() {
         for (n, word) in words.iter().enumerate().filter(|(_, w)| w.starts_with("--")) {
             options += 1;
             let value = words.get(n + 1).filter(|w| !w.starts_with("--"));
-            // A switch stands there as `--split[=<…>]`.
+            // A switch stands there as `--split [<…>]`.
             let known = |help: &String| help.split([' ', '\n', ',', '[']).any(|w| w == *word);
             let there = command.map_or_else(|| help.values().any(known), |c| known(&help[c]));
             assert!(there, "{code}: there is no option {word}");

@@ -83,7 +83,7 @@ pub fn walks(folder: &Path) -> Result<String> {
     table(&head, rows)
 }
 
-/// The same where nobody has captures: what the screen lacks outweighs all else.
+/// The table of variants without captures: what the screen lacks outweighs all else.
 pub fn on_screen(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for (name, shown) in WALKS.into_iter().take(2) {

@@ -92,7 +92,7 @@ pub fn layers(folder: &Path) -> Result<String> {
     table(&head, all)
 }
 
-/// The same of the poster's gloss: errors by one and two layers.
+/// Errors of the poster's gloss with one layer and with two.
 pub fn layers_gloss(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {
@@ -131,7 +131,7 @@ pub fn camera_capture(folder: &Path) -> Result<String> {
     table(&head, rows)
 }
 
-/// The same by scene, of mirrors: errors and right places.
+/// Errors and right places of mirrors by scene, for each kind of captures.
 pub fn camera_by_scene(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {
@@ -150,7 +150,7 @@ pub fn camera_by_scene(folder: &Path) -> Result<String> {
     table(&head, with_means(rows, &write, &["*all six*"]))
 }
 
-/// The same behind `ssct`, of mirrors.
+/// Errors and right places of mirrors with captures behind `ssct`.
 pub fn camera_behind(folder: &Path) -> Result<String> {
     let mut rows = Vec::new();
     for scene in SCENES {

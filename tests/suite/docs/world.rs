@@ -15,7 +15,7 @@ const ERRORS: [f64; 2] = [0.15, 4.0];
 /// The roughness values, of dots and of rings.
 const ROUGHNESS: [&str; 2] = ["0", "0.1"];
 
-/// Of methods that follow rays in captures, and of the others.
+/// Colours of methods that follow rays in captures, and of the others.
 const CAPTURED: &str = "#d62728";
 const OTHER: &str = "#3b528b";
 

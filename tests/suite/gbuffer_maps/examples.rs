@@ -143,7 +143,7 @@ fn the_map_of_blender_reads_one_part_and_many() {
     for (i, seen) in seen.iter().enumerate() {
         let colour = if seen.z.is_some() { Vec3::new(1.5, 0.625, 0.09375) } else { Vec3::new(0.25, 0.5, 1.0) };
         assert_eq!(data.color[i], colour, "diffuse light times colour, emission, and the background");
-        // Of a dielectric F0, of a metal its colour; ϱ of 0.1 and 0.3 by docs/definitions.md, "glTF".
+        // A dielectric has its F0 and a metal its colour; 0.1 and 0.3 give ϱ by docs/definitions.md, "glTF".
         let (reflectivity, roughness) = match (seen.z, seen.is_ball) {
             (None, _) => (0.0, 0.0),
             (_, true) => (0.04, 0.511),

@@ -56,7 +56,7 @@ pub fn integers(values: impl IntoIterator<Item = u32>) -> FlatSamples {
     FlatSamples::U32(values.into_iter().collect())
 }
 
-/// The same channel with the lowest row first.
+/// Turns a channel upside down: the lowest row comes first.
 pub fn flipped(samples: FlatSamples, width: usize) -> FlatSamples {
     fn flip<T: Copy>(values: &[T], width: usize) -> Vec<T> {
         values.chunks(width).rev().flatten().copied().collect()

@@ -12,11 +12,11 @@ use ssct_lab::study::Globals;
 struct Compared {
     /// Pixels whose mirror ray meets the wall on screen.
     expected: usize,
-    /// Of them, those without a hit.
+    /// Expected pixels without a hit.
     missed: usize,
-    /// Of them, pixels between the hit and where it should be, in the worse direction; sorted.
+    /// Distances of the hits from where they should be, in pixels, in the worse direction; sorted.
     errors: Vec<f64>,
-    /// Of them, those far enough from the border of a cell to say which colour they must have.
+    /// Expected pixels far enough from the border of a cell to say which colour they must have.
     colored: usize,
 }
 

@@ -19,9 +19,9 @@ struct Ended {
     wall: f64,
     /// From the pixel to the hit; `None` for a miss.
     hit: Option<f64>,
-    /// Of a hit, pixels beside the ray.
+    /// Distance of a hit from the ray, in pixels.
     beside: f64,
-    /// Of a hit, pixels from where it should be, in the worse direction.
+    /// Distance of a hit from where it should be, in pixels, in the worse direction.
     pixels: f64,
     /// Standard depth that the ray gains over a length of 1.
     depth_slope: f64,
@@ -69,7 +69,7 @@ fn share(all: &[Ended], holds: impl Fn(&Ended) -> bool) -> f64 {
     all.iter().filter(|e| holds(e)).count() as f64 / all.len() as f64
 }
 
-/// As good as Alg. 2's finite difference: what `mirror_rays_meet_the_wall_where_they_should` allows 97 of a
+/// Bound that Alg. 2's finite difference reaches: `mirror_rays_meet_the_wall_where_they_should` allows it for 97 of a
 /// hundred rays, in pixels.
 const SLOPE_PIXELS: f64 = 1.5;
 

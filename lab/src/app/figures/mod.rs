@@ -175,7 +175,7 @@ fn groups(entries: &[Entry]) -> Vec<Group> {
             "Schmidt 2013",
             "Guido Schmidt, Rendering view dependent reflections using the graphics card, thesis, University of \
              Koblenz-Landau, 2013. Its figures 42 and 52, \
-             frames per second on the way through a scene: ssct time --path views.",
+             frames per second on the way through a scene: ssct path.",
         ),
     ];
     let group = |(source, title, text): (Document, &str, &str)| {

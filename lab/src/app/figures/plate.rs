@@ -29,7 +29,7 @@ impl Document {
 /// The size of a figure's renders in pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Size {
-    /// As printed; the option `--size` replaces it.
+    /// The printed size, which the option `--size` replaces.
     Print([u32; 2]),
     /// Determined by the figure's subject, so it cannot be changed.
     Fixed([u32; 2]),

@@ -28,12 +28,12 @@ const PARTS: [(CubePart, &str); 3] =
 pub struct CubeImage {
     /// Which capture, counted from 0.
     pub capture: usize,
-    /// What of it.
+    /// Which of the capture's images is shown.
     pub part: CubePart,
 }
 
 impl CubeImage {
-    /// Of so many captures.
+    /// Lists the images of so many captures.
     pub fn all(count: usize) -> impl Iterator<Item = Self> {
         (0..count).flat_map(|capture| PARTS.map(|(part, _)| Self { capture, part }))
     }

@@ -4,7 +4,7 @@ use super::fly_camera::FlyMotion;
 use super::state::{State, Tab};
 use super::viewer::Viewer;
 use crate::methods::setup::CaptureCount;
-use crate::parameter::Choices;
+use crate::parameter::Field;
 use glam::Vec3;
 use std::collections::HashSet;
 use winit::keyboard::KeyCode;
@@ -98,7 +98,7 @@ impl Viewer {
             self.captures.message += &format!("; {} follows no rays in captures", side.method.name);
         } else if effect.captures != CaptureCount::Auto {
             // All of the list, however many.
-            side.set("captures", Some(CaptureCount::Auto.name().to_owned()));
+            side.set("captures", Some(CaptureCount::Auto.value().to_string()));
         }
     }
 }

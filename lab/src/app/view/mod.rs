@@ -59,63 +59,70 @@ const ANIMATION_DELAY_MS: u16 = 80;
 #[command(after_help = "\
 Keys, by their place on a US keyboard:
   W A S D, Q E   fly forward, left, back, right, down, up; with Shift fast
-  mouse          look around while a button is held; the wheel changes the speed; a click with the
-                 part `ray` of the panel open picks a ray; the line between two methods can be drawn
+  mouse          look around while a button is held; the wheel changes the speed;
+                 a click picks a ray while the part `ray` of the panel is open;
+                 the line between two methods can be drawn
   1 ... 9        the scene's named views
   M              the next method
   C              one method, two side by side, their difference
   R, Shift+R     rougher, smoother
   K, P           record a key frame of the camera, play the key frames
-  N, B, Delete   put a new capture at the eye, move the selected one there, remove it
+  N, B, Delete   put a new capture at the eye, move the selected one, remove it
   F1, F2         show or hide the panel, open its next part
   Esc            quit")]
 pub struct ViewOptions {
     #[command(flatten)]
     pub common: CommonOptions,
-    /// The method to begin with.
-    #[arg(long, default_value = "ssct")]
+    /// Method to begin with
+    #[arg(long, value_name = "NAME", default_value = "ssct")]
     pub method: String,
-    /// A second method to compare with.
-    #[arg(long, value_name = "METHOD")]
+    /// Second method to compare with
+    #[arg(long, value_name = "NAME")]
     pub against: Option<String>,
-    /// How two methods are shown.
-    #[arg(long, value_enum, default_value_t, requires = "against")]
+    /// How two methods are shown
+    #[arg(long, value_name = "HOW", value_enum, default_value_t, requires = "against")]
     pub compare: TwoMethods,
-    /// Width and height of the picture in pixels; the panel stands beside it.
+    /// Width and height of the picture
+    ///
+    /// The panel stands beside the picture.
     #[arg(long, value_name = "WxH", value_parser = size, default_value = "960x540")]
     pub size: [u32; 2],
-    /// The part of the panel that is open.
-    #[arg(long, value_enum, default_value_t)]
+    /// Part of the panel that is open.
+    #[arg(long, value_name = "PART", value_enum, default_value_t)]
     pub panel: Tab,
     /// Show an intermediate, a capture (`capture-1-color`, `-depth`, `-normal`), or the heat map `steps`, instead of the
     /// finished image.
     #[arg(long, value_name = "NAME[/LEVEL]", value_parser = inside)]
     pub inside: Option<Inside>,
-    /// The pixel whose ray is drawn; for `--panel ray`.
+    /// Pixel whose ray is drawn, for `--panel ray`.
     #[arg(long, value_name = "X,Y", value_parser = pixel)]
     pub pick: Option<[u32; 2]>,
-    /// Key frames of the camera, in a file as for `ssct time --path`; with --frames, the frames follow them.
+    /// File with key frames of the camera
+    ///
+    /// `ssct path` measures along the same file. With --frames, the frames follow the key frames.
     #[arg(long, value_name = "FILE")]
     pub path: Option<PathBuf>,
-    /// The folder of shaders to watch; without it, ./shaders-glsl if there is one.
+    /// Folder of shaders to watch; by default ./shaders-glsl if it exists.
     #[arg(long, value_name = "DIR")]
     pub shaders: Option<PathBuf>,
     /// How images replace one another on the screen.
-    #[arg(long, value_parser = choice::<PresentMode>(), default_value = "fifo")]
+    #[arg(long, value_name = "MODE", value_parser = choice::<PresentMode>(), default_value = "fifo")]
     pub present_mode: PresentMode,
-    /// Show N frames, take no input, and quit.
+    /// Show so many frames, take no input, and quit
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub frames: Option<u32>,
-    /// Write what is shown after the frames: .png (the window) or .exr (the picture alone, linear).
+    /// File for what the last frame shows
+    ///
+    /// A .png shows the window, an .exr the picture alone, linear.
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub screenshot: Option<PathBuf>,
-    /// Write the frames as an animated .gif.
+    /// File for the frames, as an animated .gif.
     #[arg(long, value_name = "FILE", requires = "frames")]
     pub animation: Option<PathBuf>,
-    /// After the frames, stay open for this time and take input.
+    /// Time to stay open after the frames and take input.
     #[arg(long, value_name = "SECONDS", requires = "frames", value_parser = seconds)]
     pub stay: Option<Duration>,
-    /// Print what was shown and submitted, as JSON.
+    /// Print what was shown and submitted, as JSON
     #[arg(long, requires = "frames")]
     pub json: bool,
 }

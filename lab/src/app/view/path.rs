@@ -1,4 +1,4 @@
-//! Camera key frames: recording, saving, loading and playing. The files are those of `ssct time --path`.
+//! Camera key frames: recording, saving, loading and playing. `ssct path` reads the same files.
 
 use super::fly_camera::FlyCamera;
 use crate::error::Result;

@@ -107,7 +107,7 @@ pub enum Tab {
 }
 
 impl Tab {
-    /// Those that show something, with their titles.
+    /// The parts of the panel that show something, with their titles.
     pub const SHOWN: [(Self, &'static str); 7] = [
         (Self::Tune, "Tune"),
         (Self::Live, "Live"),

@@ -182,7 +182,7 @@ fn ray(kind: u32, random: &Random, room: &Room, captures: &[CaptureData]) -> (DV
 
 /// How many kinds there are; the first two are plain.
 const KINDS: u32 = 8;
-/// Those that run within the border of two faces, or begin where three of them meet, so that rounding decides at every
+/// The kinds that run within the border of two faces, or begin where three of them meet, so that rounding decides at every
 /// step in which of them they are: no single ray that is off by rounding need take all these decisions.
 const IN_BORDERS: std::ops::Range<u32> = 5..KINDS;
 

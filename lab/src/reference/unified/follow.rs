@@ -105,7 +105,7 @@ impl<'a> CubeWalk<'a> {
         self.faces.first().map_or(0, |face| Self::MAX_FACES * face.max_face_steps())
     }
 
-    /// Of some captures, which all have one lens and size.
+    /// Makes the twin for some captures, which all have one lens and size.
     pub fn new(camera: &Camera, captures: &'a [CaptureData]) -> Self {
         let faces = || captures.iter().flat_map(|c| &c.faces);
         let unit = |camera: &Camera| camera.view_to_clip_reversed().as_dmat4().w_axis.z as f32;

@@ -30,7 +30,8 @@ pub struct Gloss<'a> {
 }
 
 impl<'a> Gloss<'a> {
-    /// Of a traversal, by the lit colour and its coarser levels as they were made; their filter is no part of the twin.
+    /// Makes the twin of a traversal's gloss from the lit colour and its coarser levels as they were made; their filter is
+    /// no part of the twin.
     pub fn new(traversal: &'a Traversal, chain: &'a [Level<Vec3>], fade: Option<[f32; 2]>, is_over: bool) -> Self {
         let size = traversal.parameters.size;
         let [cells, tiles] = [2, 2 * CELLS].map(|side| ((size + side - 1) / side).as_uvec2());

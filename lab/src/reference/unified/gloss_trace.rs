@@ -96,7 +96,7 @@ impl Gloss<'_> {
         })
     }
 
-    /// What of the colour's chain a ray sees at its hit: two levels, with their weights.
+    /// The two levels of the colour's chain that a ray reads at its hit, with their weights.
     pub fn looked_up(&self, aim: &Aim, hit: &Hit) -> [(Footprint, f32); 2] {
         let p = &self.traversal.parameters;
         let there = p.view_point(hit.position, hit.depth);

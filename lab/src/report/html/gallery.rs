@@ -24,7 +24,7 @@ pub struct Picture {
 /// Pictures beside each other.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Strip {
-    /// As many in a row as there is room for.
+    /// Pictures in rows, each as long as there is room for.
     Plain(Vec<Picture>),
     /// A reference, and what is held against it in pairs: a picture and its error map. The reference stands between
     /// the two of a pair, and goes along as the page is scrolled.

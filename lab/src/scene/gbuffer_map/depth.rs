@@ -115,7 +115,7 @@ impl MapDepth {
     /// Reads the channel.
     ///
     /// # Errors
-    /// As for [`MapSource::read`].
+    /// Errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         self.source.read(files)
     }

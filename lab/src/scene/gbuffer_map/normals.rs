@@ -57,7 +57,7 @@ impl MapNormals {
     /// View-space normals, zero where `depth` is 0 (sky). Normals that are `signed` keep their length.
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
+    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a normal that is not
     /// finite.
     pub fn read<'a>(
         &'a self,

@@ -53,7 +53,7 @@ impl MapNumbers {
     /// The number, where [`Self::count`] is 1.
     ///
     /// # Errors
-    /// As for [`Self::get`].
+    /// Errors of [`Self::get`].
     pub fn one(&self, files: &mut MapFiles) -> Result<f64> {
         // The list is not empty, since `count` is 1.
         Ok(self.get(files)?.first().copied().unwrap_or_default())

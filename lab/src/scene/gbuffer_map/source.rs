@@ -145,7 +145,7 @@ impl MapSource {
     /// Reads the values.
     ///
     /// # Errors
-    /// As for [`MapFiles::channel`].
+    /// Errors of [`MapFiles::channel`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<MapPlanes<'a>> {
         let (planes, place) = match &self.from {
             SourceFrom::Channels(of) => {

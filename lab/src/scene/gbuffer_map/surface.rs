@@ -66,7 +66,7 @@ impl MapRoughness {
     /// Roughness ϱ of every pixel, 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
+    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         let planes = self.source.read(files)?;
         each(depth, |i| {
@@ -117,7 +117,7 @@ impl MapReflectivity {
     /// Reflectivity of every pixel, the luminance of what is given as a colour; 0 where `depth` is 0 (sky).
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
+    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value out of range.
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>, depth: &[f32]) -> Result<Vec<f32>> {
         match self {
             Self::Given(source) => {
@@ -164,7 +164,7 @@ impl MapColour {
     /// The sum of the terms for every pixel, also of the sky; components below 0 become 0.
     ///
     /// # Errors
-    /// As for [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value that is not finite.
+    /// Errors of [`MapSource::read`]; [`Error::Malformed`](crate::error::Error::Malformed) for a value that is not finite.
     pub fn read_sum<'a>(terms: &'a [Self], files: &mut MapFiles<'a>) -> Result<Vec<Vec3>> {
         let mut sum = vec![[0.0_f64; 3]; files.pixels()];
         for term in terms {
@@ -196,7 +196,7 @@ impl MapSky {
     /// The kind of surface of every pixel.
     ///
     /// # Errors
-    /// As for [`MapSource::read`].
+    /// Errors of [`MapSource::read`].
     pub fn read<'a>(&'a self, files: &mut MapFiles<'a>) -> Result<Vec<Surface>> {
         let planes = self.0.read(files)?;
         let shows = |i| if planes.at(0, i) > 0.5 { Surface::Sky } else { Surface::Lit };

@@ -62,7 +62,7 @@ impl<'a> Use<'a> {
         Self::new(info.texture(), set, offset, rotation, scale)
     }
 
-    /// The same of a normal map, whose extension the crate leaves as JSON.
+    /// Reads how a material uses its normal map, whose extension the crate leaves as JSON.
     fn of_normals(normals: &gltf::material::NormalTexture<'a>) -> Self {
         let transform = normals.extension_value("KHR_texture_transform");
         let pair = |key: &str, default: f32| {

@@ -41,7 +41,7 @@ impl Wall {
         self.origin + a * self.along + height * Vec3::Y + 0.5 * side * self.thickness_m * self.across()
     }
 
-    /// The same wall, thicker by `by_m` on each side.
+    /// Returns the wall, thicker by `by_m` on each side.
     fn thickened(self, by_m: f32) -> Self {
         Self { thickness_m: self.thickness_m + 2.0 * by_m, ..self }
     }

@@ -32,7 +32,7 @@ pub fn names() -> &'static [&'static str] {
 /// A built-in scene, or else that of a scene file of this path.
 ///
 /// # Errors
-/// As for [`scene_file::load`].
+/// Errors of [`scene_file::load`].
 pub fn scene_or_file(name: &str) -> Result<Scene> {
     scene(name).map_or_else(|| scene_file::load(Path::new(name), &LoadOptions::default()), Ok)
 }

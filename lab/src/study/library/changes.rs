@@ -41,7 +41,7 @@ pub fn totals_only(run: Run) -> Run {
             subject: Arc::clone(&first.subject),
             sample: first.sample,
             pass: TOTAL.to_owned(),
-            // Of counted rows, the comparison would make a total once more.
+            // The comparison would make another total of counted rows.
             counted: false,
             ms: rows.iter().filter(|row| row.counted).map(|row| row.ms).sum(),
             floors: [first.floors[1]; 2],

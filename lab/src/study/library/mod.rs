@@ -30,7 +30,7 @@ pub struct LibraryRun {
     pub devices: Vec<DeviceInfo>,
     /// The figures of the records.
     pub measurements: Vec<Measurement>,
-    /// Of the stress study: the number of cases that failed, and of all cases.
+    /// Numbers of the stress study: cases that failed, and all cases.
     pub stress: Option<[usize; 2]>,
     /// The time of each frame, if raw samples lie beside the records.
     pub samples: Option<compare::Run>,

@@ -48,7 +48,7 @@ pub struct PrecisionRecord {
     /// Hits against the oracle's on the unrounded G-buffer; null unless every reflector is a mirror.
     #[serde(flatten)]
     pub hits: HitAgreement,
-    /// Of the linear reflection colour, against the screen reference on the unrounded G-buffer.
+    /// Root mean square error of the linear reflection colour, against the screen reference on the unrounded G-buffer.
     pub rmse: f64,
     /// What the reference itself is expected to err by, as an RMSE.
     pub standard_error: f64,

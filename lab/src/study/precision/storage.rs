@@ -172,11 +172,11 @@ fn unsigned_float(v: f32, mantissa_bits: i32) -> f32 {
 /// The formats of a G-buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Storage {
-    /// Of depth.
+    /// The format of depth.
     pub depth: DepthFormat,
-    /// Of normals.
+    /// The format of normals.
     pub normal: NormalFormat,
-    /// Of the lit colour.
+    /// The format of the lit colour.
     pub color: ColorFormat,
 }
 

@@ -96,7 +96,7 @@ impl CaptureCase {
     /// The line-up of methods with as many captures of the case's size.
     ///
     /// # Errors
-    /// Those of the device.
+    /// Errors of the device.
     pub fn lineup(
         &self,
         gpu: &Gpu,
@@ -113,7 +113,7 @@ impl CaptureCase {
 /// compared, since the screen's oracle does not know what captures show.
 ///
 /// # Errors
-/// Those of the device.
+/// Errors of the device.
 pub fn run(gpu: &Gpu, case: &CaptureCase, lineup: &mut SceneLineup) -> Result<Vec<StressRecord>> {
     let mut view = case.view.clone();
     view.eye += case.offset;

@@ -60,9 +60,9 @@ pub struct StressRecord {
     pub pixels: usize,
     /// Pixels with a NaN in the reflection, or in the image where the lit colour is sound.
     pub nan: usize,
-    /// The same of infinities.
+    /// Pixels with an infinity in the reflection, or in the image where the lit colour is sound.
     pub inf: usize,
-    /// The same of negative numbers.
+    /// Pixels with a negative number in the reflection, or in the image where the lit colour is sound.
     pub negative: usize,
     /// Pixels whose ray ran out of steps; null where the method doesn't say.
     pub exhausted: Option<usize>,
@@ -71,7 +71,7 @@ pub struct StressRecord {
     pub compared: Option<usize>,
     /// Share of them that agree.
     pub hit_agreement: Option<f64>,
-    /// Those that don't, but would for a ray that differs by rounding alone; null but for [`JUDGED`].
+    /// Compared pixels that disagree, but would agree for a ray that differs by rounding alone; null but for [`JUDGED`].
     pub ties: Option<usize>,
     /// The method's time.
     pub time_ms: f64,

@@ -93,7 +93,7 @@ pub struct MotionRecord {
     /// Mean absolute difference of the method's change and the reference's, over the reference's own
     /// flicker: 0 for the reference, 1 for a method that shows nothing.
     pub deviation: Option<f64>,
-    /// The same against the world reference, where that was asked for.
+    /// The method's change beside that of the world reference, if that was asked for.
     #[serde(default)]
     pub world: Option<WorldMotion>,
 }
@@ -105,7 +105,7 @@ pub struct WorldMotion {
     pub reference_flicker: f64,
     /// The method's flicker over it; null where the reference stands still.
     pub ratio: Option<f64>,
-    /// As [`MotionRecord::deviation`], against the world reference.
+    /// [`MotionRecord::deviation`], taken against the world reference.
     pub deviation: Option<f64>,
 }
 

@@ -72,7 +72,7 @@ fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
     let mut now = before;
     match (&row.domain, &mut now) {
         (Domain::Switch, Value::Switch(on)) => drop(ui.checkbox(on, "")),
-        (Domain::Choices(_) | Domain::Numbers(_), now) => list(ui, row, now),
+        (Domain::Choices(_) | Domain::ChoicesOrCount(..) | Domain::Numbers(_), now) => list(ui, row, now),
         (Domain::Count(least, most), Value::Count(n)) => {
             ui.add(DragValue::new(n).range(*least..=*most).speed(0.2));
         }
@@ -95,7 +95,9 @@ fn option(ui: &mut Ui, side: &mut Side, row: &Parameter) {
 /// A choice among few values.
 fn list(ui: &mut Ui, row: &Parameter, now: &mut Value) {
     let help = |value: &Value| match &row.domain {
-        Domain::Choices(all) => all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help),
+        Domain::Choices(all) | Domain::ChoicesOrCount(all, ..) => {
+            all.iter().find(|c| Value::Choice(c.name) == *value).map_or("", |c| c.help)
+        }
         _ => "",
     };
     ComboBox::from_id_salt(row.name).selected_text(now.to_string()).show_ui(ui, |ui| {

@@ -58,5 +58,5 @@ pub fn show(ui: &mut Ui, state: &mut State, path: &mut PathEditor) {
     if let Some(n) = remove {
         path.keys.remove(n);
     }
-    ui.label(RichText::new("ssct time --path FILE measures along the same file").weak().small());
+    ui.label(RichText::new("ssct path --path FILE measures along the same file").weak().small());
 }

@@ -65,7 +65,7 @@ fn place(ui: &mut Ui, state: &mut State, data: &PanelData) {
             state.show_view(view);
         }
         ui.end_row();
-        ui.label("speed").on_hover_text("of flying; the wheel changes it");
+        ui.label("speed").on_hover_text("Speed of flying; the wheel changes it.");
         ui.label(format!("{:.2} m/s", state.camera.speed_m_per_s()));
         ui.end_row();
     });

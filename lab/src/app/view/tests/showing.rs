@@ -166,7 +166,7 @@ fn larger_points_move_the_picture_and_change_nothing_in_it() {
     let mut bench = Bench::new();
     bench.settle();
     let small = bench.viewer.read_picture().unwrap().unwrap();
-    // As on another monitor where a point is two pixels: the window keeps its size in points.
+    // Another monitor, on which a point is two pixels: the window keeps its size in points.
     (bench.pixels_per_point, bench.extent) = (2.0, EXTENT.map(|v| 2 * v));
     bench.settle();
     bench.is_valid("two pixels a point");

@@ -8,6 +8,7 @@ use super::{device_text, frame, heading, page_header};
 use crate::gpu::DeviceInfo;
 use crate::metrics::bootstrap::{CONFIDENCE, Verdict};
 use crate::report::compare::{SUBJECT_COLUMNS, subject_labels};
+use crate::report::devices::name_among;
 use crate::report::library::Library;
 use crate::report::plot;
 use crate::study::compare::TimeComparison;
@@ -185,7 +186,7 @@ impl LibraryPage<'_> {
         let mut last: Option<&DeviceInfo> = None;
         for (first, trends) in &places {
             if last.replace(&first.device) != Some(&first.device) {
-                shown.push(html! { h3 { (label(&all, &first.device)) ": " (first.device.name) } });
+                shown.push(html! { h3 { (label(&all, &first.device)) ": " (name_among(&first.device, &all)) } });
             }
             shown.push(self.place(first, trends, open)?);
         }

@@ -1,22 +1,74 @@
-//! `ssct error --age`: error over the age of captures, while things move.
+//! `ssct age`: error over the age of captures, while things move.
 
-use super::error_options::ErrorOptions;
+use super::cli::{CommonOptions, RunOptions, ShardOptions, point, size};
 use super::run::{Run, go_on, list_head};
 use super::{progress, resolve};
 use crate::error::Error;
 use crate::methods::{self, MethodInfo};
 use crate::report::{age_report, error_report, files};
+use crate::scene::capture::MAX_CAPTURES;
 use crate::study::Globals;
 use crate::study::age::{AgeRecord, AgeSpec, measure};
 use crate::study::cell_list::{CellList, PlannedCell};
 use crate::study::journal::{digest, scene_digest};
 use crate::study::stress::JUDGED;
+use clap::Args;
 use glam::Vec3;
 use serde_json::json;
 use std::io::Write;
+use std::path::PathBuf;
+
+/// Options of `ssct age`.
+#[derive(Debug, Args)]
+pub struct AgeOptions {
+    #[command(flatten)]
+    pub common: CommonOptions,
+    /// Methods that follow rays in captures
+    ///
+    /// Without it, the method unified is measured.
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub method: Vec<String>,
+    /// Widths and heights in pixels; by default 480x270
+    #[arg(long, value_name = "WxH", value_parser = size, value_delimiter = ',')]
+    pub size: Vec<[u32; 2]>,
+    /// Frames of the measurement
+    ///
+    /// Each of them is held against the world as it then is.
+    #[arg(long, value_name = "N", default_value_t = 25, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: u32,
+    /// Meshes that move, by name
+    #[arg(long, value_name = "MESH", value_delimiter = ',', required = true)]
+    pub moving: Vec<String>,
+    /// How far they move from frame to frame, in metres
+    ///
+    /// The three numbers are along the axes of the world.
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub step: Vec3,
+    /// Faces renewed in each frame
+    ///
+    /// Each of these numbers of faces of captures is measured.
+    #[arg(
+        long,
+        value_name = "N",
+        value_delimiter = ',',
+        default_values_t = [0, 1, 2, 6, 24],
+        value_parser = clap::value_parser!(u32).range(0..=6 * MAX_CAPTURES as i64)
+    )]
+    pub faces: Vec<u32>,
+    /// Rays a pixel of the references
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    pub rays: u32,
+    #[command(flatten)]
+    pub shard: ShardOptions,
+    /// Folder for records, a plot and a table
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub run: RunOptions,
+}
 
 /// Measures for every size and roughness what the journal lacks, writes and prints.
-pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
+pub fn run(options: &AgeOptions) -> anyhow::Result<()> {
     let common = &options.common;
     let scene = resolve::scene(&common.place, "museum")?;
     let view = resolve::view(&scene, &common.place, None)?;
@@ -26,13 +78,10 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
     let names = if options.method.is_empty() { vec![JUDGED.to_owned()] } else { options.method.clone() };
     let methods = methods::choose(&names, &setup)?;
     if setup.values.given().any(|name| name == "captures_per_frame") {
-        let message = "--age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
+        let message = "age compares several numbers of faces a frame: give --faces instead of --captures-per-frame";
         return Err(Error::Usage(message.into()).into());
     }
-    if options.rays < 2 {
-        return Err(Error::Usage("--rays must be at least 2".into()).into());
-    }
-    let step_m = options.step.unwrap_or(Vec3::ZERO);
+    let (step_m, frames) = (options.step, options.frames);
     resolve::moving(&scene, &options.moving)?;
     let gpu = resolve::gpu(&common.device)?;
     let mut cells = Vec::new();
@@ -83,7 +132,7 @@ pub fn run(options: &ErrorOptions, frames: u32) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn write(options: &ErrorOptions, records: &[AgeRecord]) -> anyhow::Result<()> {
+fn write(options: &AgeOptions, records: &[AgeRecord]) -> anyhow::Result<()> {
     if let Some(folder) = &options.output {
         age_report::write(folder, records)?;
     }

@@ -1,0 +1,269 @@
+//! The help of the command line: which commands belong together, what the short help of a command shows (`-h`), and
+//! under which heading the long help (`--help`) shows each option.
+
+use super::command::Cli;
+use super::headings::{DEVICE, MEASUREMENT, METHOD, OUTPUT, SCENE, WINDOW};
+use clap::builder::Resettable;
+use clap::{Arg, ArgAction, Command, CommandFactory};
+use std::ffi::OsString;
+
+/// The commands in groups, each with its title.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Start here", &["render", "study", "view"]),
+    ("Measure", &["time", "error", "precision", "age", "video", "motion", "stress", "path", "gpu-study"]),
+    ("Compare", &["compare", "merge", "index"]),
+    ("Look", &["figures", "captures", "devices", "drivers"]),
+    ("Exchange", &["gbuffer", "truth"]),
+];
+
+/// The options of each heading, in the order in which the long help shows headings and options. The parameters of methods
+/// bring their heading along.
+const HEADINGS: [(&str, &[&str]); 6] = [
+    (
+        SCENE,
+        &[
+            "scene",
+            "view",
+            "size",
+            "roughness",
+            "reflectivity",
+            "normal_deviation",
+            "eye",
+            "look_at",
+            "fov",
+            "near",
+            "far",
+            "scale",
+            "texture_size",
+        ],
+    ),
+    (METHOD, &["method", "variant", "against", "compare", "preset"]),
+    (
+        MEASUREMENT,
+        &[
+            "quick",
+            "full",
+            "samples",
+            "warmup",
+            "rays",
+            "way",
+            "path",
+            "frames",
+            "fps",
+            "moving",
+            "step",
+            "faces",
+            "captures",
+            "capture_side",
+            "case",
+            "only",
+            "table",
+            "reference_rays",
+            "a_a",
+            "no_sweep",
+            "captures_sweep",
+            "fallback_sweep",
+            "bounces_sweep",
+            "beside",
+            "base",
+            "threshold",
+            "fail_on_slower",
+            "partial",
+            "standard_error",
+            "max_rays",
+            "cache",
+            "seed",
+            "shard",
+            "only_references",
+            "references",
+            "plan",
+            "simulate",
+            "costs",
+        ],
+    ),
+    (WINDOW, &["panel", "inside", "pick", "stay", "shaders", "present_mode"]),
+    (
+        OUTPUT,
+        &[
+            "output",
+            "json",
+            "explain",
+            "figure",
+            "dump",
+            "reflection_only",
+            "trace",
+            "write",
+            "map",
+            "screenshot",
+            "animation",
+            "gbuffer_map",
+            "resume",
+        ],
+    ),
+    (DEVICE, &["device", "validation", "help", "version"]),
+];
+
+/// The options that the short help of a command with many options shows, in their order: what most people look for, then
+/// what commands are about. Options that must be given are shown in any case, behind these.
+const SHORT: [&str; 24] = [
+    "scene",
+    "view",
+    "method",
+    "size",
+    "roughness",
+    "output",
+    "quick",
+    "eye",
+    "preset",
+    "fallback",
+    "captures",
+    "variant",
+    "samples",
+    "rays",
+    "way",
+    "path",
+    "frames",
+    "moving",
+    "step",
+    "faces",
+    "table",
+    "figure",
+    "against",
+    "explain",
+];
+
+/// The options that every short help shows last.
+const SHORT_LAST: [&str; 5] = ["json", "resume", "shard", "device", "help"];
+
+/// A command with at most so many options shows all of them in its short help.
+const FEW: usize = 16;
+
+/// Characters of an option with its value in the short help: with more, clap would put the help into the next line of a
+/// terminal with 80 columns.
+const SHORT_WIDTH: usize = 16;
+
+/// The command line, arranged for the help that the arguments ask for.
+pub fn command(arguments: &[OsString]) -> Command {
+    arranged(arguments.iter().any(|argument| argument == "-h"))
+}
+
+fn arranged(is_short: bool) -> Command {
+    let command = Cli::command();
+    let names: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    let of = |name: &String| format!("ssct {name}");
+    let paths = names.iter().map(of).collect::<Vec<_>>();
+    let overview = overview(&command);
+    let [help, version] = help_options();
+    let help = help.help("Print this");
+    let mut command = with_help(command.help_template(overview), [help, version]);
+    for (name, path) in names.iter().zip(paths) {
+        command = command.mut_subcommand(name, |c| arrange(c, &path, is_short));
+    }
+    command
+}
+
+/// The help of the program: its commands in groups.
+fn overview(command: &Command) -> String {
+    let about = |name: &str| command.find_subcommand(name).and_then(Command::get_about).map(ToString::to_string);
+    let mut text = "{about-with-newline}\n{usage-heading} {usage}\n".to_owned();
+    for (title, names) in GROUPS {
+        text += &format!("\n{title}:\n");
+        text.extend(names.iter().map(|name| format!("  {name:<9}  {}\n", about(name).unwrap_or_default())));
+    }
+    text + "\nThe options of a command: ssct COMMAND -h, and all of them: ssct COMMAND --help.\n\nOptions:\n{options}"
+}
+
+/// Arranges a command and its subcommands.
+fn arrange(command: Command, path: &str, is_short: bool) -> Command {
+    let nested: Vec<String> = command.get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    let command = nested.iter().fold(command, |command, name| {
+        command.mut_subcommand(name, |c| arrange(c, &format!("{path} {name}"), is_short))
+    });
+    let [help, version] = help_options();
+    let help = help.help("Print this summary; --help prints everything").long_help("Print this; -h prints a summary");
+    let command = with_help(command, [help, version]);
+    if is_short && nested.is_empty() { short(command, path) } else { long(command) }
+}
+
+fn help_options() -> [Arg; 2] {
+    let help = Arg::new("help").short('h').long("help").action(ArgAction::Help);
+    let version = Arg::new("version").short('V').long("version").action(ArgAction::Version);
+    [help, version.help("Print the version of the program")]
+}
+
+/// Replaces the two options that clap adds by some that can stand under a heading.
+fn with_help(command: Command, options: [Arg; 2]) -> Command {
+    command.disable_help_flag(true).disable_version_flag(true).args(options)
+}
+
+/// The place of an option in a list; at its end if it is not in it.
+fn place(list: &[&str], argument: &Arg) -> usize {
+    list.iter().position(|id| *id == argument.get_id().as_str()).unwrap_or(list.len())
+}
+
+/// Leaves the options of the short help, each with one line, and says where the others are.
+fn short(command: Command, path: &str) -> Command {
+    let options = || command.get_arguments().filter(|a| !a.is_positional());
+    let has_few = options().count() <= FEW;
+    let all = options().count();
+    let order = |a: &Arg| match place(&SHORT_LAST, a) {
+        at if at < SHORT_LAST.len() => SHORT.len() + 1 + at,
+        _ => place(&SHORT, a),
+    };
+    let is_shown = |a: &Arg| has_few || a.is_required_set() || order(a) != SHORT.len();
+    let shown = options().filter(|a| is_shown(a)).count();
+    let more = format!("{} more options, under headings: {path} --help", all - shown);
+    let more = if all == shown { format!("More about them: {path} --help") } else { more };
+    let command = command.mut_args(|a| {
+        if a.is_positional() {
+            return a;
+        }
+        let (is_hidden, order) = (!is_shown(&a), order(&a));
+        let a = narrow(a).help_heading(Resettable::Reset).display_order(order).hide(is_hidden);
+        // A column of this width has no room for the values that an option takes; the long help has them.
+        if a.get_action().takes_values() { a.hide_possible_values(true) } else { a }
+    });
+    command.after_help(more)
+}
+
+/// An option whose name and value fit into the column of the short help, by the first word of its value.
+fn narrow(argument: Arg) -> Arg {
+    let name = argument.get_value_names().and_then(|names| names.first()).map(ToString::to_string);
+    let width = |value: &str| "-- <>".len() + argument.get_long().map_or(0, str::len) + value.chars().count();
+    match name {
+        Some(name) if width(&name) > SHORT_WIDTH => {
+            let first = name.split(['|', ' ']).next().unwrap_or_default().to_owned();
+            argument.value_name(first)
+        }
+        _ => argument,
+    }
+}
+
+/// Puts every option under its heading, and headings and options in their order.
+fn long(command: Command) -> Command {
+    let headed = |argument: &Arg| {
+        let is_in = |(_, ids): &&(&str, &[&str])| place(ids, argument) < ids.len();
+        let own = argument.get_help_heading().map(str::to_owned);
+        own.or_else(|| HEADINGS.iter().find(is_in).map(|(heading, _)| (*heading).to_owned()))
+    };
+    let mut sorted: Vec<Arg> = command.get_arguments().cloned().collect();
+    for argument in sorted.iter_mut().filter(|a| !a.is_positional()) {
+        if let Some(heading) = headed(argument) {
+            *argument = argument.clone().help_heading(heading);
+        }
+    }
+    let rank = |argument: &Arg| {
+        let heading = argument.get_help_heading()?;
+        let of = HEADINGS.iter().position(|(known, _)| *known == heading).unwrap_or(HEADINGS.len());
+        let in_it = HEADINGS.get(of).map_or(0, |(_, ids)| place(ids, argument));
+        Some((of, in_it))
+    };
+    // Positional arguments have no heading, come first and keep their order; so do the parameters of methods at the end.
+    sorted.sort_by_key(rank);
+    let mut sorted = sorted.into_iter().enumerate().map(|(n, a)| a.display_order(n));
+    // The function is called once for each argument, so that it never runs out of sorted ones.
+    command.mut_args(|argument| sorted.next().unwrap_or(argument))
+}
+
+#[cfg(test)]
+mod tests;

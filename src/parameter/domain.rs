@@ -1,0 +1,119 @@
+//! The values that a parameter takes: which there are, how they are read, and how a reader is told of them.
+
+use super::Value;
+use std::fmt;
+
+/// One of the choices of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does.
+    pub help: &'static str,
+}
+
+/// Which values a parameter takes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Domain {
+    /// On and off.
+    Switch,
+    /// Whole numbers from the first to the second, both included.
+    Count(u32, u32),
+    /// Numbers between two bounds, of which the second is included, and the first if `with_least`.
+    Number {
+        /// Lower bound.
+        least: f32,
+        /// Whether the lower bound itself is a value.
+        with_least: bool,
+        /// Upper bound, a value itself.
+        most: f32,
+    },
+    /// These numbers alone.
+    Numbers(&'static [f32]),
+    /// One of these.
+    Choices(&'static [Choice]),
+    /// One of these, or a whole number from the first to the second, both included.
+    ChoicesOrCount(&'static [Choice], u32, u32),
+}
+
+impl Domain {
+    /// Whether it has a value.
+    pub fn has(&self, value: Value) -> bool {
+        match (self, value) {
+            (Self::Switch, Value::Switch(_)) => true,
+            (Self::Count(least, most), Value::Count(n)) => (*least..=*most).contains(&n),
+            (Self::Number { least, with_least, most }, Value::Number(n)) => {
+                n <= *most && (n > *least || *with_least && n == *least)
+            }
+            (Self::Numbers(all), Value::Number(n)) => all.contains(&n),
+            (Self::Choices(all) | Self::ChoicesOrCount(all, ..), Value::Choice(name)) => {
+                all.iter().any(|c| c.name == name)
+            }
+            (Self::ChoicesOrCount(_, least, most), Value::Count(n)) => (*least..=*most).contains(&n),
+            _ => false,
+        }
+    }
+
+    /// Reads a value of the domain from text; `None` if it has no such value.
+    pub(super) fn read(&self, text: &str) -> Option<Value> {
+        let value = match self {
+            Self::Switch => match text {
+                "on" => Some(Value::Switch(true)),
+                "off" => Some(Value::Switch(false)),
+                _ => None,
+            },
+            Self::Count(..) => text.parse().ok().map(Value::Count),
+            Self::Number { .. } | Self::Numbers(_) => text.parse().ok().map(Value::Number),
+            Self::Choices(all) => named(all, text),
+            Self::ChoicesOrCount(all, ..) => named(all, text).or_else(|| text.parse().ok().map(Value::Count)),
+        };
+        value.filter(|v| self.has(*v))
+    }
+
+    /// True if the values are on and off, whether a type of its own names them or not.
+    pub fn is_switch(&self) -> bool {
+        match self {
+            Self::Switch => true,
+            Self::Choices(all) => all.len() == 2 && all.iter().all(|c| ["on", "off"].contains(&c.name)),
+            _ => false,
+        }
+    }
+
+    /// Every value, if they are few: the choices of a list.
+    pub fn few(&self) -> Option<Vec<Value>> {
+        match self {
+            Self::Switch => Some(vec![Value::Switch(true), Value::Switch(false)]),
+            Self::Numbers(all) => Some(all.iter().map(|n| Value::Number(*n)).collect()),
+            Self::Choices(all) => Some(all.iter().map(|c| Value::Choice(c.name)).collect()),
+            Self::ChoicesOrCount(all, least, most) => {
+                let names = all.iter().map(|c| Value::Choice(c.name));
+                Some(names.chain((*least..=*most).map(Value::Count)).collect())
+            }
+            Self::Count(..) | Self::Number { .. } => None,
+        }
+    }
+}
+
+/// Describes the values to a reader: "whole numbers from 1 to 64", "numbers above 0 and at most 1", "mip, gaussian".
+impl fmt::Display for Domain {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if let Self::ChoicesOrCount(all, least, most) = self {
+            let names: Vec<_> = all.iter().map(|c| c.name).collect();
+            return write!(f, "{}, or whole numbers from {least} to {most}", names.join(", "));
+        }
+        if let Some(few) = self.few() {
+            let names: Vec<_> = few.iter().map(Value::to_string).collect();
+            return f.write_str(&names.join(", "));
+        }
+        match self {
+            Self::Count(least, most) => write!(f, "whole numbers from {least} to {most}"),
+            Self::Number { least, with_least: true, most } => write!(f, "numbers from {least} to {most}"),
+            Self::Number { least, most, .. } => write!(f, "numbers above {least} and at most {most}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+fn named(all: &[Choice], text: &str) -> Option<Value> {
+    all.iter().find(|c| c.name == text).map(|c| Value::Choice(c.name))
+}
