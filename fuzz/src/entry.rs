@@ -105,22 +105,20 @@ pub fn gbuffer_map(data: &[u8]) -> bool {
     in_folder(|folder| {
         write(folder, "a.exr", &image.map_or_else(frame, <[u8]>::to_vec));
         let read = GBufferMap::parse(text, Path::new("a.toml")).and_then(|map| map.read(&folder.join("a.exr")));
-        judged(read, |g| {
-            sound_gbuffer(g);
-            let in_unit = |values: &[f32]| values.iter().all(|v| (0.0..=1.0).contains(v));
-            assert!(in_unit(&g.depth) && in_unit(&g.roughness) && in_unit(&g.reflectivity));
-            assert!(g.color.iter().all(|c| c.is_finite() && c.min_element() >= 0.0));
-            assert!(g.normal.iter().all(|n| n.is_finite()));
-        })
+        judged(read, sound_gbuffer)
     })
 }
 
-/// Panics unless a G-buffer has a value of every kind for each pixel, and a camera that can be used.
+/// Panics unless a G-buffer has a sound value of every kind for each pixel, and a camera that can be used.
 fn sound_gbuffer(g: &GBufferData) {
     let pixels = g.width as usize * g.height as usize;
     assert!(pixels > 0);
     assert_eq!([g.depth.len(), g.normal.len(), g.color.len(), g.roughness.len(), g.reflectivity.len()], [pixels; 5]);
     assert_eq!(g.surface.len(), pixels);
+    let in_unit = |values: &[f32]| values.iter().all(|v| (0.0..=1.0).contains(v));
+    assert!(in_unit(&g.depth) && in_unit(&g.roughness) && in_unit(&g.reflectivity));
+    assert!(g.color.iter().all(|c| c.is_finite() && c.min_element() >= 0.0));
+    assert!(g.normal.iter().all(|n| n.is_finite()));
     sound_camera(&g.camera);
 }
 

@@ -21,7 +21,8 @@ void main() {
     float reflectivity = texelFetch(material_buffer, pixel, 0).r;
     if (reflectivity > REFLECTS_ABOVE) {
         vec4 reflection = texelFetch(reflection_buffer, pixel, 0);
-        color += reflectivity * reflection.a * reflection.rgb;
+        // The sum of two colours that 16 bits hold may be one that they do not.
+        color = min(color + reflectivity * reflection.a * reflection.rgb, vec3(GREATEST_HALF));
     }
     out_color = LIT ? vec4(Sound(color), lit.a) : vec4(color, 1.0);
 }

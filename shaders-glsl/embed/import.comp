@@ -68,7 +68,8 @@ void main() {
     vec2 stored = vec2(texelFetch(reflectivity_source, pixel, 0)[max(channels.x, 0)],
                        texelFetch(roughness_source, pixel, 0)[max(channels.y, 0)]);
     vec2 material = mix(stored, import_block.constants, lessThan(channels, ivec2(0)));
-    vec3 color = texelFetch(color_source, pixel, 0).rgb;
+    // Images of 32-bit floats may hold what those of 16 bits do not.
+    vec3 color = clamp(texelFetch(color_source, pixel, 0).rgb, vec3(-GREATEST_HALF), vec3(GREATEST_HALF));
     bool is_sky = depth == 0.0;
     imageStore(depth_image, pixel, vec4(depth));
     imageStore(normal_image, pixel, vec4(is_sky ? vec3(0.0) : Normal(pixel, depth), 0.0));

@@ -190,8 +190,10 @@ fn vertex_input() -> VertexInput<'static> {
     }
 }
 
+/// The bits of a 16-bit float; what is beyond the greatest of these counts as it.
 fn half_bits(v: f32) -> u16 {
-    half::f16::from_f32(v).to_bits()
+    let most = half::f16::MAX.to_f32();
+    half::f16::from_f32(v.clamp(-most, most)).to_bits()
 }
 
 fn image_of(

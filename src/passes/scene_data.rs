@@ -380,8 +380,10 @@ pub fn upload_sky(context: &mut FrameContext, cube: &SkyCube) -> Result<Image> {
     sky_image(context, cube.side, &halves(&texels))
 }
 
+/// The texels as 16-bit floats; what is brighter than the greatest of these counts as it.
 fn halves<'t>(texels: impl IntoIterator<Item = &'t [f32; 4]>) -> Vec<u16> {
-    texels.into_iter().flatten().map(|v| half::f16::from_f32(*v).to_bits()).collect()
+    let most = half::f16::MAX.to_f32();
+    texels.into_iter().flatten().map(|v| half::f16::from_f32(v.clamp(-most, most)).to_bits()).collect()
 }
 
 fn sky_image(context: &mut FrameContext, side: u32, halves: &[u16]) -> Result<Image> {

@@ -47,6 +47,17 @@ impl GBufferData {
         (0..self.depth.len()).map(|i| self.reflects(i)).collect()
     }
 
+    /// Clamps colours that are brighter than what images of 16-bit floats hold, and says how many pixels that were.
+    pub fn clamp_colours(&mut self) -> usize {
+        let most = Vec3::splat(half::f16::MAX.to_f32());
+        let mut clamped = 0;
+        for colour in self.color.iter_mut().filter(|colour| colour.cmpgt(most).any()) {
+            *colour = colour.min(most);
+            clamped += 1;
+        }
+        clamped
+    }
+
     /// View to clip space with reversed depth: the f32 matrix that the G-buffer was rendered with, converted to
     /// f64.
     pub fn view_to_clip(&self) -> DMat4 {
@@ -77,6 +88,26 @@ impl GBufferData {
 mod tests {
     use super::*;
     use crate::scene::Lens;
+
+    #[test]
+    fn colours_beyond_half_floats_are_clamped_and_counted() {
+        let color = vec![Vec3::splat(65504.0), Vec3::new(70_000.0, 1.0, 0.5), Vec3::ZERO, Vec3::splat(1e30)];
+        let mut data = GBufferData {
+            width: 2,
+            height: 2,
+            camera: Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 1.0),
+            depth: vec![],
+            normal: vec![],
+            reflectivity: vec![],
+            roughness: vec![],
+            color,
+            surface: vec![],
+        };
+        assert_eq!(data.clamp_colours(), 2);
+        let most = Vec3::splat(65504.0);
+        assert_eq!(data.color, [most, Vec3::new(65504.0, 1.0, 0.5), Vec3::ZERO, most]);
+        assert_eq!(data.clamp_colours(), 0);
+    }
 
     #[test]
     fn project_and_unproject_are_inverse() {

@@ -302,10 +302,18 @@ impl Scene {
         self.meshes.iter().fold(Aabb::default(), |b, m| b.union(m.bounds))
     }
 
-    /// Scales all coordinates about the origin: those of views, paths, lights, probes, impostors and
-    /// captures too. Lenses and
-    /// energies stay.
+    /// Scales all lengths about the origin: those of views, paths, lights, probes, impostors and captures, and the clip
+    /// planes of lenses. Energies of point lights are lengths squared.
     pub fn scale(&mut self, factor: f32) {
+        let own = self.views.iter_mut().filter_map(|view| view.lens.as_mut());
+        for lens in own.chain([&mut self.lens]) {
+            (lens.near_m, lens.far_m) = (lens.near_m * factor, lens.far_m * factor);
+        }
+        for light in &mut self.lights {
+            if let Light::Point { energy, .. } = light {
+                *energy *= factor * factor;
+            }
+        }
         let Extended { paths, probes, impostors, area_lights, captures } = self.move_points(|p| p * factor);
         paths.iter_mut().for_each(|p| p.scale(factor));
         probes.iter_mut().for_each(|p| p.scale(factor));

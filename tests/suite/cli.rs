@@ -430,3 +430,52 @@ fn a_built_in_scene_needs_no_files() {
     let is_file = |name: &str| Path::is_file(&folder.path(name));
     assert!(is_file("x.png"));
 }
+
+/// Everything below a folder, with its path from there, sorted.
+fn all_below(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut left = vec![folder.to_path_buf()];
+    while let Some(next) = left.pop() {
+        for entry in std::fs::read_dir(&next).unwrap() {
+            let path = entry.unwrap().path();
+            found.push(path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned());
+            if path.is_dir() {
+                left.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn names_in_files_are_no_paths() {
+    let long = "x".repeat(400);
+    for name in ["a/../../../../escaped/view", "..", "a\u{0}b", "a\\b", &long] {
+        let folder = folder();
+        // A name of a scene and of a view, which a TOML text holds as a quoted key.
+        let quoted = serde_json::to_string(name).unwrap();
+        let scene = format!(
+            "name = {quoted}\n[[mesh]]\nfile = \"room.obj\"\n[view.{quoted}]\neye = [0, 1.5, 0]\nlook_at = [0, 1, 6]\n"
+        );
+        folder.write("a.scene.toml", scene);
+        let before = all_below(folder.root());
+        let args =
+            ["error", "--scene", "a.scene.toml", "--method", "linear", "--no-sweep", "--roughness", "0", "--size"];
+        let rest = ["32x18", "--rays", "4", "--samples", "1", "-o", "out/deep"];
+        folder.succeed(&[&args[..], &rest].concat());
+        let made: Vec<String> = all_below(folder.root()).into_iter().filter(|path| !before.contains(path)).collect();
+        assert!(made.iter().any(|path| path.ends_with("-linear.png")), "{made:?}");
+        assert!(made.iter().all(|path| *path == "out" || path.starts_with("out/deep")), "{name:?}: {made:?}");
+    }
+}
+
+#[test]
+fn names_in_files_do_not_command_the_terminal() {
+    let folder = folder();
+    folder.write("a.obj", format!("{ROOM}mtllib a.mtl\nusemtl \u{1b}[2Jwhite\nf 1 2 3\n"));
+    folder.write("a.mtl", "newmtl m\n");
+    let output = folder.run(&[&["render", "--scene", "a.obj"], &EYE[..], &["--size", "16x16", "-o", "x.png"]].concat());
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(said.contains("is not defined in any MTL file") && !said.contains('\u{1b}'), "{said:?}");
+}

@@ -1,6 +1,8 @@
 //! Methods from folders, as a user has them: the examples run as any other method, `linear` from its folder is `linear`
 //! to the bit, and each mistake gets a sentence with file and line.
 
+mod interfaces;
+
 use crate::common::folder::Folder;
 use crate::common::repository;
 use serde_json::Value;
@@ -219,6 +221,7 @@ fn mistakes_in_a_shader_get_its_line() {
         ("out vec4 reflection;", "out vec4 reflection; out vec4 more;", "writes 2 colours, and the pass has 1 targets"),
         ("uniform sampler2D colour;", "#include \"none.glsl\"\nuniform sampler2D colour;", "none.glsl"),
         ("#version 330 core", "", "m/march.frag"),
+        ("texture(normals, uv)", "texture2D(normals, uv)", "texture2D is old GLSL; write texture"),
     ];
     for (from, to, says) in cases {
         let folder = with_example("march");

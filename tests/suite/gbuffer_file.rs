@@ -3,12 +3,13 @@
 
 use crate::common::folder::Folder;
 use crate::common::gpu;
+use glam::Vec3;
 use ssct::math::DefinitionsVersion;
 use ssct::methods::setup::{CaptureCount, CaptureSide};
 use ssct::methods::{self, EffectParams, Fallback, METHODS, Setup, Wants};
 use ssct::parameter::{Choices, Field};
 use ssct_lab::scene::capture_file::CaptureFolder;
-use ssct_lab::scene::{gbuffer_file, library};
+use ssct_lab::scene::{GBufferData, gbuffer_file, library};
 use ssct_lab::study::{Globals, Shot, Stage, gbuffer, image};
 use std::path::Path;
 use std::process::Command;
@@ -185,4 +186,110 @@ fn captures_beside_a_gbuffer_that_cannot_be_are_refused_in_a_sentence() {
     refused(&with("cubes"), 1, "cannot read cubes/captures.toml");
     let (code, errors) = said(&[&unified[..], &["none"]].concat());
     assert!(code == 0 && errors.is_empty(), "{errors}");
+}
+
+/// A small G-buffer of the corridor.
+fn corridor(gpu: &ssct::gpu::Gpu) -> GBufferData {
+    let scene = library::scene("rooms").unwrap();
+    let view = scene.view("corridor").unwrap();
+    let extent = [64, 36];
+    let mut stage = Stage::new(gpu, &scene).unwrap();
+    let globals = Globals { roughness: Some(0.1), ..Globals::default() };
+    let materials = globals.materials(&scene, view);
+    let camera = view.camera(&scene, extent);
+    let shot = Shot::new(&mut stage, &METHODS[0], &Setup::new(extent), Wants::REFLECTION, camera, materials).unwrap();
+    image::render(&mut stage, &shot, false).unwrap();
+    gbuffer::read(&mut stage.context, &shot).unwrap()
+}
+
+#[test]
+fn no_method_makes_infinity_of_colours_beyond_half_floats() {
+    let gpu = gpu();
+    let mut data = corridor(&gpu);
+    for (k, colour) in data.color.iter_mut().enumerate() {
+        // Lamps of every brightness that a 32-bit float has, over a third of the image.
+        if k % 3 == 0 {
+            *colour = Vec3::new(7e4, 1e9, f32::MAX);
+        }
+    }
+    data.reflectivity.iter_mut().for_each(|r| *r = if *r > 0.0 { 1.0 } else { 0.0 });
+    for method in METHODS.iter().filter(|m| m.is_screen_space()) {
+        let setup = Setup::new([data.width, data.height]);
+        let made = gbuffer::reflect(&gpu, &data, None, method, &setup).unwrap();
+        for (what, pixels) in [("reflection", &made.reflection), ("composite", &made.composite)] {
+            let bad = pixels.values.iter().filter(|v| !v.is_finite()).count();
+            assert_eq!(bad, 0, "{}: {what}", method.name);
+        }
+    }
+}
+
+#[test]
+fn files_in_our_own_conventions_are_checked_pixel_by_pixel() {
+    let good = corridor(&gpu());
+    let path = Path::new("a.exr");
+    let read = |change: &dyn Fn(&mut GBufferData)| {
+        let mut data = good.clone();
+        change(&mut data);
+        gbuffer_file::decode(&gbuffer_file::encode(&data, path).unwrap(), path)
+    };
+    assert!(read(&|_| ()).unwrap() == good);
+    // Brighter than a half float is no mistake of a file.
+    assert_eq!(read(&|d| d.color[3].x = 7e4).unwrap().color[3].x, 7e4);
+    let at = 64 * 5 + 7;
+    let said = |change: &dyn Fn(&mut GBufferData)| read(change).unwrap_err().to_string();
+    let colour = "it must be a finite number from 0 on";
+    let unit = "it must be a number from 0 to 1";
+    for (said, expected) in [
+        (said(&|d| d.color[at].x = f32::NAN), format!("a.exr: channel R is NaN at pixel 7, 5; {colour}")),
+        (said(&|d| d.color[at].y = f32::INFINITY), format!("a.exr: channel G is inf at pixel 7, 5; {colour}")),
+        (said(&|d| d.color[at].z = -1.0), format!("a.exr: channel B is -1 at pixel 7, 5; {colour}")),
+        (said(&|d| d.depth[at] = f32::NAN), format!("a.exr: channel depth is NaN at pixel 7, 5; {unit}")),
+        (said(&|d| d.depth[at] = 1.5), format!("a.exr: channel depth is 1.5 at pixel 7, 5; {unit}")),
+        (said(&|d| d.depth[at] = -0.5), format!("a.exr: channel depth is -0.5 at pixel 7, 5; {unit}")),
+        (said(&|d| d.roughness[at] = f32::NAN), format!("a.exr: channel roughness is NaN at pixel 7, 5; {unit}")),
+        (said(&|d| d.roughness[at] = 2.0), format!("a.exr: channel roughness is 2 at pixel 7, 5; {unit}")),
+        (said(&|d| d.reflectivity[at] = -0.1), format!("a.exr: channel reflectivity is -0.1 at pixel 7, 5; {unit}")),
+        (
+            said(&|d| d.normal[at].y = f32::NEG_INFINITY),
+            "a.exr: channel N.Y is -inf at pixel 7, 5; it must be a finite number".to_owned(),
+        ),
+    ] {
+        assert_eq!(said, expected);
+    }
+}
+
+#[test]
+fn a_piece_of_an_image_is_refused_and_bright_pixels_are_counted() {
+    let mut data = corridor(&gpu());
+    let folder = Folder::new();
+    let whole = gbuffer_file::encode(&data, Path::new("a.exr")).unwrap();
+    // The window that is shown becomes one pixel wider: what is there is then a piece of it.
+    let name = b"displayWindow\0box2i\0\x10\0\0\0";
+    let at = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 8;
+    let mut piece = whole.clone();
+    piece[at..at + 4].copy_from_slice(&64_i32.to_le_bytes());
+    folder.write("piece.exr", &piece);
+    let output = folder.run(&["gbuffer", "reflect", "piece.exr", "--method", "linear", "-o", "o.exr"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    let expected = "ssct: piece.exr: it has 64x36 pixels from 0, 0 on, and its image has 65x36 from 0, 0 on; only whole images \
+                    can be read\n";
+    assert_eq!(said, expected);
+    data.color[..5].fill(Vec3::splat(1e6));
+    folder.write("bright.exr", gbuffer_file::encode(&data, Path::new("a.exr")).unwrap());
+    let output = folder.run(&["gbuffer", "reflect", "bright.exr", "--method", "linear", "-o", "o.exr"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(said, "ssct: warning: bright.exr: 5 pixels are brighter than 65504 and were clamped to it\n");
+    assert_eq!(output.status.code(), Some(0));
+    // A compression that is younger than the program is named.
+    for (number, compression) in [(10_u8, "HTJ2K"), (12, "zstd"), (99, "of number 99")] {
+        let name = b"compression\0compression\0\x01\0\0\0";
+        let at = whole.windows(name.len()).position(|w| w == name).unwrap() + name.len();
+        let mut other = whole.clone();
+        other[at] = number;
+        let error = gbuffer_file::decode(&other, Path::new("a.exr")).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            format!("a.exr: its compression {compression} is not supported; save it with ZIP, ZIPS, PIZ, RLE or none")
+        );
+    }
 }

@@ -41,7 +41,12 @@ fn export(options: &GBufferExportOptions) -> anyhow::Result<()> {
 fn reflect(options: &GBufferReflectOptions) -> anyhow::Result<()> {
     images::check_extension(&options.output)?;
     let method = methods::find(&options.method)?;
-    let data = load(&options.file, options.gbuffer_map.as_deref())?;
+    let mut data = load(&options.file, options.gbuffer_map.as_deref())?;
+    let clamped = data.clamp_colours();
+    if clamped > 0 {
+        let (file, most) = (options.file.display(), half::f16::MAX);
+        eprintln!("ssct: warning: {file}: {clamped} pixels are brighter than {most} and were clamped to it");
+    }
     let captures = options.beside.captures.as_deref().map(CaptureFolder::open).transpose()?;
     let gpu = resolve::gpu(&options.device)?;
     let setup = options.beside.method_options.setup([data.width, data.height]);

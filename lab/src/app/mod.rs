@@ -55,7 +55,7 @@ pub fn run() -> ExitCode {
     let arguments = match custom_methods::added(std::env::args_os()) {
         Ok(arguments) => arguments,
         Err(error) => {
-            eprintln!("ssct: {error}");
+            eprintln!("ssct: {}", printable(&error.to_string()));
             return ExitCode::from(exit_status(&error));
         }
     };
@@ -105,13 +105,18 @@ pub fn run() -> ExitCode {
         Err(e) => {
             // Our own errors name their cause in their sentence; others have it behind them.
             match e.downcast_ref::<Error>() {
-                Some(own) => eprintln!("ssct: {own}{}", advice(own)),
+                Some(own) => eprintln!("ssct: {}{}", printable(&own.to_string()), advice(own)),
                 None if e.is::<std::io::Error>() => eprintln!("ssct: cannot print: {e}"),
                 None => eprintln!("ssct: {e:#}"),
             }
             ExitCode::from(e.downcast_ref::<Error>().map_or(1, exit_status))
         }
     }
+}
+
+/// A sentence without the control characters that a name of a file may bring, which a terminal would obey.
+fn printable(sentence: &str) -> String {
+    sentence.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
 }
 
 /// The exit status for an error of the library: 2 for wrong arguments, 128 + n for signal n, else 1.

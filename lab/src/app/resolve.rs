@@ -67,7 +67,7 @@ pub fn load(sources: &[PathBuf], options: &LoadOptions) -> Result<Scene> {
         _ => return Err(Error::Usage("--scene may repeat for OBJ files only".into())),
     };
     for warning in &scene.warnings {
-        eprintln!("ssct: warning: {warning}");
+        eprintln!("ssct: warning: {}", super::printable(warning));
     }
     Ok(scene)
 }

@@ -276,7 +276,8 @@ fn pictures(
         let materials = GLOSSY.materials(scene, view);
         let mut pictures = Vec::new();
         let mut picture = |pixels: &Pixels, name: &str, caption: String| -> Result<()> {
-            let file = format!("images/{}-{}-{}.png", scene.name, view.name, name.replace(' ', "-"));
+            let [of, seen] = [&scene.name, &view.name].map(|name| files::safe_word(name));
+            let file = format!("images/{of}-{seen}-{}.png", name.replace(' ', "-"));
             images::write_image(&folder.join(&file), pixels)?;
             pictures.push(Picture { file, name: name.into(), caption });
             Ok(())

@@ -1,11 +1,13 @@
 //! What the shaders of a folder's method bind, held against its manifest.
 
-use super::inputs;
+use super::loose_uniforms::LOOSE;
 use super::manifest::{InputKind, LevelOf, Manifest, Pass};
+use super::reflect::{BlockLayout, Variable, VariableKind};
 use super::shader::{self, CompiledPass};
 use super::source::ImageSource;
-use super::values::{Filled, FrameState};
-use crate::error::Result;
+use super::values::{Feed, Filled, FrameState};
+use super::{inputs, kinds};
+use crate::error::{Error, Result};
 use crate::gpu::Sampler;
 use std::ops::Range;
 
@@ -30,83 +32,108 @@ pub struct PassBindings {
 pub enum BoundInput {
     Sampled(ImageSource, Sampler, LevelOf),
     Stored(String, LevelOf, bool),
-    Buffer(String, bool),
+    /// Its name, whether it is only read, and the bytes that it must have.
+    Buffer(String, bool, u32),
     Uniform(Vec<Filled>, usize),
 }
 
 impl PassBindings {
+    /// Holds a pass's shader against the manifest.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`](crate::error::Error::Malformed) with the line of the manifest.
     pub fn new(manifest: &Manifest, pass: &Pass, compiled: &CompiledPass) -> Result<Self> {
         let file = pass.shader.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let unfed = |what: &str, name: &str| {
-            let message = format!(
-                "pass {:?}: nothing feeds the {what} {name} of {file}; name it under [inputs] or [values]",
-                pass.name
-            );
-            manifest.error(&pass.at, message)
-        };
-        let mut inputs = Vec::new();
-        let filled = |block: &str| -> Result<(Vec<Filled>, usize)> {
-            let Some(layout) = compiled.interface.blocks.get(block) else {
-                return Err(manifest
-                    .error(&pass.at, format!("pass {:?}: the block {block} of {file} is not understood", pass.name)));
-            };
-            let named = |field: &str| {
-                let full = format!("{block}.{field}");
-                [full.as_str(), field].into_iter().find_map(|name| pass.values.get(name))
-            };
-            let mut fields = Vec::new();
-            for (name, offset, rust, size) in &layout.fields {
-                let Some((given, at)) = named(name) else { return Err(unfed("field", &format!("{block}.{name}"))) };
-                fields.push(
-                    Filled::new(*offset, rust, *size, given.clone()).map_err(|m| {
-                        manifest.error(at, format!("pass {:?}: {block}.{name} of {file}: {m}", pass.name))
-                    })?,
-                );
-            }
-            Ok((fields, layout.size as usize))
-        };
-        for b in &compiled.interface.bindings {
-            if b.count > 1 {
-                let message =
-                    format!("pass {:?}: {} of {file} is an array of images, which cannot be fed", pass.name, b.name);
-                return Err(manifest.error(&pass.at, message));
-            }
-            if b.kind == "UniformBuffer" {
-                let (fields, size) = filled(&b.block)?;
-                inputs.push(BoundInput::Uniform(fields, size));
-                continue;
-            }
-            let kind = if b.kind == "StorageBuffer" { "buffer" } else { "image" };
-            let named = [b.name.as_str(), b.block.as_str()].into_iter().find_map(|name| pass.inputs.get(name));
-            let Some(input) = named else { return Err(unfed(kind, &b.name)) };
-            let mismatch = |what: &str| {
-                let message = format!("pass {:?}: {} of {file} is {what}", pass.name, b.name);
-                manifest.error(input.at(), message)
-            };
-            inputs.push(match (b.kind, &input.what) {
-                ("StorageBuffer", InputKind::Buffer(buffer)) => BoundInput::Buffer(buffer.clone(), b.read_only),
-                ("StorageBuffer", _) => return Err(mismatch("a buffer, and is fed an image")),
-                (_, InputKind::Buffer(_)) => return Err(mismatch("an image, and is fed a buffer")),
-                ("StorageImage", InputKind::Image(ImageSource::Own(image))) => {
-                    let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
-                    BoundInput::Stored(image.clone(), level, b.read_only)
-                }
-                ("StorageImage", _) => {
-                    return Err(mismatch("stored to, and is fed an image that is not the method's own"));
-                }
-                (_, InputKind::Image(source)) => {
-                    BoundInput::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
-                }
-            });
-        }
+        let of = PassShader { manifest, pass, compiled, file };
+        kinds::check_stage(manifest, pass, &compiled.interface, &of.file).map_err(|m| of.wrong(&pass.at, &m))?;
+        let inputs = compiled.interface.variables.iter().map(|v| of.bound(v)).collect::<Result<Vec<_>>>()?;
         let (push, push_size) = match &compiled.interface.push {
-            Some(push) => {
-                let (fields, _) = filled(&push.block)?;
-                (fields, push.size as usize)
-            }
+            Some((block, layout)) => (of.filled(block, layout)?, layout.size as usize),
             None => (Vec::new(), 0),
         };
         Ok(Self { inputs, push, push_size })
+    }
+}
+
+/// A pass's shader beside what the manifest says of it.
+struct PassShader<'a> {
+    manifest: &'a Manifest,
+    pass: &'a Pass,
+    compiled: &'a CompiledPass,
+    /// What messages call the shader.
+    file: String,
+}
+
+impl PassShader<'_> {
+    fn wrong(&self, at: &Range<usize>, message: &str) -> Error {
+        self.manifest.error(at, format!("pass {:?}: {message}", self.pass.name))
+    }
+
+    fn unfed(&self, what: &str, name: &str) -> Error {
+        let message = format!("nothing feeds the {what} {name} of {}; name it under [inputs] or [values]", self.file);
+        self.wrong(&self.pass.at, &message)
+    }
+
+    /// What fills a block. Fields that the shader does not read need nothing, and loose uniforms may have values of their
+    /// own.
+    fn filled(&self, block: &str, layout: &BlockLayout) -> Result<Vec<Filled>> {
+        let mut fields = Vec::new();
+        for field in &layout.fields {
+            let full = format!("{block}.{}", field.name);
+            let given = [full.as_str(), field.name.as_str()].into_iter().find_map(|name| self.pass.values.get(name));
+            let own = self.compiled.own.iter().find(|(name, _)| *name == field.name && block.starts_with(LOOSE));
+            let (feed, at) = match (given, own) {
+                (Some((feed, at)), _) => (feed.clone(), at),
+                (None, Some((_, Some(numbers)))) => (Feed::Numbers(numbers.clone()), &self.pass.at),
+                (None, _) if !field.is_read => continue,
+                (None, Some((name, None))) => {
+                    let message = format!(
+                        "the value that {name} of {} has of its own is more than numbers; give it under [values]",
+                        self.file
+                    );
+                    return Err(self.wrong(&self.pass.at, &message));
+                }
+                (None, None) => return Err(self.unfed("field", &full)),
+            };
+            let filled = Filled::new(field, feed);
+            fields.push(filled.map_err(|m| self.wrong(at, &format!("{full} of {}: {m}", self.file)))?);
+        }
+        Ok(fields)
+    }
+
+    /// What a variable is fed.
+    fn bound(&self, v: &Variable) -> Result<BoundInput> {
+        if v.count > 1 {
+            let message = format!("{} of {} is an array of images or blocks, which cannot be fed", v.name, self.file);
+            return Err(self.wrong(&self.pass.at, &message));
+        }
+        if let VariableKind::Uniform(layout) = &v.kind {
+            return Ok(BoundInput::Uniform(self.filled(&v.block, layout)?, layout.size as usize));
+        }
+        let named = [v.name.as_str(), v.block.as_str()].into_iter().find_map(|name| self.pass.inputs.get(name));
+        let kind = if matches!(v.kind, VariableKind::Storage(_)) { "buffer" } else { "image" };
+        let Some(input) = named else { return Err(self.unfed(kind, &v.name)) };
+        let is = |what: String| self.wrong(input.at(), &format!("{} of {} is {what}", v.name, self.file));
+        let images = &self.manifest.images;
+        Ok(match (&v.kind, &input.what) {
+            (VariableKind::Storage(bytes), InputKind::Buffer(buffer)) => {
+                BoundInput::Buffer(buffer.clone(), v.read_only, *bytes)
+            }
+            (VariableKind::Storage(_), _) => return Err(is("a buffer, and is fed an image".to_owned())),
+            (_, InputKind::Buffer(_)) => return Err(is("an image, and is fed a buffer".to_owned())),
+            (VariableKind::Stored(kind), InputKind::Image(ImageSource::Own(image))) => {
+                kinds::check_stored(kind, image, images).map_err(is)?;
+                let level = if input.level == LevelOf::All { LevelOf::Number(0) } else { input.level };
+                BoundInput::Stored(image.clone(), level, v.read_only)
+            }
+            (VariableKind::Sampled(kind), InputKind::Image(source)) => {
+                kinds::check_sampled(kind, source, images).map_err(is)?;
+                BoundInput::Sampled(source.clone(), inputs::sampler(source, input.sampler), input.level)
+            }
+            (_, InputKind::Image(_)) => {
+                return Err(is("stored to, and is fed an image that is not the method's own".to_owned()));
+            }
+        })
     }
 }
 
@@ -132,12 +159,17 @@ pub fn constants(pass: &Pass, compiled: &CompiledPass, state: &FrameState) -> Ve
 pub fn unread(manifest: &Manifest, compiled: &[CompiledPass]) -> Result<()> {
     let reads = |pass: usize, name: &str| {
         let interface = &compiled[pass].interface;
-        let bound = interface.bindings.iter().any(|b| b.name == name || b.block == name);
+        let bound = interface.variables.iter().any(|v| v.name == name || v.block == name);
         let constant = interface.constants.iter().any(|c| c.name == name);
-        let field = |(block, layout): (&String, &crate::gpu::glsl::Block)| {
-            layout.fields.iter().any(|(field, ..)| field == name || format!("{block}.{field}") == name)
+        let has_field = |block: &str, layout: &BlockLayout| {
+            layout.fields.iter().any(|field| field.name == name || format!("{block}.{}", field.name) == name)
         };
-        bound || constant || interface.blocks.iter().any(field)
+        let in_block = interface.variables.iter().any(|v| match &v.kind {
+            VariableKind::Uniform(layout) => has_field(&v.block, layout),
+            _ => false,
+        });
+        let in_push = interface.push.as_ref().is_some_and(|(block, layout)| has_field(block, layout));
+        bound || constant || in_block || in_push
     };
     let all = 0..manifest.passes.len();
     let names = |pass: &Pass| -> Vec<(String, Range<usize>)> {

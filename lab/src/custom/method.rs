@@ -196,6 +196,19 @@ impl Running {
         for pass in &manifest.passes {
             let made = shader::compile(&manifest.name, &manifest.include, pass)?;
             let bindings = PassBindings::new(manifest, pass, &made)?;
+            for bound in &bindings.inputs {
+                if let BoundInput::Buffer(name, _, bytes) = bound
+                    && let Some((buffer, _)) = buffers.get(name)
+                    && buffer.size() < u64::from(*bytes)
+                {
+                    let message = format!(
+                        "pass {:?}: the shader's block has {bytes} bytes, and the buffer {name} has {}",
+                        pass.name,
+                        buffer.size()
+                    );
+                    return Err(manifest.error(&pass.at, message));
+                }
+            }
             let constants = bindings::constants(pass, &made, &still);
             let program = match pass.stage {
                 PassStage::Compute => LooseProgram::compute(gpu, made.shader, &constants)?,
@@ -205,15 +218,6 @@ impl Running {
                         false => images[name].images[0].format(),
                     };
                     let formats: Vec<_> = pass.targets.iter().map(format).collect();
-                    let outputs = made.interface.outputs.len();
-                    if outputs != formats.len() {
-                        let message = format!(
-                            "pass {:?}: the shader writes {outputs} colours, and the pass has {} targets",
-                            pass.name,
-                            formats.len()
-                        );
-                        return Err(manifest.error(&pass.at, message));
-                    }
                     LooseProgram::fragment(gpu, made.shader, &constants, &formats)?
                 }
             };
@@ -370,8 +374,8 @@ impl Running {
         for (bound, bytes) in bindings.inputs.iter().zip(&blocks) {
             resources.push(match bound {
                 BoundInput::Uniform(..) => Resource::Uniform(bytes),
-                BoundInput::Buffer(name, true) => Resource::ReadBuffer(&self.buffers[name].0),
-                BoundInput::Buffer(name, false) => Resource::Buffer(&self.buffers[name].0),
+                BoundInput::Buffer(name, true, _) => Resource::ReadBuffer(&self.buffers[name].0),
+                BoundInput::Buffer(name, false, _) => Resource::Buffer(&self.buffers[name].0),
                 BoundInput::Stored(name, of, read_only) => {
                     let Some(slice) = slice(name, *of, turn) else { return self.has_no_level(pass, name) };
                     if *read_only { Resource::Loaded(slice) } else { Resource::Storage(slice) }

@@ -1,16 +1,21 @@
 //! Methods from folders: a manifest (`method.toml`) and shaders, which become a method as any other
 //! (docs/custom-methods.md).
 //!
-//! `manifest` reads what the folder says, `shader` compiles and reflects the stages, `source` names what a shader may
+//! `manifest` reads what the folder says, `shader` compiles the stages, with the uniforms that stand alone in blocks
+//! (`loose_uniforms`, `own_values`), `reflect` reads their interfaces, `kinds` holds images, inputs and outputs against what is there, `source` names what a shader may
 //! read, `inputs` makes it of the G-buffer, `values` fills uniform blocks, `bindings` holds what a shader binds against the
 //! manifest, `method` records the passes, and `finish` makes a reflection of what they made.
 
 mod bindings;
 mod finish;
 mod inputs;
+mod kinds;
+mod loose_uniforms;
 mod manifest;
 mod method;
 mod noise;
+mod own_values;
+mod reflect;
 mod shader;
 mod source;
 mod values;

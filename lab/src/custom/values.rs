@@ -1,6 +1,7 @@
 //! What fills the fields of a shader's uniform blocks and push constants, and its specialization constants.
 
 use super::manifest::{ClipAxis, ClipDepth, Conventions, Hand, MatrixLayout};
+use super::reflect::{BlockField, Component};
 use crate::parameter::{Domain, Parameter, Value, Values};
 use crate::scene::Camera;
 use glam::{DMat4, DVec3, DVec4, Vec3};
@@ -105,64 +106,59 @@ pub struct FrameState<'a> {
 /// A field of a block, and what fills it.
 #[derive(Debug, Clone)]
 pub struct Filled {
-    offset: usize,
-    kind: Scalar,
-    numbers: usize,
+    field: BlockField,
     given: Feed,
 }
 
-/// What numbers a field has.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Scalar {
-    F32,
-    I32,
-    U32,
-}
-
 impl Filled {
-    /// Reads a field: its offset, its type in Rust as the reflection spells it, and its bytes.
-    pub fn new(offset: u32, rust: &str, size: u32, given: Feed) -> Result<Self, String> {
-        let kind = if rust.contains("f32") {
-            Scalar::F32
-        } else if rust.contains("i32") {
-            Scalar::I32
-        } else if rust.contains("u32") {
-            Scalar::U32
-        } else {
-            return Err(format!("a field of type {rust} cannot be filled; take its members out of their struct"));
-        };
-        let filled = Self { offset: offset as usize, kind, numbers: size as usize / 4, given };
+    /// A field with what fills it.
+    ///
+    /// # Errors
+    /// A clause that says that the field has other numbers.
+    pub fn new(field: &BlockField, given: Feed) -> Result<Self, String> {
+        let filled = Self { field: field.clone(), given };
         filled.check()?;
         Ok(filled)
     }
 
     /// Whether the field has as many numbers as what fills it.
     fn check(&self) -> Result<(), String> {
+        let [elements, columns, rows] = self.field.shape;
+        let numbers = self.field.places.len();
         let fits = match &self.given {
-            Feed::Numbers(all) => all.len() == self.numbers,
-            Feed::Parameter(_) => self.numbers == 1,
+            Feed::Numbers(all) => all.len() == numbers,
+            Feed::Parameter(_) => numbers == 1,
             Feed::Named(name) => match *name {
-                "eye" => self.numbers == 3 || self.numbers == 4,
-                "size" | "pass-size" => self.numbers == 2 || self.numbers == 4,
-                "inverse-size" | "half-view" => self.numbers == 2,
-                "capture-places" => self.numbers.is_multiple_of(4),
-                name if is_matrix(name) => self.numbers == 16 || self.numbers == 12,
-                _ => self.numbers == 1,
+                "eye" => numbers == 3 || numbers == 4,
+                "size" | "pass-size" => numbers == 2 || numbers == 4,
+                "inverse-size" | "half-view" => numbers == 2,
+                "capture-places" => numbers.is_multiple_of(4),
+                name if is_matrix(name) => elements == 1 && columns >= 3 && rows >= 3,
+                _ => numbers == 1,
             },
         };
-        if fits { Ok(()) } else { Err(format!("the field has {} numbers, and what feeds it has others", self.numbers)) }
+        if fits { Ok(()) } else { Err(format!("the field has {numbers} numbers, and what feeds it has others")) }
     }
 
     /// Writes the field into its block.
     pub fn write(&self, bytes: &mut [u8], state: &FrameState) {
-        let mut numbers = self.given.numbers(state, self.numbers);
-        numbers.resize(self.numbers, 0.0);
-        for (word, number) in bytes[self.offset..].chunks_exact_mut(4).zip(numbers) {
-            word.copy_from_slice(&match self.kind {
-                Scalar::F32 => (number as f32).to_le_bytes(),
-                Scalar::I32 => (number as i32).to_le_bytes(),
-                Scalar::U32 => (number as u32).to_le_bytes(),
-            });
+        let mut numbers = self.given.numbers(state, self.field.places.len());
+        if let (Feed::Named(name), [_, columns, rows]) = (&self.given, self.field.shape)
+            && is_matrix(name)
+        {
+            // A smaller matrix has the first rows and columns.
+            let of_four = |k: u32| numbers.get(((k / rows) * 4 + k % rows) as usize).copied().unwrap_or(0.0);
+            numbers = (0..columns * rows).map(of_four).collect();
+        }
+        numbers.resize(self.field.places.len(), 0.0);
+        for (place, number) in self.field.places.iter().zip(numbers) {
+            let word = match self.field.component {
+                Component::Float => (number as f32).to_le_bytes(),
+                Component::Int => (number as i32).to_le_bytes(),
+                Component::Uint => (number as u32).to_le_bytes(),
+            };
+            // The block is as long as the place of its last number says.
+            bytes[*place as usize..][..4].copy_from_slice(&word);
         }
     }
 }
@@ -204,7 +200,7 @@ impl Feed {
                     let place = |p: &Vec3| state.world(p.as_dvec3()).extend(0.0).to_array();
                     state.captures.iter().flat_map(place).take(wanted).collect()
                 }
-                matrix => state.matrix(matrix, wanted),
+                matrix => state.matrix(matrix),
             },
         }
     }
@@ -259,7 +255,7 @@ impl FrameState<'_> {
         }
     }
 
-    fn matrix(&self, name: &str, wanted: usize) -> Vec<f64> {
+    fn matrix(&self, name: &str) -> Vec<f64> {
         let camera = if name.starts_with("previous-") { self.before } else { self.camera };
         let (view, clip) = (self.world_to_view(camera), self.view_to_clip(camera));
         let matrix = match name.trim_start_matches("previous-") {
@@ -278,12 +274,7 @@ impl FrameState<'_> {
             }
         };
         let matrix = if self.conventions.matrices == MatrixLayout::Rows { matrix.transpose() } else { matrix };
-        // A matrix of three columns has the first three rows and columns.
-        let mut all = matrix.to_cols_array().to_vec();
-        if wanted == 12 {
-            all.truncate(12);
-        }
-        all
+        matrix.to_cols_array().to_vec()
     }
 }
 
@@ -362,20 +353,48 @@ mod tests {
         }
     }
 
+    fn field(component: Component, shape: [u32; 3], places: &[u32]) -> BlockField {
+        BlockField { name: "f".to_owned(), component, shape, places: places.to_vec(), is_read: true }
+    }
+
     #[test]
     fn a_field_takes_as_many_numbers_as_it_has() {
-        let filled = |rust: &str, size: u32, given: Feed| Filled::new(4, rust, size, given);
-        assert!(filled("[f32; 3]", 12, Feed::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
-        assert!(filled("[f32; 3]", 12, Feed::Numbers(vec![1.0])).is_err());
-        assert!(filled("f32", 4, Feed::Named("size")).is_err());
-        assert!(filled("Light", 16, Feed::Numbers(vec![0.0; 4])).is_err());
+        let three = field(Component::Float, [1, 1, 3], &[4, 8, 12]);
+        assert!(Filled::new(&three, Feed::Numbers(vec![1.0, 2.0, 3.0])).is_ok());
+        assert!(Filled::new(&three, Feed::Numbers(vec![1.0])).is_err());
+        assert!(Filled::new(&field(Component::Float, [1, 1, 1], &[0]), Feed::Named("size")).is_err());
+        assert!(
+            Filled::new(&field(Component::Float, [1, 2, 2], &[0, 4, 16, 20]), Feed::Named("view-to-clip")).is_err()
+        );
         let camera = Camera::new(Vec3::ZERO, Vec3::Z, Lens::default(), 2.0);
-        let mut bytes = [0; 12];
         let values = Values::default();
-        filled("[i32; 2]", 8, Feed::Named("pass-size"))
-            .unwrap()
-            .write(&mut bytes, &state(&camera, &values, Conventions::default()));
+        let state = state(&camera, &values, Conventions::default());
+        let mut bytes = [0; 12];
+        let two = field(Component::Int, [1, 1, 2], &[4, 8]);
+        Filled::new(&two, Feed::Named("pass-size")).unwrap().write(&mut bytes, &state);
         assert_eq!(bytes, [0, 0, 0, 0, 100, 0, 0, 0, 50, 0, 0, 0]);
+        // The elements of an array lie 16 bytes apart.
+        let mut bytes = [0; 32];
+        let array = field(Component::Uint, [2, 1, 1], &[0, 16]);
+        Filled::new(&array, Feed::Numbers(vec![1.0, 2.0])).unwrap().write(&mut bytes, &state);
+        assert_eq!((bytes[0], bytes[16], bytes.iter().map(|b| u32::from(*b)).sum::<u32>()), (1, 2, 3));
+    }
+
+    #[test]
+    fn a_matrix_of_three_columns_has_the_first_of_four() {
+        let camera = Camera::new(Vec3::new(1.0, 2.0, -3.0), Vec3::new(0.5, 0.5, 4.0), Lens::default(), 2.0);
+        let values = Values::default();
+        let state = state(&camera, &values, Conventions::default());
+        let places: Vec<u32> = (0..3).flat_map(|c| (0..3).map(move |r| 16 * c + 4 * r)).collect();
+        let mut bytes = [0; 48];
+        let filled = Filled::new(&field(Component::Float, [1, 3, 3], &places), Feed::Named("world-to-view")).unwrap();
+        filled.write(&mut bytes, &state);
+        let whole = matrix(&state, "world-to-view");
+        for (k, place) in places.iter().enumerate() {
+            let at = *place as usize;
+            let number = f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+            assert_eq!(number, whole.col(k / 3)[k % 3] as f32);
+        }
     }
 
     #[test]

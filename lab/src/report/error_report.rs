@@ -143,17 +143,18 @@ fn one_of_each(records: &[ErrorRecord]) -> Vec<ErrorRecord> {
 
 /// What the files of a cell begin with.
 pub fn stem(scene: &str, view: &str, [width, height]: [u32; 2], roughness: Option<f32>) -> String {
+    let [scene, view] = [scene, view].map(files::safe_word);
     format!("{scene}-{view}-{width}x{height}-r{}", tables::roughness(roughness))
 }
 
 /// Name of a cell's picture; its error maps have "-rmse" or "-flip" before the extension.
 pub fn picture_file(stem: &str, name: &str) -> String {
-    format!("{stem}-{name}.png")
+    format!("{stem}-{}.png", files::safe_word(name))
 }
 
 /// Name of the FLIP map of a cell's picture.
 pub fn flip_file(stem: &str, name: &str) -> String {
-    format!("{stem}-{name}-flip.png")
+    format!("{stem}-{}-flip.png", files::safe_word(name))
 }
 
 /// Writes the images of a cell: reflection colours, and for methods each error map as EXR and as a
@@ -161,7 +162,7 @@ pub fn flip_file(stem: &str, name: &str) -> String {
 pub fn write_strips(folder: &Path, stem: &str, cell: &MeasuredCell) -> Result<()> {
     let [width, height] = cell.extent;
     for strip in &cell.strips {
-        let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", strip.name));
+        let file = |suffix: &str| folder.join(format!("{stem}-{}{suffix}", files::safe_word(&strip.name)));
         Rgb { width, height, bytes: display(&strip.color) }.write_png(&folder.join(picture_file(stem, &strip.name)))?;
         if let Some(error) = &strip.error {
             let maps = [("rmse", &error.rmse), ("flip", &error.flip.errors)];

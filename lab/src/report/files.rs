@@ -7,6 +7,8 @@ use crate::parameter::{Parameter, Parameters};
 use crate::study::TimeRecord;
 use crate::study::compare::{Subject, TimeSample};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
@@ -33,6 +35,28 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut std::fs::File) -> std::io:
     }
     file.persist(path).map_err(|e| failed(e.error))?;
     Ok(())
+}
+
+/// A name as a part of a file's name, whatever a user or a file calls a scene, a view or a variant: without separators of
+/// folders and other characters that file systems, shells' patterns or addresses of pages give a meaning, and short. A
+/// name that had to be changed ends in a digest of what it was, so that different names stay different.
+pub fn safe_word(name: &str) -> Cow<'_, str> {
+    const MOST_BYTES: usize = 64;
+    let is_safe = |c: char| !c.is_control() && !r#"/\:*?"<>|%#"#.contains(c);
+    if !name.is_empty() && name.len() <= MOST_BYTES && !name.starts_with('.') && name.chars().all(is_safe) {
+        return name.into();
+    }
+    let mut word = String::new();
+    for c in name.chars() {
+        if word.len() + c.len_utf8() > MOST_BYTES {
+            break;
+        }
+        word.push(if is_safe(c) && !(c == '.' && word.is_empty()) { c } else { '_' });
+    }
+    let digest = Sha256::digest(name.as_bytes());
+    word.push('-');
+    word.extend(digest.iter().take(4).map(|byte| format!("{byte:02x}")));
+    word.into()
 }
 
 /// Records as a JSON array, one record a line.
@@ -163,4 +187,29 @@ pub fn read_device(path: &Path) -> Result<Option<DeviceInfo>> {
     let mut records: serde_json::Value = serde_json::from_slice(&text).map_err(wrong)?;
     let device = records.pointer_mut("/0/device").map(serde_json::Value::take).unwrap_or_default();
     serde_json::from_value(device).map(Some).map_err(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_become_words_of_file_names_and_stay_different() {
+        for plain in ["exit sign", "Küche (Süd)", "front 2", "r0.4", "a-b_c"] {
+            assert_eq!(safe_word(plain), plain);
+        }
+        let long = "x".repeat(400);
+        let wide = "\u{30ab}".repeat(100);
+        let odd = [
+            "", ".", "..", "a/b", "a\\b", "a_b/", "../../x", "a\0b", "a\nb", "a:b", "50 %", "#1", ".hidden", &long,
+            &wide,
+        ];
+        let words: BTreeSet<String> = odd.iter().map(|name| safe_word(name).into_owned()).collect();
+        assert_eq!(words.len(), odd.len(), "{words:?}");
+        for word in &words {
+            let path = Path::new(word);
+            assert!(path.components().count() == 1 && path.file_name().is_some_and(|f| f == word.as_str()), "{word:?}");
+            assert!(word.len() < 80 && !word.starts_with('.') && !word.contains(char::is_control), "{word:?}");
+        }
+    }
 }

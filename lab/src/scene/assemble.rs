@@ -2,7 +2,7 @@
 //! vertices.
 
 use super::{Aabb, Mesh, Vertex, tangents};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -20,6 +20,13 @@ pub(super) struct MeshPart {
     pub triangles: Vec<Triangle>,
     /// Whether the file gives the tangents; else they are made here.
     pub has_tangents: bool,
+}
+
+/// Whether the normals of a triangle, on the whole, point to its back: by more than 120 degrees from the unit normal of
+/// its face. Normals that lean a little behind the face are what an author gives to rounded things.
+pub(super) fn point_behind(triangle: &Triangle, face: DVec3) -> bool {
+    let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
+    stated.dot(face) < -0.5 * stated.length()
 }
 
 /// The most triangles in a mesh: few enough for frustum culling to be useful, and enough to keep draws few.

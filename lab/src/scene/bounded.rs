@@ -11,13 +11,18 @@ use std::path::Path;
 pub(super) const MOST_UNPACKED_PER_BYTE: u64 = 8 * 1040;
 
 /// Reads a file of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
-pub(super) fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
+pub fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
     let unreadable = |e| Error::io("read", path, e);
+    // A device may never end, and opening a named pipe waits for whoever writes into it.
+    let metadata = std::fs::metadata(path).map_err(unreadable)?;
+    if !metadata.is_file() {
+        return Err(Error::malformed(path, None, format!("is no file; {what} is read from a regular file alone")));
+    }
     let file = std::fs::File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+    let length = metadata.len();
     let mut bytes = Vec::new();
     if length <= most {
-        // A file may grow while it is read, and some files (devices) report a length of 0 but never end.
+        // A file may grow while it is read.
         file.take(most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
     }
     let length = length.max(bytes.len() as u64);
@@ -26,6 +31,17 @@ pub(super) fn read(path: &Path, what: &str, most: u64) -> Result<Vec<u8>> {
         return Err(Error::malformed(path, None, message));
     }
     Ok(bytes)
+}
+
+/// A name that a file gives, as messages show it: without control characters, which a terminal might obey, and short.
+pub fn shown(name: &str) -> String {
+    const MOST: usize = 80;
+    let safe = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let mut shown: String = name.chars().take(MOST).map(safe).collect();
+    if name.chars().nth(MOST).is_some() {
+        shown.push('…');
+    }
+    shown
 }
 
 /// Whether a file of `length` bytes may hold an image that unpacks to `unpacked` bytes. Any file, however

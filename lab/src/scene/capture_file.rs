@@ -31,7 +31,7 @@
 //! faces have any one size, and `R`, `G`, `B` alone. Without it, it is black.
 
 use super::capture::face_camera;
-use super::exr_channels::{self, ExrChannels, axis};
+use super::exr_channels::{self, ExrChannels, axis, check};
 use super::gbuffer_file::{MAX_BYTES, reversed_depth};
 use super::{Aabb, Capture, GBufferData, Surface, bounded, scene_file};
 use crate::error::{Error, Result};
@@ -102,11 +102,11 @@ impl CaptureFolder {
         let camera = face_camera(position, face, near_m);
         let depth = match (file.take("depth"), file.take("Z")) {
             (Some(depth), _) => {
-                check(&path, width, "depth", "a number from 0 to 1", &depth, |d| (0.0..=1.0).contains(&d))?;
+                check(&path, (width, "texel"), "depth", "a number from 0 to 1", &depth, |d| (0.0..=1.0).contains(&d))?;
                 depth
             }
             (None, Some(z)) => {
-                check(&path, width, "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+                check(&path, (width, "texel"), "Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
                 z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect()
             }
             (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
@@ -236,23 +236,9 @@ fn square(file: &ExrChannels, path: &Path) -> Result<(u32, u32)> {
 fn finite(file: &mut ExrChannels, path: &Path, names: [&str; 3]) -> Result<Vec<Vec3>> {
     let vectors = file.vectors(names)?;
     for (component, name) in names.into_iter().enumerate() {
-        check(path, file.width, name, "a finite number", &axis(&vectors, component), f32::is_finite)?;
+        check(path, (file.width, "texel"), name, "a finite number", &axis(&vectors, component), f32::is_finite)?;
     }
     Ok(vectors)
-}
-
-/// An error with the first texel of a channel that is not as it should be.
-fn check(
-    path: &Path,
-    width: u32,
-    channel: &str,
-    allowed: &str,
-    values: &[f32],
-    is_right: impl Fn(f32) -> bool,
-) -> Result<()> {
-    let Some(at) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
-    let (x, y, value) = (at % width as usize, at / width as usize, values[at]);
-    Err(Error::malformed(path, None, format!("channel {channel} is {value} at texel {x}, {y}; it must be {allowed}")))
 }
 
 #[cfg(test)]

@@ -45,6 +45,69 @@ pub(super) fn check_claims(meta: &MetaData, length: usize, path: &Path, what: &s
     Ok(unpacked < FREE_BYTES)
 }
 
+/// Why bytes cannot be read as an OpenEXR image. The crate knows no compression that is younger than it, and does not name
+/// the compression then.
+pub(super) fn unreadable(path: &Path, bytes: &[u8], error: &exr::error::Error) -> Error {
+    const SUPPORTED: &str = "save it with ZIP, ZIPS, PIZ, RLE or none";
+    let number = compression_number(bytes);
+    let name = match number {
+        Some(10 | 11) => "HTJ2K".to_owned(),
+        Some(12 | 13) => "zstd".to_owned(),
+        Some(other) => format!("of number {other}"),
+        None => return Error::malformed(path, None, format!("cannot be read as an OpenEXR image: {error}")),
+    };
+    Error::malformed(path, None, format!("its compression {name} is not supported; {SUPPORTED}"))
+}
+
+/// The number of a file's compression, if it is one that the crate does not know.
+fn compression_number(bytes: &[u8]) -> Option<u8> {
+    const KNOWN: u8 = 9;
+    // An attribute is its name, its type, the length of its value, and the value.
+    const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
+    let header = &bytes[..bytes.len().min(1 << 16)];
+    let at = header.windows(ATTRIBUTE.len()).position(|window| window == ATTRIBUTE)?;
+    header.get(at + ATTRIBUTE.len()).copied().filter(|number| *number > KNOWN)
+}
+
+/// # Errors
+/// A sentence about a part whose compression the crate names and cannot read.
+pub(super) fn check_compression(header: &Header) -> std::result::Result<(), String> {
+    if matches!(header.compression, Compression::HTJ2K32 | Compression::HTJ2K256) {
+        return Err("its compression HTJ2K is not supported; save it with ZIP, ZIPS, PIZ, RLE or none".to_owned());
+    }
+    Ok(())
+}
+
+/// # Errors
+/// A sentence about a part that has only a piece of its image.
+pub(super) fn check_whole(header: &Header) -> std::result::Result<(), String> {
+    let window = header.shared_attributes.display_window;
+    let position = header.own_attributes.layer_position;
+    if position == window.position && header.layer_size == window.size {
+        return Ok(());
+    }
+    let [part, whole] = [header.layer_size, window.size];
+    Err(format!(
+        "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
+        part.0, part.1, position.0, position.1, whole.0, whole.1, window.position.0, window.position.1
+    ))
+}
+
+/// # Errors
+/// [`Error::Malformed`] with the first pixel of a channel that is not as it should be. `pixel` is what messages call one.
+pub(super) fn check(
+    path: &Path,
+    (width, pixel): (u32, &str),
+    channel: &str,
+    allowed: &str,
+    values: &[f32],
+    is_right: impl Fn(f32) -> bool,
+) -> Result<()> {
+    let Some(at) = values.iter().position(|v| !is_right(*v)) else { return Ok(()) };
+    let (x, y, value) = (at % width as usize, at / width as usize, values[at]);
+    Err(Error::malformed(path, None, format!("channel {channel} is {value} at {pixel} {x}, {y}; it must be {allowed}")))
+}
+
 /// The channels of a file.
 pub(super) struct ExrChannels<'a> {
     path: &'a Path,
@@ -62,17 +125,20 @@ impl<'a> ExrChannels<'a> {
     ///
     /// # Errors
     /// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image is larger than [`MAX_SIDE`] or
-    /// [`MAX_BYTES`], claims more pixels than that many bytes can hold, or uses a lossy compression.
+    /// [`MAX_BYTES`], claims more pixels than that many bytes can hold, is only a piece of an image, or uses a lossy
+    /// compression.
     pub fn decode(bytes: &[u8], path: &'a Path, what: &str) -> Result<Self> {
         let wrong = |message: String| Error::malformed(path, None, message);
-        let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
+        let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
         // The header is checked before any memory for pixels is allocated.
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
+        meta.headers.iter().try_for_each(check_compression).map_err(wrong)?;
         if let Some(lossy) = meta.headers.iter().map(|h| h.compression).find(|c| !LOSSLESS.contains(c)) {
             return Err(wrong(format!(
                 "the compression {lossy} loses precision; supported are none, RLE, ZIP, ZIPS and PIZ"
             )));
         }
+        meta.headers.iter().try_for_each(check_whole).map_err(wrong)?;
         let is_small = check_claims(&meta, bytes.len(), path, what)?;
         let read = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
         let read = if is_small { read.non_parallel() } else { read };

@@ -1,7 +1,7 @@
 //! Whole OpenEXR files of other renderers: every part, with its channels and its attributes. Parts have scan lines or
 //! tiles of 16-bit or 32-bit floats or of unsigned integers; of several resolutions the largest is read.
 
-use super::exr_channels::check_claims;
+use super::exr_channels::{check_claims, check_compression, check_whole, unreadable};
 use crate::error::{Error, Result};
 use exr::compression::Compression;
 use exr::image::{FlatSamples, Layer};
@@ -40,7 +40,7 @@ pub(super) struct ExrChannel {
 /// or if a part uses B44, has deep data or covers only a piece of the image.
 pub(super) fn decode(bytes: &[u8], path: &Path) -> Result<Vec<ExrPart>> {
     let wrong = |message: String| Error::malformed(path, None, message);
-    let unreadable = |e: exr::error::Error| wrong(format!("cannot be read as an OpenEXR image: {e}"));
+    let unreadable = |e: exr::error::Error| unreadable(path, bytes, &e);
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(unreadable)?;
     let is_small = check_claims(&meta, bytes.len(), path, "the image")?;
     for header in &meta.headers {
@@ -61,16 +61,8 @@ fn check_part(header: &Header) -> std::result::Result<(), String> {
             header.compression
         ));
     }
-    let window = header.shared_attributes.display_window;
-    let position = header.own_attributes.layer_position;
-    if position != window.position || header.layer_size != window.size {
-        let [part, whole] = [header.layer_size, window.size];
-        return Err(format!(
-            "it has {}x{} pixels from {}, {} on, and its image has {}x{} from {}, {} on; only whole images can be read",
-            part.0, part.1, position.0, position.1, whole.0, whole.1, window.position.0, window.position.1
-        ));
-    }
-    Ok(())
+    check_compression(header)?;
+    check_whole(header)
 }
 
 fn part(layer: Layer<exr::image::AnyChannels<FlatSamples>>, image: &ImageAttributes) -> ExrPart {

@@ -9,7 +9,7 @@
 //! lacks them, the projection is taken from its matrix.
 
 use super::camera::ReadProjection;
-use super::exr_channels::{self, ExrChannels, axis};
+use super::exr_channels::{self, ExrChannels, axis, check};
 use super::{Camera, GBufferData, Lens, Projection, Surface, bounded};
 use crate::error::{Error, Result};
 use exr::meta::attribute::AttributeValue;
@@ -74,17 +74,31 @@ pub fn load(path: &Path) -> Result<GBufferData> {
 ///
 /// # Errors
 /// [`Error::Malformed`] if the bytes are not an OpenEXR image, if the image is larger than [`MAX_SIDE`] or
-/// [`MAX_BYTES`], claims more pixels than that many bytes can hold, uses a lossy compression, or lacks a
-/// channel or the projection.
+/// [`MAX_BYTES`], claims more pixels than that many bytes can hold, is only a piece of an image, uses a lossy compression,
+/// or lacks a channel or the projection; and with the first pixel of a channel whose value is not finite or out of range.
 pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let mut file = ExrChannels::decode(bytes, path, "the G-buffer")?;
     let wrong = |message: String| Error::malformed(path, None, message);
     let (width, height) = (file.width, file.height);
     let camera = camera(&file.attributes, width as f32 / height.max(1) as f32).map_err(wrong)?;
+    let check = |channel: &str, allowed: &str, values: &[f32], is_right: fn(f32) -> bool| {
+        check(path, (width, "pixel"), channel, allowed, values, is_right)
+    };
     let (depth, z) = (file.take("depth"), file.take("Z"));
     let depth = match (depth, z) {
-        (Some(depth), _) => depth,
-        (None, Some(z)) => z.iter().map(|z| reversed_depth(*z, &camera.lens)).collect(),
+        (Some(depth), _) => {
+            check("depth", "a number from 0 to 1", &depth, is_unit)?;
+            depth
+        }
+        (None, Some(z)) => {
+            check("Z", "a number from 0 on, in metres", &z, |z| z >= 0.0)?;
+            let reversed = |z: &f32| match reversed_depth(*z, &camera.lens) {
+                // Planes at the limits of floats may leave no number.
+                depth if depth > 0.0 => depth.min(1.0),
+                _ => 0.0,
+            };
+            z.iter().map(reversed).collect()
+        }
         (None, None) => return Err(wrong("channels depth and Z are both missing".into())),
     };
     let shows = |sky: &f32| if *sky > 0.5 { Surface::Sky } else { Surface::Lit };
@@ -93,7 +107,17 @@ pub fn decode(bytes: &[u8], path: &Path) -> Result<GBufferData> {
     let normal = file.vectors(["N.X", "N.Y", "N.Z"])?;
     let roughness = file.required("roughness")?;
     let reflectivity = file.required("reflectivity")?;
+    for (k, [colour, direction]) in [["R", "N.X"], ["G", "N.Y"], ["B", "N.Z"]].into_iter().enumerate() {
+        check(colour, "a finite number from 0 on", &axis(&color, k), |v| v.is_finite() && v >= 0.0)?;
+        check(direction, "a finite number", &axis(&normal, k), f32::is_finite)?;
+    }
+    check("roughness", "a number from 0 to 1", &roughness, is_unit)?;
+    check("reflectivity", "a number from 0 to 1", &reflectivity, is_unit)?;
     Ok(GBufferData { width, height, camera, depth, normal, reflectivity, roughness, color, surface })
+}
+
+fn is_unit(value: f32) -> bool {
+    (0.0..=1.0).contains(&value)
 }
 
 /// The view-space z of a reversed depth; 0 for sky.

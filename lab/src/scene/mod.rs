@@ -6,11 +6,13 @@
 //! The types themselves are those of [`ssct::scene`], which are here under the same names.
 
 mod assemble;
-mod bounded;
+pub(crate) mod bounded;
 pub mod bvh;
 pub mod capture_file;
+mod encoding;
 mod exr_channels;
 mod exr_parts;
+mod far_away;
 pub mod gbuffer_file;
 pub mod gbuffer_map;
 pub mod gltf;

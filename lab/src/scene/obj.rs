@@ -10,8 +10,10 @@ mod mtl;
 mod polygons;
 mod text;
 
-use super::{LoadOptions, Probe, Scene, Surface, assemble, bounded, viewpoint};
+use super::{LoadOptions, Probe, Scene, Surface, assemble, bounded, encoding, viewpoint};
 use crate::error::{Error, Result};
+use glam::DVec3;
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 pub(super) use images::resolve;
@@ -71,18 +73,20 @@ impl<P: Into<PathBuf>> From<P> for ObjFile {
 ///
 /// # Errors
 /// [`Error::Io`] if a file cannot be read. [`Error::Malformed`], with file and line, for wrong statements,
-/// numbers that are not finite, indices that are out of range, files without any triangle and files larger than
-/// [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given, or for options out of range.
+/// vertices that are not finite, indices of vertices that are out of range, files without any triangle, files that are not
+/// text of a byte for each character, and files larger than [`MAX_FILE_BYTES`]. [`Error::Usage`] if no files are given, or for options out of range.
 pub fn load(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
-    let mut scene = load_unlit(files, options)?;
+    let mut scene = load_unlit(files, options, None)?;
     scene.views = vec![viewpoint::default_view(&scene)];
     scene.lights = vec![viewpoint::default_light()];
     scene.probes = vec![Probe::in_the_middle_of(scene.bounds())];
     Ok(scene)
 }
 
-/// Loads a scene as [`load`] does, but without view, light and probe.
-pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scene> {
+/// Loads a scene as [`load`] does, but without view, light and probe. From every vertex `origin` is taken, in units of the
+/// files; if it is none, vertices that are too far from the origin for their size are moved to the centre of the first
+/// file.
+pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions, mut origin: Option<DVec3>) -> Result<Scene> {
     let Some(first) = files.first() else {
         return Err(Error::Usage("a scene needs at least one OBJ file".into()));
     };
@@ -90,7 +94,7 @@ pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scen
     let mut scene = Scene { name: stem(&first.path), ..Scene::default() };
     let mut sources = Vec::new();
     for file in files {
-        load_file(file, options, &mut scene, &mut sources)?;
+        load_file(file, options, &mut origin, &mut scene, &mut sources)?;
     }
     images::attach(&mut scene, sources, options.load.texture_side);
     scene.lens = viewpoint::lens(scene.bounds());
@@ -101,11 +105,14 @@ pub(super) fn load_unlit(files: &[ObjFile], options: &ObjOptions) -> Result<Scen
 fn load_file(
     file: &ObjFile,
     options: &ObjOptions,
+    origin: &mut Option<DVec3>,
     scene: &mut Scene,
     sources: &mut Vec<images::MaterialImages>,
 ) -> Result<()> {
     let bytes = read_limited(&file.path)?;
-    let statements = text::normalise(&file.path, &String::from_utf8_lossy(&bytes))?;
+    let text = decode(&file.path, &bytes)?;
+    let statements = text::normalise(&file.path, &text, origin, options.load.scale, &mut scene.warnings)?;
+    drop(text);
     drop(bytes);
     let names = statements.material_names.clone();
     let statements_lack_library = statements.libraries.is_empty() && names.iter().any(|n| n != text::NO_MATERIAL);
@@ -121,10 +128,14 @@ fn load_file(
         if scene_index[part.material].is_none() {
             let name = &names[part.material];
             let definition = definitions.get(name);
+            if let Some(definition) = definition {
+                definition.warn(&mut scene.warnings);
+            }
             if definition.is_none() && name != text::NO_MATERIAL && !definitions.is_empty() {
                 scene.warnings.push(format!(
-                    "{}: material {name} is not defined in any MTL file; it is white",
-                    file.path.display()
+                    "{}: material {} is not defined in any MTL file; it is white",
+                    file.path.display(),
+                    bounded::shown(name)
                 ));
             }
             scene_index[part.material] = Some(scene.materials.len());
@@ -143,6 +154,22 @@ fn load_file(
 
 fn read_limited(path: &Path) -> Result<Vec<u8>> {
     bounded::read(path, "a file", MAX_FILE_BYTES)
+}
+
+/// The text of an OBJ or MTL file, without a byte-order mark. What is not UTF-8 is read as Latin-1, so that different names
+/// stay different.
+///
+/// # Errors
+/// [`Error::Malformed`] for text of more than a byte for each character.
+fn decode<'a>(path: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>> {
+    if let Some(name) = encoding::wide(bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    let bytes = encoding::without_mark(bytes);
+    Ok(match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect::<String>().into(),
+    })
 }
 
 fn stem(path: &Path) -> String {

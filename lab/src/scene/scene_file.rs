@@ -13,8 +13,9 @@ use super::{
     viewpoint,
 };
 use crate::error::{Error, Result};
+use crate::scene::far_away::far_origin;
 use crate::scene::source_text::{self, SourceText};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -29,8 +30,8 @@ pub(super) const MAX_FILE_BYTES: u64 = 1 << 20;
 /// Loads a scene file and the files that it names; their paths are relative to it.
 ///
 /// The scale of the options enlarges the whole scene: it multiplies the file's `scale` and
-/// everything that the file places in metres (views, point lights, probes, impostors, area lights, captures). Lenses and
-/// energies are unchanged.
+/// everything that the file states in metres (views and their clip planes, point lights, probes, impostors, area lights,
+/// captures), and the energies of point lights by its square, since these are lengths squared.
 ///
 /// Views keep the order of the file. Without a `[[light]]` or `[view.NAME]`, the scene gets those of its glTF files, or else
 /// those of a bare OBJ file, and without a `[[probe]]` it gets one at the centre of its bounds. A `[path.NAME]` with
@@ -51,7 +52,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         Some(scale) => source.positive("scale", scale)?,
         None => 1.0,
     };
-    let lens = source.lens(&sections.camera, Lens::default(), 0..0)?;
+    let metre = Lens::default();
+    let metre = Lens { near_m: metre.near_m * extra_scale, far_m: metre.far_m * extra_scale, ..metre };
+    let lens = source.lens(&sections.camera, (metre, extra_scale), 0..0)?;
     let lights = sections.light.iter().map(|l| source.light(l, extra_scale)).collect::<Result<Vec<_>>>()?;
     let views = source.views(sections.view, lens, extra_scale)?;
     let paths = sections.path.iter().map(|(name, p)| source.path(name, &p.key, extra_scale));
@@ -68,10 +71,14 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let (gltf_files, obj_files): (Vec<_>, Vec<_>) = files.into_iter().partition(|f| gltf::is_named(&f.path));
     let mut scene = match obj_files[..] {
         [] => Scene::default(),
-        _ => obj::load_unlit(&obj_files, &ObjOptions { handedness: sections.handedness, load })?,
+        _ => obj::load_unlit(&obj_files, &ObjOptions { handedness: sections.handedness, load }, Some(DVec3::ZERO))?,
     };
     for file in &gltf_files {
-        append(&mut scene, gltf::load_plain(&file.path, &load)?, file.surface);
+        append(&mut scene, gltf::load_plain(&file.path, &load, Some(DVec3::ZERO))?, file.surface);
+    }
+    let bounds = scene.bounds();
+    if let Some(far) = far_origin([bounds.min, bounds.max].map(|v| v.as_dvec3())) {
+        scene.warnings.push(format!("{}: {}", path.display(), far.warning()));
     }
     scene.lens = viewpoint::lens(scene.bounds());
     scene.name = sections.name.unwrap_or_else(|| stem(path));
@@ -246,8 +253,9 @@ impl SourceText<'_> {
         Err(self.error(value.span(), message))
     }
 
-    /// The lens `base` with the changes of a section. `at` is the section's place in the file, for errors.
-    fn lens(&self, section: &LensSection, base: Lens, at: std::ops::Range<usize>) -> Result<Lens> {
+    /// The lens `base` with the changes of a section, whose planes are `scale` times as far away as it says. `at` is the
+    /// section's place in the file, for errors.
+    fn lens(&self, section: &LensSection, (base, scale): (Lens, f32), at: std::ops::Range<usize>) -> Result<Lens> {
         let mut lens = base;
         if let Some(fov) = &section.fov_y_deg {
             let degrees = self.positive("fov_y_deg", fov)?;
@@ -258,10 +266,10 @@ impl SourceText<'_> {
             lens.fov_y_radians = degrees.to_radians();
         }
         if let Some(near) = &section.near {
-            lens.near_m = self.positive("near", near)?;
+            lens.near_m = self.positive("near", near)? * scale;
         }
         if let Some(far) = &section.far {
-            lens.far_m = self.positive("far", far)?;
+            lens.far_m = self.positive("far", far)? * scale;
         }
         if lens.far_m <= lens.near_m {
             let at = section.far.as_ref().or(section.near.as_ref()).map_or(at, Spanned::span);
@@ -285,7 +293,7 @@ impl SourceText<'_> {
         match (kind, position, direction) {
             (LightKind::Point, Some(position), None) => {
                 let position = self.place("position", position, extra_scale)?;
-                Ok(Light::Point { position, energy })
+                Ok(Light::Point { position, energy: energy * extra_scale * extra_scale })
             }
             (LightKind::Directional, None, Some(direction)) => {
                 let unit = self.vector("direction", direction)?.as_dvec3().normalize_or_zero().as_vec3();
@@ -324,7 +332,7 @@ impl SourceText<'_> {
             return Err(self.error(look_at_span, message));
         }
         let own = LensSection { fov_y_deg, near, far };
-        let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, base, at)?) };
+        let lens = if own == LensSection::default() { None } else { Some(self.lens(&own, (base, extra_scale), at)?) };
         let materials = self.changes(materials)?.into_iter().collect();
         Ok(View { name, eye, look_at, lens, materials })
     }

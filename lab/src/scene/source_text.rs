@@ -1,7 +1,7 @@
 //! Texts that people write (scene files, camera paths, maps of G-buffers, manifests of methods): read within a limit, and
 //! with the line in every error.
 
-use super::bounded;
+use super::{bounded, encoding};
 use crate::error::{Error, Result};
 use std::ops::Range;
 use std::path::Path;
@@ -34,12 +34,17 @@ impl SourceText<'_> {
     }
 }
 
-/// Reads a text of at most `most` bytes. `what` names the expected content in errors, as in "a scene file".
+/// Reads a text of at most `most` bytes, without its byte-order mark. `what` names the expected content in errors, as in "a
+/// scene file".
 ///
 /// # Errors
 /// [`Error::Io`]; [`Error::Malformed`] for a longer one, and with the line for one that is not UTF-8.
 pub fn read(path: &Path, what: &str, most: u64) -> Result<String> {
-    String::from_utf8(bounded::read(path, what, most)?).map_err(|e| {
+    let bytes = bounded::read(path, what, most)?;
+    if let Some(name) = encoding::wide(&bytes) {
+        return Err(Error::malformed(path, None, format!("is {name} text; save it as UTF-8")));
+    }
+    String::from_utf8(encoding::without_mark(&bytes).to_vec()).map_err(|e| {
         let line = line_of(e.as_bytes(), e.utf8_error().valid_up_to());
         Error::malformed(path, Some(line), format!("{what} must be UTF-8 text"))
     })

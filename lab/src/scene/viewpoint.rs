@@ -18,18 +18,19 @@ pub(super) fn lens(bounds: Aabb) -> Lens {
 
 /// A view named `default` towards the centre of the bounds.
 ///
-/// If, in at least half of the horizontal directions, the first surface seen from the centre faces the centre,
-/// the scene is an interior: the eye is placed where the free horizontal path from the centre is longest.
-/// Otherwise the eye is outside, in front and slightly above, far enough away for the bounding sphere to fit
-/// into the image.
+/// In an interior ([`is_interior`]) the eye is placed where the free horizontal path from the centre is longest.
+/// Otherwise it is outside, in front and slightly above, far enough away for the bounding sphere to fit into the
+/// image.
 pub(super) fn default_view(scene: &Scene) -> View {
     let bounds = scene.bounds();
     let centre = 0.5 * (bounds.min + bounds.max);
-    let directions: Vec<Vec3> = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height)).collect();
-    let seen = first_hits(scene, centre, &directions);
-    let facing = seen.iter().filter(|hit| hit.facing).count();
-    let eye = if 2 * facing >= directions.len() {
-        let horizontal = directions.iter().zip(&seen).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
+    let around = [0.0, 0.5, -0.5].iter().flat_map(|&height| round(height));
+    let directions: Vec<Vec3> = [Vec3::NEG_Y, Vec3::Y].into_iter().chain(around).collect();
+    let mut seen = first_hits(scene, centre, &directions);
+    let around = seen.split_off(2);
+    let directions = &directions[2..];
+    let eye = if is_interior(&seen, &around) {
+        let horizontal = directions.iter().zip(&around).take(AZIMUTHS).filter(|(_, hit)| hit.distance.is_finite());
         let farthest = horizontal.max_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
         farthest.map(|(direction, hit)| centre + 0.8 * hit.distance * *direction)
     } else {
@@ -41,6 +42,18 @@ pub(super) fn default_view(scene: &Scene) -> View {
         centre + distance * Vec3::new(0.35, 0.35, -1.0).normalize()
     });
     View { name: "default".into(), eye, look_at: centre, ..View::default() }
+}
+
+/// Whether the centre from which surfaces were seen, below and above and around it, is in a room or a court: below it, the
+/// first surface faces the centre, as it does above it and in half of the directions around, or else in seven eighths of
+/// these. Things that stand around an empty place are no room, with or without a ground.
+fn is_interior(below_and_above: &[Hit], around: &[Hit]) -> bool {
+    let facing = around.iter().filter(|hit| hit.facing).count();
+    match below_and_above {
+        [below, above] if below.facing && above.facing => 2 * facing >= around.len(),
+        [below, _] if below.facing => 8 * facing >= 7 * around.len(),
+        _ => false,
+    }
 }
 
 /// The light of a scene that has none. It comes from above and behind, over the left shoulder of the default view.

@@ -224,7 +224,11 @@ pub(super) fn open_device(
     let mut features = vk::PhysicalDeviceFeatures::default()
         .full_draw_index_uint32(supported.full_draw_index_uint32 == vk::TRUE)
         .sampler_anisotropy(supported.sampler_anisotropy == vk::TRUE && !query.isotropic)
-        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE);
+        .pipeline_statistics_query(supported.pipeline_statistics_query == vk::TRUE)
+        // Shaders of others store to images without naming their formats, as OpenGL allows.
+        .shader_storage_image_write_without_format(supported.shader_storage_image_write_without_format == vk::TRUE)
+        .shader_storage_image_read_without_format(supported.shader_storage_image_read_without_format == vk::TRUE)
+        .shader_image_gather_extended(supported.shader_image_gather_extended == vk::TRUE);
     let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
     let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
     enable_features(&mut features, &mut v12, &mut v13);

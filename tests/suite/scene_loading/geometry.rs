@@ -1,6 +1,7 @@
 //! Faces, normals, tangents, winding, groups.
 
 use super::*;
+use ssct_lab::scene::Light;
 
 #[test]
 fn polygons_are_triangulated() {
@@ -16,7 +17,8 @@ fn points_lines_and_triangles_without_area_are_left_out() {
     let folder = square("f 1\nl 1 2\np 1\nf 1 2\nf 1 2 2\nv 2 0 0\nf 1 2 5\nf 1 2 3\n");
     let scene = folder.scene();
     assert_eq!(scene.triangle_count(), 1);
-    assert_eq!(folder.warnings(&scene), ["a.obj: 2 triangles without area were left out"]);
+    let said = ["a.obj:10: lines and points are not drawn", "a.obj: 2 triangles without area were left out"];
+    assert_eq!(folder.warnings(&scene), said);
 }
 
 #[test]
@@ -70,6 +72,16 @@ fn the_winding_follows_the_stated_normals() {
     let scene = square("vn 0 0 -5\nf 1//1 2//1 3//1 4//1\n").scene();
     assert_sound(&scene);
     assert_eq!(scene.meshes[0].vertices[0].normal, [0.0, 0.0, -1.0]);
+}
+
+#[test]
+fn normals_that_lean_behind_their_face_stay_as_they_are() {
+    // By 8 degrees, as smooth normals do at a silhouette: the front stays where the corners' order says.
+    let scene = square("vn 0 0.99 -0.14\nf 1//1 2//1 3//1\n").scene();
+    assert_sound(&scene);
+    let [a, b, c] = triangles(&scene.meshes[0]).next().unwrap();
+    assert!((position(&b) - position(&a)).cross(position(&c) - position(&a)).z > 0.0, "the winding stays");
+    assert!((normal(&a) - Vec3::new(0.0, 0.99, -0.14).normalize()).length() < 1e-6);
 }
 
 /// Two squares at a right angle along the edge x = 1.
@@ -237,6 +249,29 @@ fn the_default_view_stands_outside_of_things_and_inside_of_rooms() {
 }
 
 #[test]
+fn the_default_view_sees_things_that_stand_around_an_empty_place() {
+    let at = |x: f32, y: f32, first: usize| {
+        let corner = |line: &str| {
+            let numbers: Vec<f32> = line[2..].split(' ').map(|v| v.parse().unwrap()).collect();
+            format!("v {} {} {}\n", numbers[0] / 3.0 + x, numbers[1] + y, numbers[2] / 2.0)
+        };
+        let face = |line: &str| {
+            let indices = line[2..].split(' ').map(|v| (v.parse::<usize>().unwrap() + first).to_string());
+            format!("f {}\n", indices.collect::<Vec<_>>().join(" "))
+        };
+        BOX.lines().map(|line| if line.starts_with('v') { corner(line) } else { face(line) }).collect::<String>()
+    };
+    let ground = "v -9 -1 -9\nv 9 -1 -9\nv 9 -1 9\nv -9 -1 9\nf 17 20 19 18\n";
+    for rest in ["", ground] {
+        let text = format!("{}{}{rest}", at(-2.0, 0.0, 0), at(2.0, 0.0, 8));
+        let scene = Folder::new(&[("a.obj", &text)]).scene();
+        let bounds = scene.bounds();
+        let eye = scene.views[0].eye;
+        assert!(eye.z < bounds.min.z, "the eye is in front of both, not between them: {eye}");
+    }
+}
+
+#[test]
 fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     let before = with_a_path(ssct_lab::scene::library::scene("street").unwrap());
     let (offset, factor) = (Vec3::new(3.0, -5.0, 7.0), 2.0);
@@ -246,8 +281,15 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
     scaled.scale(factor);
     for scene in [&moved, &scaled] {
         assert_eq!(places(scene).len(), places(&before).len());
-        assert_eq!(scene.lens, before.lens);
     }
+    assert_eq!(moved.lens, before.lens);
+    let planes = |scene: &Scene| [scene.lens.near_m, scene.lens.far_m];
+    assert_eq!(planes(&scaled), planes(&before).map(|plane| factor * plane));
+    let energies = |scene: &Scene| -> Vec<f32> {
+        let of_point = |light: &Light| if let Light::Point { energy, .. } = light { Some(*energy) } else { None };
+        scene.lights.iter().filter_map(of_point).collect()
+    };
+    assert_eq!(energies(&scaled), energies(&before).iter().map(|e| factor * factor * e).collect::<Vec<_>>());
     for ((was, is), large) in places(&before).into_iter().zip(places(&moved)).zip(places(&scaled)) {
         assert!(is.distance(was + offset) < 1e-4, "{was} became {is}");
         assert!(large.distance(factor * was) < 1e-4, "{was} became {large}");
@@ -262,14 +304,14 @@ fn a_scene_scales_and_moves_with_everything_that_has_a_place() {
 fn with_a_path(mut scene: Scene) -> Scene {
     let path = ssct_lab::scene::CameraPath::through_views(&scene).unwrap();
     scene.paths.push(path);
-    scene.lights.push(ssct_lab::scene::Light::Point { position: Vec3::ONE, energy: 1.0 });
+    scene.lights.push(Light::Point { position: Vec3::ONE, energy: 1.0 });
     scene.captures.push(ssct_lab::scene::Capture::at(Vec3::new(1.0, 2.0, 3.0)));
     scene
 }
 
 /// Every point of a scene, kind by kind; none of the kinds is empty.
 fn places(scene: &Scene) -> Vec<Vec3> {
-    use ssct_lab::scene::{AreaShape, Light};
+    use ssct_lab::scene::AreaShape;
     let vertices = scene.meshes.iter().flat_map(|m| m.vertices.iter().map(|v| Vec3::from(v.position)));
     let bounds = scene.meshes.iter().flat_map(|m| [m.bounds.min, m.bounds.max]);
     let views = scene.views.iter().flat_map(|v| [v.eye, v.look_at]);

@@ -239,7 +239,7 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
     let scene = load(&folder(FULL), 3.0).unwrap();
     assert_eq!(scene.bounds().max, Vec3::new(6.0, 6.0, 0.0));
     assert_eq!((scene.views[0].eye, scene.views[0].look_at), (Vec3::NEG_Z * 3.0, Vec3::Z * 3.0));
-    assert_eq!(scene.lights[0], Light::Point { position: Vec3::new(3.0, 6.0, 9.0), energy: 4.0 });
+    assert_eq!(scene.lights[0], Light::Point { position: Vec3::new(3.0, 6.0, 9.0), energy: 36.0 });
     assert_eq!(
         (scene.probes[0].position, scene.probes[0].bounds.max),
         (Vec3::new(3., 6., 9.), Vec3::new(6., 12., 15.))
@@ -248,7 +248,8 @@ fn an_extra_scale_enlarges_everything_that_has_a_place() {
     assert_eq!((centre, radius), (Vec3::new(3.0, 6.0, 9.0), 1.5));
     assert_eq!((scene.impostors[1].centre, scene.impostors[1].half_u), (Vec3::new(0.0, 6.0, 6.0), 3.0 * Vec3::Z));
     assert_eq!((scene.captures[0].position, scene.captures[0].near_m), (Vec3::new(3.0, 4.5, 6.0), 0.75));
-    assert_eq!(scene.lens.near_m, 0.5);
+    assert_eq!((scene.lens.near_m, scene.lens.far_m), (1.5, 150.0));
+    assert_eq!(scene.views[1].lens.map(|lens| lens.near_m), Some(0.75));
 }
 
 #[test]

@@ -1,11 +1,18 @@
 //! The bytes that a document points to: buffers, images, and the accessors of numbers.
+//!
+//! An accessor is read an element at a time ([`Vectors`], [`Indices`]), so that a large one which many primitives share
+//! costs each of them only what it draws.
 
 use crate::error::{Error, Result};
 use crate::scene::bounded;
+use crate::scene::obj::resolve;
 use base64::Engine;
 use base64::engine::DecodePaddingMode;
 use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use gltf::accessor::{DataType, Dimensions};
+use gltf::json::accessor::IndexComponentType;
+use gltf::json::accessor::sparse::Sparse;
+use gltf::json::validation::Checked;
 use gltf::{Accessor, Document, Semantic};
 use percent_encoding::percent_decode_str;
 use std::borrow::Cow;
@@ -13,6 +20,9 @@ use std::path::{Path, PathBuf};
 
 /// The largest file beside the document that is read, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 32;
+
+/// The most elements of indices or positions that may have no bytes in the file.
+const MAX_ZEROS: usize = 1 << 20;
 
 /// Base64 with or without its padding.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -43,8 +53,11 @@ impl<'a> Data<'a> {
             let bytes = match &buffer.uri {
                 Some(uri) => match inline(uri) {
                     Some(bytes) => bytes.ok_or_else(|| malformed(path, format!("buffer {i} is not valid base64")))?,
-                    None => bounded::read(&beside(path, uri), "a buffer", MAX_FILE_BYTES)
-                        .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?,
+                    None => {
+                        let file = beside(path, uri).map_err(|m| malformed(path, format!("buffer {i} {m}")))?;
+                        bounded::read(&file, "a buffer", MAX_FILE_BYTES)
+                            .map_err(|e| malformed(path, format!("buffer {i} cannot be used: {e}")))?
+                    }
                 },
                 None => blob.take().filter(|_| i == 0).ok_or_else(|| {
                     malformed(path, format!("buffer {i} has no address, and the file has no binary chunk for it"))
@@ -81,7 +94,7 @@ impl<'a> Data<'a> {
         let Some(image) = self.document.as_json().images.get(index) else {
             return Err(self.error(format!("there is no image {index}")));
         };
-        let name = |fallback: String| image.name.clone().unwrap_or(fallback);
+        let name = |fallback: String| image.name.as_deref().map_or(fallback, bounded::shown);
         if let Some(view) = image.buffer_view {
             return Ok((name(format!("image {index}")), ImageBytes::Here(self.view(view.value())?.into())));
         }
@@ -94,82 +107,232 @@ impl<'a> Data<'a> {
                 (name(format!("image {index}")), ImageBytes::Here(bytes.into()))
             }
             None => {
-                (percent_decode_str(uri).decode_utf8_lossy().into_owned(), ImageBytes::File(beside(self.path, uri)))
+                let file = beside(self.path, uri).map_err(|m| self.error(format!("image {index} {m}")))?;
+                (bounded::shown(&percent_decode_str(uri).decode_utf8_lossy()), ImageBytes::File(file))
             }
         })
     }
 
-    /// The vectors of an accessor, with integers brought to 0…1 or −1…1 where the accessor says so.
-    pub(super) fn vectors<const N: usize>(&self, accessor: &Accessor, semantic: &Semantic) -> Result<Vec<[f32; N]>> {
+    /// The vectors of an accessor.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if it has not `N` components, or leaves its buffer.
+    pub(super) fn vectors<const N: usize>(&self, accessor: &Accessor, semantic: &Semantic) -> Result<Vectors<'_, N>> {
         let dimensions = accessor.dimensions();
-        if dimensions != [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4][N - 1] {
+        let wanted = [Dimensions::Scalar, Dimensions::Vec2, Dimensions::Vec3, Dimensions::Vec4];
+        if wanted.get(N - 1) != Some(&dimensions) {
             let what = semantic.to_string();
             return Err(self.error(format!("accessor {} of {what} must have {N} components", accessor.index())));
         }
-        let normalized = accessor.normalized();
-        let number = |bytes: &[u8]| -> f32 {
-            let unit = |value: f32, greatest: f32| if normalized { (value / greatest).max(-1.0) } else { value };
-            match *bytes {
-                [a] if accessor.data_type() == DataType::I8 => unit(f32::from(a as i8), 127.0),
-                [a] => unit(f32::from(a), 255.0),
-                [a, b] if accessor.data_type() == DataType::I16 => unit(f32::from(i16::from_le_bytes([a, b])), 32767.0),
-                [a, b] => unit(f32::from(u16::from_le_bytes([a, b])), 65535.0),
-                [a, b, c, d] if accessor.data_type() == DataType::F32 => f32::from_le_bytes([a, b, c, d]),
-                [a, b, c, d] => unit(u32::from_le_bytes([a, b, c, d]) as f32, u32::MAX as f32),
-                _ => 0.0,
-            }
-        };
-        let size = accessor.data_type().size();
-        let vector = |element: &[u8]| std::array::from_fn(|k| number(&element[k * size..(k + 1) * size]));
-        Ok(self.elements(accessor)?.map(vector).collect())
+        self.numbers(accessor)
+    }
+
+    /// The matrices of an accessor, column by column.
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if it has no matrices of 4 × 4 floats, or leaves its buffer.
+    pub(super) fn matrices(&self, accessor: &Accessor) -> Result<Vectors<'_, 16>> {
+        if accessor.dimensions() != Dimensions::Mat4 || accessor.data_type() != DataType::F32 {
+            let index = accessor.index();
+            return Err(self.error(format!("accessor {index} of inverse bind matrices must have 4x4 floats")));
+        }
+        self.numbers(accessor)
+    }
+
+    fn numbers<const N: usize>(&self, accessor: &Accessor) -> Result<Vectors<'_, N>> {
+        let (data_type, normalized) = (accessor.data_type(), accessor.normalized());
+        Ok(Vectors { elements: self.elements(accessor)?, data_type, normalized })
     }
 
     /// The indices of an accessor.
-    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>> {
+    ///
+    /// # Errors
+    /// [`Error::Malformed`] if it has no unsigned integers, leaves its buffer, or claims more than a file can mean.
+    pub(super) fn indices(&self, accessor: &Accessor) -> Result<Indices<'_>> {
         let integer = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
         if accessor.dimensions() != Dimensions::Scalar || !integer {
             return Err(self.error(format!("accessor {} of indices must have unsigned integers", accessor.index())));
         }
-        let index = |element: &[u8]| element.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
-        Ok(self.elements(accessor)?.map(index).collect())
+        let elements = self.elements(accessor)?;
+        self.check_claim(accessor.index(), &elements)?;
+        Ok(Indices(elements))
     }
 
-    /// The bytes of each element of an accessor, which all lie within its view.
-    fn elements<'b>(&'b self, accessor: &Accessor) -> Result<impl Iterator<Item = &'b [u8]> + use<'b>> {
+    /// # Errors
+    /// [`Error::Malformed`] for zeros without bytes in the file of which there are too many to allocate for.
+    pub(super) fn check_claim(&self, index: usize, elements: &Elements) -> Result<()> {
+        if elements.base.is_none() && elements.count > MAX_ZEROS {
+            let count = elements.count;
+            return Err(
+                self.error(format!("accessor {index} has {count} elements without bytes, more than {MAX_ZEROS}"))
+            );
+        }
+        Ok(())
+    }
+
+    /// The elements of an accessor, which all lie within its view.
+    fn elements(&self, accessor: &Accessor) -> Result<Elements<'_>> {
         let index = accessor.index();
         let json = &self.document.as_json().accessors[index];
-        let (Some(view), None) = (json.buffer_view, &json.sparse) else {
-            return Err(self.error(format!("accessor {index} is sparse, which is not supported; export without it")));
-        };
-        let bytes = self.view(view.value())?;
         let size = accessor.size();
-        let stride = self.document.as_json().buffer_views[view.value()].byte_stride.map_or(size, |s| s.0.max(1));
         let outside = || self.error(format!("accessor {index} leaves its buffer view"));
-        let start = usize::try_from(json.byte_offset.map_or(0, |o| o.0)).map_err(|_| outside())?;
         let count = usize::try_from(json.count.0).map_err(|_| outside())?;
-        let end = count.checked_sub(1).map_or(Some(start), |last| {
-            last.checked_mul(stride).and_then(|v| v.checked_add(start)).and_then(|v| v.checked_add(size))
-        });
-        if end.is_none_or(|end| end > bytes.len()) {
-            return Err(outside());
-        }
-        Ok((0..count).map(move |k| &bytes[start + k * stride..][..size]))
+        let base = match json.buffer_view {
+            Some(view) => {
+                let views = &self.document.as_json().buffer_views;
+                let stride = views.get(view.value()).and_then(|v| v.byte_stride).map_or(size, |s| s.0.max(1));
+                let start = json.byte_offset.map_or(0, |o| o.0);
+                Some(Strided::new(self.view(view.value())?, start, stride, size, count).ok_or_else(outside)?)
+            }
+            None => None,
+        };
+        let changed = match &json.sparse {
+            Some(sparse) => self.changed(sparse, (index, count, size))?,
+            None => Vec::new(),
+        };
+        Ok(Elements { base, size, count, changed })
     }
+
+    /// The elements that a sparse accessor changes, in the order of their indices.
+    fn changed(&self, sparse: &Sparse, (index, count, size): (usize, usize, usize)) -> Result<Vec<(usize, &[u8])>> {
+        let outside = || self.error(format!("accessor {index}: its sparse elements leave their buffer view"));
+        let many = usize::try_from(sparse.count.0).map_err(|_| outside())?;
+        let Checked::Valid(IndexComponentType(kind)) = sparse.indices.component_type else { return Err(outside()) };
+        let strided = |view: usize, start: u64, size: usize| -> Result<Strided<'_>> {
+            Strided::new(self.view(view)?, start, size, size, many).ok_or_else(outside)
+        };
+        let indices = strided(sparse.indices.buffer_view.value(), sparse.indices.byte_offset.0, kind.size())?;
+        let values = strided(sparse.values.buffer_view.value(), sparse.values.byte_offset.0, size)?;
+        let pair = |k: usize| {
+            let at = little_endian(indices.get(k)) as usize;
+            if at < count { Ok((at, values.get(k))) } else { Err(outside()) }
+        };
+        let mut changed = (0..many).map(pair).collect::<Result<Vec<_>>>()?;
+        // They should be in order already. Of two for one element, the last counts.
+        changed.sort_by_key(|(at, _)| *at);
+        Ok(changed)
+    }
+}
+
+/// Elements of one size at equal distances.
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+    size: usize,
+}
+
+impl<'a> Strided<'a> {
+    /// `None` if the last element leaves the bytes.
+    fn new(bytes: &'a [u8], start: u64, stride: usize, size: usize, count: usize) -> Option<Self> {
+        let bytes = bytes.get(usize::try_from(start).ok()?..)?;
+        let end = match count.checked_sub(1) {
+            Some(last) => last.checked_mul(stride)?.checked_add(size)?,
+            None => 0,
+        };
+        (end <= bytes.len()).then_some(Self { bytes, stride, size })
+    }
+
+    fn get(&self, k: usize) -> &'a [u8] {
+        &self.bytes[k * self.stride..][..self.size]
+    }
+}
+
+/// The bytes of an accessor's elements: those of its view or else zeros, with some changed.
+pub(super) struct Elements<'a> {
+    base: Option<Strided<'a>>,
+    size: usize,
+    count: usize,
+    changed: Vec<(usize, &'a [u8])>,
+}
+
+impl<'a> Elements<'a> {
+    fn get(&self, k: usize) -> &'a [u8] {
+        let behind = self.changed.partition_point(|(at, _)| *at <= k);
+        match behind.checked_sub(1).map(|last| self.changed[last]) {
+            Some((at, bytes)) if at == k => bytes,
+            _ => self.base.as_ref().map_or(&[0; 64][..self.size], |base| base.get(k)),
+        }
+    }
+}
+
+/// The vectors of an accessor.
+pub(super) struct Vectors<'a, const N: usize> {
+    pub(super) elements: Elements<'a>,
+    data_type: DataType,
+    normalized: bool,
+}
+
+impl<const N: usize> Vectors<'_, N> {
+    pub(super) fn len(&self) -> usize {
+        self.elements.count
+    }
+
+    /// A vector, with integers brought to 0…1 or −1…1 where the accessor says so.
+    pub(super) fn get(&self, k: usize) -> [f32; N] {
+        let unit = |value: f32, greatest: f32| if self.normalized { (value / greatest).max(-1.0) } else { value };
+        let number = |bytes: &[u8]| -> f32 {
+            match *bytes {
+                [a] if self.data_type == DataType::I8 => unit(f32::from(a as i8), 127.0),
+                [a] => unit(f32::from(a), 255.0),
+                [a, b] if self.data_type == DataType::I16 => unit(f32::from(i16::from_le_bytes([a, b])), 32767.0),
+                [a, b] => unit(f32::from(u16::from_le_bytes([a, b])), 65535.0),
+                [a, b, c, d] if self.data_type == DataType::F32 => f32::from_le_bytes([a, b, c, d]),
+                [a, b, c, d] => unit(u32::from_le_bytes([a, b, c, d]) as f32, u32::MAX as f32),
+                _ => 0.0,
+            }
+        };
+        let size = self.data_type.size();
+        let element = self.elements.get(k);
+        std::array::from_fn(|i| number(&element[i * size..(i + 1) * size]))
+    }
+}
+
+/// The indices of an accessor.
+pub(super) struct Indices<'a>(Elements<'a>);
+
+impl Indices<'_> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = u32> + '_ {
+        (0..self.0.count).map(|k| little_endian(self.0.get(k)))
+    }
+}
+
+fn little_endian(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte))
 }
 
 fn malformed(path: &Path, message: impl Into<String>) -> Error {
     Error::malformed(path, None, message)
 }
 
-/// The bytes of a `data:` address in base64; the inner `None` if they are not valid. `None` for other addresses.
+/// The bytes of a `data:` address (RFC 2397), whose scheme may be written in capitals and whose data may be
+/// percent-encoded; the inner `None` if they are not valid. `None` for other addresses.
 fn inline(uri: &str) -> Option<Option<Vec<u8>>> {
-    let (_, encoded) = uri.strip_prefix("data:")?.split_once(";base64,").unwrap_or_default();
-    Some(BASE64.decode(encoded).ok().filter(|bytes| !bytes.is_empty()))
+    let (scheme, rest) = uri.split_once(':')?;
+    if !scheme.trim_start().eq_ignore_ascii_case("data") {
+        return None;
+    }
+    let bytes = rest.split_once(',').and_then(|(kind, data)| {
+        let mut data: Vec<u8> = percent_decode_str(data).collect();
+        if !kind.rsplit(';').next().is_some_and(|last| last.trim().eq_ignore_ascii_case("base64")) {
+            return Some(data);
+        }
+        data.retain(|byte| !byte.is_ascii_whitespace());
+        BASE64.decode(data).ok()
+    });
+    Some(bytes.filter(|bytes| !bytes.is_empty()))
 }
 
-/// The file that an address names, relative to the document's folder.
-fn beside(path: &Path, uri: &str) -> PathBuf {
+/// The file that an address names, relative to the document's folder. A name that is only found as it is written was
+/// not encoded.
+///
+/// # Errors
+/// A sentence for an address of another kind, as on the network.
+fn beside(path: &Path, uri: &str) -> std::result::Result<PathBuf, String> {
+    if let Some((scheme, _)) = uri.split_once(':').filter(|(_, rest)| rest.starts_with("//")) {
+        return Err(format!("is at an address of the kind {}:, which is not read", bounded::shown(scheme)));
+    }
     let name = percent_decode_str(uri).decode_utf8_lossy().into_owned();
     let folder = path.parent().unwrap_or(Path::new(""));
-    crate::scene::obj::resolve(folder, &name).unwrap_or_else(|| folder.join(name))
+    let found = resolve(folder, &name).or_else(|| resolve(folder, uri));
+    Ok(found.unwrap_or_else(|| folder.join(name)))
 }

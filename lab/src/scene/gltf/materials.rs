@@ -12,7 +12,7 @@
 
 use super::Notes;
 use super::data::{Data, ImageBytes};
-use crate::error::Result;
+use crate::error::Error;
 use crate::math;
 use crate::scene::material_terms::{self, F0, roughness_of_perceptual};
 use crate::scene::texture::{self, MAX_TEXELS, luminance};
@@ -21,7 +21,7 @@ use glam::{DVec2, DVec4, Vec3};
 use gltf::material::AlphaMode;
 use gltf::texture::{Info, WrappingMode};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -153,6 +153,23 @@ enum Baked {
 /// The index of an image in the file.
 type Image = usize;
 
+/// What materials ask for, each once.
+#[derive(Default)]
+struct BakedImages {
+    list: Vec<Baked>,
+    /// Where each is in the list, by its text: numbers of materials have no hash.
+    index: HashMap<String, usize>,
+}
+
+impl BakedImages {
+    fn add(&mut self, wanted: Baked) -> usize {
+        *self.index.entry(format!("{wanted:?}")).or_insert_with(|| {
+            self.list.push(wanted);
+            self.list.len() - 1
+        })
+    }
+}
+
 impl Baked {
     /// The images that it reads.
     fn images(&self) -> Vec<Image> {
@@ -211,14 +228,8 @@ impl Factors {
 }
 
 /// Adds the materials in use, in this order, and the images that they need.
-pub(super) fn attach(
-    data: &Data,
-    used: &[Option<usize>],
-    side: u32,
-    scene: &mut Scene,
-    notes: &mut Notes,
-) -> Result<()> {
-    let mut baked: Vec<Baked> = Vec::new();
+pub(super) fn attach(data: &Data, used: &[Option<usize>], side: u32, scene: &mut Scene, notes: &mut Notes) {
+    let mut baked = BakedImages::default();
     for index in used {
         let material = match index {
             Some(index) => data.document.materials().nth(*index),
@@ -229,7 +240,8 @@ pub(super) fn attach(
             None => default_material(),
         });
     }
-    let baker = Baker::new(data, side, &baked)?;
+    let baked = baked.list;
+    let baker = Baker::new(data, side, &baked);
     let bar = bounded::image_bar(baked.len());
     let made = baked.par_iter().map(|b| {
         let texture = baker.bake(b);
@@ -241,7 +253,6 @@ pub(super) fn attach(
     for (image, sentence) in baker.problems.into_inner().unwrap_or_else(PoisonError::into_inner) {
         notes.add(&format!("image {image}"), sentence);
     }
-    Ok(())
 }
 
 /// The material of primitives that name none (glTF 2.0, 3.7.2.1): a rough white metal.
@@ -255,7 +266,7 @@ fn default_material() -> Material {
 }
 
 /// The scene's material, whose maps are indices into `baked`.
-fn convert(material: &gltf::Material, baked: &mut Vec<Baked>, notes: &mut Notes) -> Material {
+fn convert(material: &gltf::Material, baked: &mut BakedImages, notes: &mut Notes) -> Material {
     let pbr = material.pbr_metallic_roughness();
     let of = Factors::of(material);
     let mut image = |info: Option<Info>| info.and_then(|info| Use::of(&info).image(notes));
@@ -283,12 +294,7 @@ fn convert(material: &gltf::Material, baked: &mut Vec<Baked>, notes: &mut Notes)
         AlphaMode::Mask => Some(material.alpha_cutoff().unwrap_or(0.5)),
         AlphaMode::Blend => Some(0.5),
     };
-    let mut add = |wanted: Baked| {
-        baked.iter().position(|b| *b == wanted).unwrap_or_else(|| {
-            baked.push(wanted);
-            baked.len() - 1
-        })
-    };
+    let mut add = |wanted: Baked| baked.add(wanted);
     let (colour, share) = of.colour(Vec3::ONE, 1.0, Vec3::ONE);
     let mut made = Material {
         name: material.name().map_or_else(|| format!("material {}", material.index().unwrap_or(0)), str::to_owned),
@@ -332,34 +338,36 @@ struct Baker<'a> {
     data: &'a Data<'a>,
     side: u32,
     /// Images that would exceed the texels of a scene.
-    too_much: Vec<Image>,
+    too_much: HashSet<Image>,
     /// What was wrong with an image, one sentence each.
     problems: Mutex<BTreeMap<Image, String>>,
 }
 
 impl<'a> Baker<'a> {
-    fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Result<Self> {
+    fn new(data: &'a Data<'a>, side: u32, baked: &[Baked]) -> Self {
         let mut texels = 0;
-        let mut too_much = Vec::new();
+        let mut too_much = HashSet::new();
         for image in baked.iter().flat_map(Baked::images) {
-            let (_, source) = data.image(image)?;
+            // What is wrong with others is said when they are decoded.
+            let Ok((_, source)) = data.image(image) else { continue };
             let dimensions = match &source {
                 ImageBytes::Here(bytes) => texture::dimensions(bytes),
                 ImageBytes::File(path) => image::image_dimensions(path).ok(),
             };
             let [width, height] = dimensions.map_or([1; 2], |(width, height)| [width, height]);
             texels += texture::texels_within(width, height, side);
-            if texels > MAX_TEXELS && !too_much.contains(&image) {
-                too_much.push(image);
+            if texels > MAX_TEXELS {
+                too_much.insert(image);
             }
         }
-        Ok(Self { data, side, too_much, problems: Mutex::default() })
+        Self { data, side, too_much, problems: Mutex::default() }
     }
 
     /// Decodes an image; without one, whoever asks takes white, and a sentence says so.
     fn image(&self, index: Image, encoding: Encoding) -> Option<Texture> {
         let problem = match self.data.image(index) {
-            Err(error) => error.to_string(),
+            Err(Error::Malformed { message, .. }) => message,
+            Err(other) => other.to_string(),
             Ok((name, _)) if self.too_much.contains(&index) => {
                 format!("image {name} would exceed the {MAX_TEXELS} texels of a scene")
             }

@@ -1,19 +1,22 @@
 //! Walks the tree of nodes: places meshes, cameras and lights in the world.
 
 use super::data::Data;
-use super::geometry::{self, ToWorld};
+use super::geometry::{self, Tally};
 use super::materials::Coordinates;
+use super::vertices::{MeshPlacement, PlacedMesh, ToWorld};
 use super::{Notes, materials};
 use crate::error::Result;
 use crate::math::constants;
-use crate::scene::assemble;
+use crate::scene::assemble::{self, MeshPart};
+use crate::scene::far_away::far_origin;
 use crate::scene::texture::luminance;
-use crate::scene::{Camera, Lens, Light, MAX_COORDINATE_M, Scene, View};
+use crate::scene::{Camera, Lens, Light, MAX_COORDINATE_M, Scene, View, bounded};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
 use gltf::scene::Transform;
-use gltf::{Camera as GltfCamera, Node};
+use gltf::{Camera as GltfCamera, Node, Skin};
+use std::collections::HashMap;
 
 /// A light with its brightness at the scene's centre, in lux.
 struct PlacedLight {
@@ -23,93 +26,176 @@ struct PlacedLight {
 
 /// Places what the file's scene shows: meshes, views and lights go into `scene`. Returns the materials in use, by their
 /// index in the file (none for the default material); a mesh's material is an index into these.
-pub(super) fn place(data: &Data, scale: f32, scene: &mut Scene, notes: &mut Notes) -> Result<Vec<Option<usize>>> {
-    let mut nodes = Nodes::new(data, scale);
-    let mut parts = Vec::new();
-    let mut used: Vec<Option<usize>> = Vec::new();
-    let mut coordinates: Vec<Coordinates> = Vec::new();
-    let mut triangles = 0;
-    let mut cameras = Vec::new();
-    let mut lamps = Vec::new();
-    while let Some((node, to_world)) = nodes.next(data)? {
-        if let Some(mesh) = node.mesh() {
-            if node.skin().is_some() {
-                notes.add("skins", "skins are not supported; skinned meshes stand in their bind pose".to_owned());
-            }
-            let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
-            let placement = ToWorld::new(to_world);
-            for primitive in mesh.primitives() {
-                let material = primitive.material();
-                let at = used.iter().position(|u| *u == material.index()).unwrap_or_else(|| {
-                    used.push(material.index());
-                    coordinates.push(materials::coordinates(&material, notes));
-                    used.len() - 1
-                });
-                let what = (&primitive, name.as_str(), at);
-                parts.extend(geometry::part(data, what, &coordinates[at], &placement, &mut triangles, notes)?);
-            }
-        }
-        if let Some(camera) = node.camera() {
-            cameras.push((camera, node.name().map(str::to_owned), to_world));
-        }
-        if let Some(light) = node.light() {
-            lamps.push((light, to_world));
-        }
+///
+/// From every place `kept` is taken. If it is none, a scene that lies so far from the origin that floats would lose its
+/// details is moved to its own centre, in f64, before anything is rounded; a sentence says by how much.
+pub(super) fn place(
+    data: &Data,
+    (scale, kept): (f32, Option<DVec3>),
+    scene: &mut Scene,
+    notes: &mut Notes,
+) -> Result<Vec<Option<usize>>> {
+    let nodes = Nodes::new(data, scale)?;
+    let mut origin = kept.unwrap_or(DVec3::ZERO);
+    let before = notes.clone();
+    let (mut parts, used, bounds) = parts(data, &nodes, origin, notes)?;
+    if let Some(far) = far_origin(bounds).filter(|_| kept.is_none()) {
+        // What was rounded away is not lost after the move.
+        *notes = before;
+        notes.add("far", far.sentence());
+        origin = far.centre;
+        parts = self::parts(data, &nodes, origin, notes)?.0;
     }
     if parts.is_empty() {
         return Err(data.error("has no triangle with an area in its scene"));
     }
     scene.meshes = assemble::meshes(parts, |part| part.material);
-    let bounds = scene.bounds();
-    let centre = 0.5 * (bounds.min + bounds.max);
-    let reach = (bounds.max - bounds.min).length();
-    for (camera, name, to_world) in &cameras {
-        let name = name.as_deref().or(camera.name()).unwrap_or("camera");
-        if let Some(view) = view(camera, unique(name, &scene.views), to_world, centre, reach * 4.0, notes) {
-            scene.views.push(view);
-        }
-    }
-    let placed = lamps.iter().filter_map(|(light, to_world)| lamp(light, to_world, centre, notes)).collect();
-    scene.lights = exposed(placed, notes);
+    place_views_and_lights(&nodes, origin, scene, notes);
     Ok(used)
 }
 
-/// The nodes of the file's scene that are still to be visited.
+/// The parts of the meshes that the nodes place, the materials that they use, and the bounds of their vertices.
+type Parts = (Vec<MeshPart>, Vec<Option<usize>>, [DVec3; 2]);
+
+fn parts(data: &Data, nodes: &Nodes, origin: DVec3, notes: &mut Notes) -> Result<Parts> {
+    let mut parts = Vec::new();
+    let mut used: Vec<Option<usize>> = Vec::new();
+    let mut coordinates: Vec<Coordinates> = Vec::new();
+    let mut index_of: HashMap<Option<usize>, usize> = HashMap::new();
+    let mut tally = Tally::default();
+    for (node, to_world) in &nodes.shown {
+        let Some(mesh) = node.mesh() else { continue };
+        let name = node.name().or(mesh.name()).map_or_else(|| format!("mesh {}", mesh.index()), str::to_owned);
+        let placement = match node.skin() {
+            Some(skin) => nodes.skin(data, &skin)?,
+            None => MeshPlacement::Node(ToWorld::new(*to_world)),
+        };
+        let weights = node.weights().or(mesh.weights()).unwrap_or_default();
+        let placed = PlacedMesh { name: &name, placement: &placement, weights, origin };
+        for primitive in mesh.primitives() {
+            let material = primitive.material();
+            let at = *index_of.entry(material.index()).or_insert_with(|| {
+                used.push(material.index());
+                coordinates.push(materials::coordinates(&material, notes));
+                used.len() - 1
+            });
+            parts.extend(geometry::part(data, (&primitive, at), &placed, &coordinates[at], &mut tally, notes)?);
+        }
+    }
+    Ok((parts, used, tally.bounds))
+}
+
+/// Adds the views and lights of the nodes to a scene that has its meshes.
+fn place_views_and_lights(nodes: &Nodes, origin: DVec3, scene: &mut Scene, notes: &mut Notes) {
+    let bounds = scene.bounds();
+    let centre = 0.5 * (bounds.min + bounds.max);
+    let reach = (bounds.max - bounds.min).length();
+    let units = Units { scale: nodes.scale, centre, far_m: (4.0 * reach).max(Lens::default().far_m * nodes.scale) };
+    let moved = |to_world: &DMat4| DMat4::from_translation(-origin) * *to_world;
+    let mut names = UniqueNames::default();
+    let mut placed = Vec::new();
+    for (node, to_world) in &nodes.shown {
+        if let Some(camera) = node.camera() {
+            let name = node.name().or(camera.name()).unwrap_or("camera");
+            if let Some(view) = view(&camera, name, &moved(to_world), &units, notes) {
+                scene.views.push(View { name: names.unique(name), ..view });
+            }
+        }
+        if let Some(light) = node.light() {
+            placed.extend(lamp(&light, &moved(to_world), &units, notes));
+        }
+    }
+    scene.lights = exposed(placed, notes);
+}
+
+/// What lengths of cameras and lights are measured by.
+struct Units {
+    /// Metres per unit of length of the file.
+    scale: f32,
+    /// The centre of the scene.
+    centre: Vec3,
+    /// The far plane of a camera that has none.
+    far_m: f32,
+}
+
+/// The nodes of the file's scene, in the order of the tree, and where all nodes stand.
 struct Nodes<'a> {
-    left: Vec<(Node<'a>, DMat4)>,
-    visited: Vec<bool>,
+    shown: Vec<(Node<'a>, DMat4)>,
+    /// Where each node of the file stands, in the scene or not.
+    to_world: Vec<DMat4>,
+    scale: f32,
 }
 
 impl<'a> Nodes<'a> {
-    fn new(data: &Data<'a>, scale: f32) -> Self {
+    /// # Errors
+    /// [`Error::Malformed`](crate::error::Error::Malformed) for a node that is not in a tree.
+    fn new(data: &Data<'a>, scale: f32) -> Result<Self> {
         let document = data.document;
-        // glTF is right-handed, the world left-handed.
-        let scale = f64::from(scale);
-        let root = DMat4::from_scale(DVec3::new(scale, scale, -scale));
+        let all: Vec<Node> = document.nodes().collect();
+        let mut is_child = vec![false; all.len()];
+        for child in all.iter().flat_map(|node| node.children()) {
+            is_child[child.index()] = true;
+        }
         let scene = document.default_scene().or_else(|| document.scenes().next());
-        let roots: Vec<Node> = match scene {
+        let tops: Vec<Node> = match scene {
             Some(scene) => scene.nodes().collect(),
-            None => {
-                let children: Vec<usize> = document.nodes().flat_map(|n| n.children().map(|c| c.index())).collect();
-                document.nodes().filter(|n| !children.contains(&n.index())).collect()
-            }
+            None => all.iter().filter(|n| !is_child[n.index()]).cloned().collect(),
         };
-        let mut left: Vec<_> = roots.into_iter().map(|node| (node, root)).collect();
-        // The last one is visited first.
-        left.reverse();
-        Self { left, visited: vec![false; document.nodes().len()] }
+        // glTF is right-handed, the world left-handed.
+        let size = f64::from(scale);
+        let root = DMat4::from_scale(DVec3::new(size, size, -size));
+        let mut nodes = Self { shown: Vec::new(), to_world: vec![root; all.len()], scale };
+        let mut visited = vec![false; all.len()];
+        nodes.shown = nodes
+            .walk((tops, root), &mut visited)
+            .map_err(|node| data.error(format!("node {node} has more than one parent, or is its own")))?;
+        // Joints need not be in the scene that is shown. Whatever tree is broken there, nothing of it is drawn.
+        for other in all.iter().filter(|n| !is_child[n.index()]) {
+            if !visited[other.index()] {
+                nodes.walk((vec![other.clone()], root), &mut visited).unwrap_or_default();
+            }
+        }
+        Ok(nodes)
     }
 
-    /// The next node, and where it stands.
-    fn next(&mut self, data: &Data) -> Result<Option<(Node<'a>, DMat4)>> {
-        let Some((node, parent)) = self.left.pop() else { return Ok(None) };
-        if std::mem::replace(&mut self.visited[node.index()], true) {
-            return Err(data.error(format!("node {} has more than one parent, or is its own", node.index())));
+    /// The nodes below some, and where they stand.
+    ///
+    /// # Errors
+    /// The index of a node that was visited before.
+    fn walk(
+        &mut self,
+        (tops, root): (Vec<Node<'a>>, DMat4),
+        visited: &mut [bool],
+    ) -> std::result::Result<Vec<(Node<'a>, DMat4)>, usize> {
+        let mut walked = Vec::new();
+        // The last one is visited first.
+        let mut left: Vec<_> = tops.into_iter().rev().map(|node| (node, root)).collect();
+        while let Some((node, parent)) = left.pop() {
+            if std::mem::replace(&mut visited[node.index()], true) {
+                return Err(node.index());
+            }
+            let to_world = parent * local(&node);
+            self.to_world[node.index()] = to_world;
+            let children: Vec<_> = node.children().collect();
+            left.extend(children.into_iter().rev().map(|child| (child, to_world)));
+            walked.push((node, to_world));
         }
-        let to_world = parent * local(&node);
-        let children: Vec<_> = node.children().collect();
-        self.left.extend(children.into_iter().rev().map(|child| (child, to_world)));
-        Ok(Some((node, to_world)))
+        Ok(walked)
+    }
+
+    /// Where the joints of a skin take a mesh: where each stands, times its inverse bind matrix.
+    fn skin(&self, data: &Data, skin: &Skin) -> Result<MeshPlacement> {
+        let binds = skin.inverse_bind_matrices().map(|accessor| data.matrices(&accessor)).transpose()?;
+        let joints: Vec<Node> = skin.joints().collect();
+        if binds.as_ref().is_some_and(|binds| binds.len() < joints.len()) {
+            let (index, many) = (skin.index(), joints.len());
+            return Err(data.error(format!("skin {index} has fewer inverse bind matrices than its {many} joints")));
+        }
+        let matrix = |(k, joint): (usize, &Node)| {
+            let bind = binds.as_ref().map_or(DMat4::IDENTITY, |b| DMat4::from_cols_array(&b.get(k).map(f64::from)));
+            self.to_world[joint.index()] * bind
+        };
+        Ok(MeshPlacement::Skin(joints.iter().enumerate().map(matrix).collect()))
     }
 }
 
@@ -125,25 +211,29 @@ fn local(node: &Node) -> DMat4 {
     }
 }
 
-/// A name that no view has yet.
-fn unique(name: &str, views: &[View]) -> String {
-    let taken = |name: &str| views.iter().any(|v| v.name == name);
-    if !taken(name) {
-        return name.to_owned();
+/// Names that are given once each: of several equal ones, the later get numbers.
+#[derive(Default)]
+struct UniqueNames {
+    /// Each name that was given, and the last number that was tried behind it.
+    given: HashMap<String, usize>,
+}
+
+impl UniqueNames {
+    fn unique(&mut self, name: &str) -> String {
+        let mut number = *self.given.entry(name.to_owned()).and_modify(|k| *k += 1).or_insert(1);
+        let mut unique = if number == 1 { name.to_owned() } else { format!("{name} {number}") };
+        while number > 1 && self.given.contains_key(&unique) {
+            number += 1;
+            unique = format!("{name} {number}");
+        }
+        self.given.insert(name.to_owned(), number);
+        self.given.entry(unique.clone()).or_insert(1);
+        unique
     }
-    let numbered = (2..).map(|k| format!("{name} {k}")).find(|name| !taken(name));
-    numbered.unwrap_or_else(|| name.to_owned())
 }
 
 /// The view of a camera, or nothing, with a sentence, if it cannot be one.
-fn view(
-    camera: &GltfCamera,
-    name: String,
-    to_world: &DMat4,
-    centre: Vec3,
-    far_m: f32,
-    notes: &mut Notes,
-) -> Option<View> {
+fn view(camera: &GltfCamera, name: &str, to_world: &DMat4, units: &Units, notes: &mut Notes) -> Option<View> {
     let Projection::Perspective(perspective) = camera.projection() else {
         notes.add("orthographic", "orthographic cameras are not supported and were left out".to_owned());
         return None;
@@ -152,29 +242,29 @@ fn view(
     let forward = -to_world.z_axis.truncate().normalize_or_zero();
     let lens = Lens {
         fov_y_radians: perspective.yfov(),
-        near_m: perspective.znear(),
-        far_m: perspective.zfar().unwrap_or_else(|| far_m.max(Lens::default().far_m)),
+        near_m: perspective.znear() * units.scale,
+        far_m: perspective.zfar().map_or(units.far_m, |far| far * units.scale),
     };
-    let distance = (centre.as_dvec3() - eye).dot(forward).max(1.0);
+    let distance = (units.centre.as_dvec3() - eye).dot(forward).max(f64::from(units.scale));
     let [eye, look_at] = [eye, eye + distance * forward].map(|v| v.as_vec3());
     let near_enough = |v: Vec3| v.is_finite() && v.abs().max_element() <= MAX_COORDINATE_M;
     let sound = near_enough(eye) && near_enough(look_at) && (look_at - eye).try_normalize().is_some();
     if !sound || !Camera::new(eye, look_at, lens, 1.0).is_sound() {
-        notes.add("camera", format!("camera {name} cannot be used as a view and was left out"));
+        notes.add("camera", format!("camera {} cannot be used as a view and was left out", bounded::shown(name)));
         return None;
     }
     let right = to_world.x_axis.truncate().normalize_or_zero();
     if right.y.abs() > 1e-3 && forward.y.abs() < 0.999_999 {
         notes.add("roll", "cameras that are rolled about their axis are set upright".to_owned());
     }
-    Some(View { name, eye, look_at, lens: Some(lens), ..View::default() })
+    Some(View { eye, look_at, lens: Some(lens), ..View::default() })
 }
 
 /// A light in the world, or nothing if it gives no light.
 fn lamp(
     light: &gltf::khr_lights_punctual::Light,
     to_world: &DMat4,
-    centre: Vec3,
+    units: &Units,
     notes: &mut Notes,
 ) -> Option<PlacedLight> {
     let colour = Vec3::from(light.color());
@@ -194,9 +284,14 @@ fn lamp(
             if matches!(kind, Kind::Spot { .. }) {
                 notes.add("spots", "spot lights are not supported; they shine in all directions".to_owned());
             }
+            if light.range().is_some() {
+                notes.add("ranges", "ranges of lights are not supported; lights reach as far as they fade".to_owned());
+            }
             // The file's unit of length is the metre; a light at the centre itself is judged from a metre away.
-            let away = (position - centre.as_dvec3()).length().max(1.0);
-            let light = Light::Point { position: position.as_vec3(), energy: intensity as f32 };
+            let scale = f64::from(units.scale);
+            let away = ((position - units.centre.as_dvec3()).length() / scale).max(1.0);
+            // An energy is a length squared.
+            let light = Light::Point { position: position.as_vec3(), energy: (intensity * scale * scale) as f32 };
             PlacedLight { light, illuminance: intensity / (away * away) }
         }
     };

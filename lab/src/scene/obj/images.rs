@@ -2,11 +2,12 @@
 //! missing.
 
 use crate::error::{Error, Result};
+use crate::scene::bounded::{self, shown};
+use crate::scene::pattern;
 use crate::scene::texture::MAX_TEXELS;
 use crate::scene::{Encoding, Scene, Texture, texture};
-use crate::scene::{bounded, pattern};
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 /// An image as an MTL file names it.
@@ -84,16 +85,15 @@ pub(super) fn attach(scene: &mut Scene, sources: Vec<MaterialImages>, side: u32)
         })
         .collect();
     bar.finish_and_clear();
-    let mut warned = Vec::new();
+    let mut warned = HashSet::new();
     let mut index_of = Vec::with_capacity(loaded.len());
     for (loaded, statement) in loaded.into_iter().zip(&requests.statements) {
         if let Some(problem) = loaded.problem
-            && !warned.contains(&loaded.path)
+            && warned.insert(loaded.path)
         {
             let ImageStatement { name, mtl_path, line, .. } = statement;
             let instead = loaded.instead;
-            scene.warnings.push(format!("{}:{line}: image {name} {problem}; {instead}", mtl_path.display()));
-            warned.push(loaded.path);
+            scene.warnings.push(format!("{}:{line}: image {} {problem}; {instead}", mtl_path.display(), shown(name)));
         }
         index_of.push(loaded.texture.map(|texture| {
             scene.textures.push(texture);

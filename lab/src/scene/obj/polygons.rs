@@ -3,7 +3,7 @@
 use super::text::Statements;
 use super::{Handedness, ObjOptions};
 use crate::error::{Error, Result};
-use crate::scene::assemble::{MeshPart, Triangle};
+use crate::scene::assemble::{MeshPart, Triangle, point_behind};
 use crate::scene::{MAX_COORDINATE_M, Vertex};
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashMap;
@@ -92,7 +92,7 @@ fn world_vertices(path: &Path, mesh: &tobj::Mesh, options: &ObjOptions) -> Resul
 }
 
 impl GroupPart {
-    /// Adds a polygon's triangles, wound as its stated normals require. Returns how many had no area and were
+    /// Adds a polygon's triangles, turned round if its stated normals point behind them. Returns how many had no area and were
     /// left out.
     fn push(&mut self, polygon: &[Vertex], smoothing: u32, handedness: Handedness) -> usize {
         let mut without_area = 0;
@@ -107,8 +107,7 @@ impl GroupPart {
                 without_area += 1;
                 continue;
             }
-            let stated: DVec3 = triangle.iter().map(|v| Vec3::from(v.normal).as_dvec3()).sum();
-            if stated.dot(cross) < 0.0 {
+            if point_behind(&triangle, cross.normalize()) {
                 triangle.swap(1, 2);
             }
             self.part.triangles.push(triangle);
@@ -180,19 +179,27 @@ fn triangulate(polygon: &[DVec3]) -> Vec<[usize; 3]> {
         return fan(&corners);
     }
     let mut triangles = Vec::with_capacity(n - 2);
-    while corners.len() > 3 {
+    let is_ear = |corners: &[usize], i: usize| {
         let n = corners.len();
-        let is_ear = |i: usize| {
-            let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
-            let inside = |p: usize| {
-                let apart = [a, b, c].iter().all(|&q| flat[q] != flat[p]);
-                apart && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
-            };
-            turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
+        let [a, b, c] = [corners[(i + n - 1) % n], corners[i], corners[(i + 1) % n]];
+        let inside = |p: usize| {
+            let apart = [a, b, c].iter().all(|&q| flat[q] != flat[p]);
+            apart && turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
         };
-        let Some(ear) = (0..n).find(|&i| is_ear(i)) else { break };
+        turn(a, b, c) > 0.0 && !corners.iter().any(|&p| inside(p))
+    };
+    // Cutting an ear off changes, of a polygon that does not cross itself, whether its neighbours are ears, and no other
+    // corner. So the time grows with the square of the corners.
+    let mut ears: Vec<bool> = (0..n).map(|i| is_ear(&corners, i)).collect();
+    while corners.len() > 3 {
+        let Some(ear) = ears.iter().position(|&ear| ear) else { break };
+        let n = corners.len();
         triangles.push([corners[(ear + n - 1) % n], corners[ear], corners[(ear + 1) % n]]);
         corners.remove(ear);
+        ears.remove(ear);
+        for neighbour in [(ear + n - 2) % (n - 1), ear % (n - 1)] {
+            ears[neighbour] = is_ear(&corners, neighbour);
+        }
     }
     triangles.extend(fan(&corners));
     triangles
@@ -236,6 +243,27 @@ mod tests {
             let (unsigned, signed) = area(&polygon, &triangulate(&polygon));
             assert!((unsigned - signed).abs() < 1e-9, "start {start}: {unsigned} {signed}");
         }
+    }
+
+    /// A spiral of two arms, which has few ears at any time.
+    fn spiral(corners: usize) -> Vec<DVec3> {
+        let arm = |k: usize, radius: f64| {
+            let angle = k as f64 * 0.2;
+            DVec3::new(angle.cos(), angle.sin(), 0.0) * (radius + 0.3 * angle)
+        };
+        let half = corners / 2;
+        (0..half).map(|k| arm(k, 1.0)).chain((0..half).rev().map(|k| arm(k, 1.5))).collect()
+    }
+
+    #[test]
+    fn a_spiral_of_many_corners_is_covered_once_and_soon() {
+        let polygon = spiral(1024);
+        let start = std::time::Instant::now();
+        let triangles = triangulate(&polygon);
+        assert!(start.elapsed().as_secs_f64() < 0.5, "{:?}", start.elapsed());
+        assert_eq!(triangles.len(), 1022);
+        let (unsigned, signed) = area(&polygon, &triangles);
+        assert!((unsigned - signed).abs() < 1e-6 * signed, "{unsigned} {signed}");
     }
 
     #[test]

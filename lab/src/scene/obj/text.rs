@@ -6,8 +6,11 @@
 //! attribute, the index of a NaN entry (which no file can contain itself).
 
 use crate::error::{Error, Result};
+use crate::scene::bounded::shown;
+use crate::scene::far_away::far_origin;
+use glam::DVec3;
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -17,8 +20,7 @@ pub(super) const NO_MATERIAL: &str = "default";
 /// The most vertices, texture coordinates, normals and triangles that a file may have.
 const MAX_COUNT: usize = 1 << 24;
 
-/// The most corners that a face may have. The time to triangulate a concave face grows with the cube of its
-/// corners.
+/// The most corners that a face may have. The time to triangulate a concave face grows with the square of its corners.
 const MAX_CORNERS: usize = 1024;
 
 /// A normalised OBJ file, and the information that tobj does not report.
@@ -37,14 +39,48 @@ pub(super) struct Statements {
     pub smoothing: Vec<u32>,
 }
 
-/// Normalises the text of the file at `path`; errors name that path.
-pub(super) fn normalise(path: &Path, text: &str) -> Result<Statements> {
-    let mut scan = Scan::new(path);
-    for (line, statement) in logical_lines(text) {
-        scan.line = line;
-        scan.statement(&statement)?;
+/// What a first reading of a file finds out, and the second one needs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Known {
+    /// How many vertices, texture coordinates and normals there are at most.
+    counts: [usize; 3],
+    /// What is taken from every vertex, in units of the file.
+    origin: DVec3,
+}
+
+/// Normalises the text of the file at `path`; errors and warnings name that path. From every vertex `origin` is taken, in
+/// units of the file. If it is none yet, and the vertices are too far from the file's origin for their size, it becomes
+/// their centre.
+pub(super) fn normalise(
+    path: &Path,
+    text: &str,
+    origin: &mut Option<DVec3>,
+    scale: f32,
+    warnings: &mut Vec<String>,
+) -> Result<Statements> {
+    let read = |known: Known| {
+        let mut scan = Scan::new(path, known);
+        for (line, statement) in logical_lines(text) {
+            scan.line = line;
+            scan.statement(&statement)?;
+        }
+        Ok(scan)
+    };
+    let mut known = Known { counts: [usize::MAX; 3], origin: origin.unwrap_or(DVec3::ZERO) };
+    let mut scan = read(known)?;
+    let scale = f64::from(scale);
+    let far = far_origin(scan.bounds.map(|v| v * scale)).filter(|_| origin.is_none());
+    if let Some(far) = &far {
+        warnings.push(format!("{}: {}", path.display(), far.sentence()));
+        known.origin = far.centre / scale;
     }
-    scan.finish()
+    *origin = Some(known.origin);
+    let strays = scan.has_strays();
+    if far.is_some() || strays {
+        known.counts = scan.counters.each_ref().map(|c| c.count);
+        scan = read(known)?;
+    }
+    scan.finish(warnings)
 }
 
 /// The lines with their numbers. A line that ends in a backslash is joined with the next, except for statements
@@ -55,7 +91,7 @@ fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut statement = Cow::Borrowed(first.trim());
-        if matches!(statement.split_whitespace().next(), Some("v" | "vt" | "vn" | "f")) {
+        if matches!(statement.split_whitespace().next(), Some("v" | "vt" | "vn" | "f" | "V" | "VT" | "VN" | "F")) {
             while let Some(head) = statement.strip_suffix('\\') {
                 let next = lines.next().map_or("", |(_, l)| l.trim());
                 statement = Cow::Owned(format!("{head} {next}"));
@@ -75,18 +111,32 @@ struct Counter {
 
 struct Scan<'a> {
     path: &'a Path,
+    known: Known,
     line: usize,
     out: Statements,
     counters: [Counter; 3],
+    /// Of the vertices as the file has them.
+    bounds: [DVec3; 2],
     triangles: usize,
     smoothing: u32,
     materials: HashMap<String, usize>,
+    /// What was dropped or replaced: a sentence for each kind, and the line where it was first met.
+    dropped: BTreeMap<&'static str, usize>,
 }
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
+/// Statements of curves and surfaces without corners.
+const FREE_FORM: [&str; 21] = [
+    "vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp", "end", "con",
+    "bzp", "bsp", "cdc", "cdp", "res", "mg",
+];
+
+/// Statements about how other programs draw.
+const HINTS: [&str; 9] = ["bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj", "ctech", "stech", "call"];
+
 impl<'a> Scan<'a> {
-    fn new(path: &'a Path) -> Self {
+    fn new(path: &'a Path, known: Known) -> Self {
         let out = Statements {
             vertices: "vt NaN NaN\nvn NaN NaN NaN\n".into(),
             faces: String::from("mtllib all\n"),
@@ -94,73 +144,108 @@ impl<'a> Scan<'a> {
             libraries: Vec::new(),
             smoothing: Vec::new(),
         };
-        let (counters, materials) = Default::default();
-        Self { path, line: 0, out, counters, triangles: 0, smoothing: 0, materials }
+        let (counters, materials, dropped) = Default::default();
+        let bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        Self { path, known, line: 0, out, counters, bounds, triangles: 0, smoothing: 0, materials, dropped }
     }
 
     fn error(&self, message: impl Into<String>) -> Error {
         Error::malformed(self.path, Some(self.line), message)
     }
 
+    /// Notes that something was dropped, of which the user is told once.
+    fn drop_kind(&mut self, sentence: &'static str) {
+        let line = self.line;
+        self.dropped.entry(sentence).or_insert(line);
+    }
+
     fn statement(&mut self, statement: &str) -> Result<()> {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
-        match keyword {
-            "v" => self.numbers(0, rest, 3, 3),
-            "vt" => self.numbers(1, rest, 1, 2),
-            "vn" => self.numbers(2, rest, 3, 3),
-            "f" | "fo" => self.face(rest),
+        let keyword = keyword.to_ascii_lowercase();
+        match keyword.as_str() {
+            "v" => self.numbers(0, rest, 3, 3)?,
+            "vt" => self.numbers(1, rest, 1, 2)?,
+            "vn" => self.numbers(2, rest, 3, 3)?,
+            "f" | "fo" => self.face(rest)?,
             "g" | "o" => {
                 // Writing to a String cannot fail.
                 let _ = writeln!(self.out.faces, "g {}", rest.trim());
-                Ok(())
             }
-            "s" => {
-                self.smoothing = rest.trim().parse().unwrap_or(0);
-                Ok(())
+            "s" => self.smoothing = rest.trim().parse().unwrap_or(0),
+            "usemtl" => self.use_material(rest.trim()),
+            "mtllib" => self.out.libraries.push((self.line, rest.trim().to_owned())),
+            "l" | "p" => self.drop_kind("lines and points are not drawn"),
+            "usemap" | "maplib" => self.drop_kind("usemap and maplib are not supported and were ignored"),
+            _ if keyword.is_empty() || keyword.starts_with('#') || HINTS.contains(&keyword.as_str()) => {}
+            _ if FREE_FORM.contains(&keyword.as_str()) => {
+                self.drop_kind("curves and free-form surfaces are not supported and were left out");
             }
-            "usemtl" => {
-                self.use_material(rest.trim());
-                Ok(())
-            }
-            "mtllib" => {
-                self.out.libraries.push((self.line, rest.trim().to_owned()));
-                Ok(())
-            }
-            _ => Ok(()),
+            _ => self.drop_kind("a statement is unknown and was ignored"),
         }
+        Ok(())
     }
 
     /// Reads a vertex, texture coordinate or normal: it must have at least `needed` numbers, and `kept` of them
     /// are kept, with 0 for missing ones. Further numbers (weights, colours) are ignored.
     fn numbers(&mut self, kind: usize, rest: &str, needed: usize, kept: usize) -> Result<()> {
-        let mut words = rest.split_whitespace();
-        self.out.vertices.push_str(["v", "vt", "vn"][kind]);
+        let mut words = rest.split_whitespace().take_while(|w| !w.starts_with('#'));
+        let mut stated = ["0"; 3];
+        let mut numbers = [0.0_f64; 3];
         for i in 0..kept {
-            let word = match words.next() {
-                Some(word) => word,
-                None if i >= needed => "0",
+            match words.next() {
+                Some(word) => stated[i] = word,
+                None if i >= needed => break,
                 None => {
                     return Err(self.error(format!("a {} ends after {i} numbers; it needs {needed}", KINDS[kind])));
                 }
-            };
-            match word.parse::<f32>() {
-                Ok(number) if number.is_finite() => {}
-                Ok(_) => {
-                    return Err(self.error(format!("{word:?} in a {} is not finite", KINDS[kind])));
-                }
-                Err(_) => {
-                    return Err(self.error(format!("{word:?} in a {} is not a number", KINDS[kind])));
-                }
             }
-            self.out.vertices.push(' ');
-            self.out.vertices.push_str(word);
+            numbers[i] = stated_number(stated[i])
+                .ok_or_else(|| self.error(format!("{:?} in a {} is not a number", shown(stated[i]), KINDS[kind])))?;
         }
-        self.out.vertices.push('\n');
+        if kind == 0 && words.count() >= 3 {
+            self.drop_kind("colours of vertices are not supported and were ignored");
+        }
+        let is_finite = |v: &f64| (*v as f32).is_finite();
+        match numbers.iter().position(|v| !is_finite(v)) {
+            // Without it, a vertex has no place. Everything else can be found in another way.
+            Some(i) if kind == 0 => {
+                let message = format!("the position of a vertex is not a number: {:?} is not finite", shown(stated[i]));
+                return Err(self.error(message));
+            }
+            Some(_) => {
+                stated = ["0"; 3];
+                self.drop_kind(match kind {
+                    1 => "texture coordinates that are not finite count as 0",
+                    _ => "normals that are not finite were made from the faces",
+                });
+            }
+            None => {}
+        }
+        self.write_numbers(kind, &stated[..kept], DVec3::from(numbers));
         self.counters[kind].count += 1;
         if self.counters[kind].count > MAX_COUNT {
             return Err(self.error(format!("there are more than {MAX_COUNT} {} statements", KINDS[kind])));
         }
         Ok(())
+    }
+
+    /// Writes a statement as it was, or a vertex that is moved.
+    fn write_numbers(&mut self, kind: usize, stated: &[&str], numbers: DVec3) {
+        self.out.vertices.push_str(["v", "vt", "vn"][kind]);
+        if kind == 0 {
+            self.bounds = [self.bounds[0].min(numbers), self.bounds[1].max(numbers)];
+        }
+        if kind == 0 && self.known.origin != DVec3::ZERO {
+            let DVec3 { x, y, z } = numbers - self.known.origin;
+            // Writing to a String cannot fail.
+            let _ = write!(self.out.vertices, " {} {} {}", x as f32, y as f32, z as f32);
+        } else {
+            for word in stated {
+                self.out.vertices.push(' ');
+                self.out.vertices.push_str(word);
+            }
+        }
+        self.out.vertices.push('\n');
     }
 
     fn face(&mut self, rest: &str) -> Result<()> {
@@ -210,8 +295,16 @@ impl<'a> Scan<'a> {
             };
             let count = self.counters[kind].count;
             let absolute = if stated < 0 { stated.saturating_add(count as i64 + 1) } else { stated };
-            if absolute < 1 || absolute as u64 > MAX_COUNT as u64 {
-                return Err(self.out_of_range(kind, stated, count));
+            let greatest = if kind == 0 { MAX_COUNT } else { self.known.counts[kind] };
+            if absolute < 1 || absolute as u64 > MAX_COUNT.min(greatest) as u64 {
+                if kind == 0 {
+                    return Err(self.out_of_range(kind, stated, count));
+                }
+                self.drop_kind(match kind {
+                    1 => "a face refers to texture coordinates that are not there; they count as 0",
+                    _ => "a face refers to normals that are not there; they were made from the faces",
+                });
+                continue;
             }
             indices[kind] = absolute as usize;
             if indices[kind] > self.counters[kind].highest.0 {
@@ -236,17 +329,33 @@ impl<'a> Scan<'a> {
         let _ = writeln!(self.out.faces, "usemtl {index}");
     }
 
-    fn finish(mut self) -> Result<Statements> {
-        for kind in 0..3 {
-            let Counter { count, highest: (index, line) } = self.counters[kind];
-            if index > count {
-                self.line = line;
-                return Err(self.out_of_range(kind, index as i64, count));
-            }
+    /// Whether faces refer to texture coordinates or normals that never came.
+    fn has_strays(&self) -> bool {
+        self.counters[1..].iter().any(|c| c.highest.0 > c.count)
+    }
+
+    fn finish(mut self, warnings: &mut Vec<String>) -> Result<Statements> {
+        let Counter { count, highest: (index, line) } = self.counters[0];
+        if index > count {
+            self.line = line;
+            return Err(self.out_of_range(0, index as i64, count));
         }
         if self.out.smoothing.is_empty() {
             return Err(Error::malformed(self.path, None, "there are no faces in this file"));
         }
+        let place = self.path.display();
+        warnings.extend(self.dropped.iter().map(|(sentence, line)| format!("{place}:{line}: {sentence}")));
         Ok(self.out)
     }
+}
+
+/// The number that a word states, which need not be finite; `None` if it states none. Some programs write what is not a
+/// number as Windows prints it, like `-1.#IND`.
+pub(super) fn stated_number(word: &str) -> Option<f64> {
+    let number = word.parse().ok();
+    number.or_else(|| {
+        let word = word.to_ascii_lowercase();
+        let is_none = ["#ind", "#qnan", "#snan", "#inf", "nan(", "-nan"].iter().any(|mark| word.contains(mark));
+        is_none.then_some(f64::NAN)
+    })
 }

@@ -1,0 +1,73 @@
+//! How the time of loading grows with a file: each input is there in three sizes, each twice the one before, so that the times
+//! should double, or a little more.
+
+#![allow(clippy::expect_used, clippy::unwrap_used)]
+
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use ssct_lab::scene::obj::{ObjFile, ObjOptions};
+use ssct_lab::scene::{LoadOptions, gltf, obj};
+use std::fmt::Write;
+
+/// An OBJ file of twenty faces that are spirals of so many corners.
+fn spirals(corners: usize) -> String {
+    let mut text = String::new();
+    for face in 0..20 {
+        let half = corners / 2;
+        let arm = |k: usize, radius: f64| {
+            let angle = k as f64 * 0.2;
+            let reach = radius + 0.3 * angle;
+            format!("v {} {} {face}\n", reach * angle.cos(), reach * angle.sin())
+        };
+        text.extend((0..half).map(|k| arm(k, 1.0)).chain((0..half).rev().map(|k| arm(k, 1.5))));
+        text.push('f');
+        for k in 0..2 * half {
+            // Writing to a String cannot fail.
+            let _ = write!(text, " {}", face * 2 * half + k + 1);
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// A glTF file of a triangle and so many cameras of one name.
+fn cameras(many: usize) -> String {
+    let camera = r#"{"camera":0,"name":"cam","translation":[0,0,4]}"#;
+    let nodes = vec![camera; many].join(",");
+    let list: Vec<String> = (0..=many).map(|k| k.to_string()).collect();
+    let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let data: String = corners.iter().flat_map(|v| v.to_le_bytes()).map(|byte| format!("%{byte:02X}")).collect();
+    format!(
+        r#"{{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[{}]}}],"nodes":[{{"mesh":0}},{nodes}],
+        "cameras":[{{"type":"perspective","perspective":{{"yfov":1,"znear":0.1}}}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}}],"buffers":[{{"byteLength":36,"uri":"data:,{data}"}}]}}"#,
+        list.join(",")
+    )
+}
+
+fn loading(criterion: &mut Criterion) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let written = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("writes");
+        path
+    };
+    let mut group = criterion.benchmark_group("loading");
+    group.sample_size(10);
+    for corners in [256, 512, 1024] {
+        let files = [ObjFile::from(written("a.obj", &spirals(corners)))];
+        group.bench_function(BenchmarkId::new("concave faces", corners), |b| {
+            b.iter(|| obj::load(&files, &ObjOptions::default()).expect("loads"));
+        });
+    }
+    for many in [1000, 2000, 4000] {
+        let path = written("a.gltf", &cameras(many));
+        group.bench_function(BenchmarkId::new("cameras of one name", many), |b| {
+            b.iter(|| gltf::load(&path, &LoadOptions::default()).expect("loads"));
+        });
+    }
+}
+
+criterion_group!(benches, loading);
+criterion_main!(benches);

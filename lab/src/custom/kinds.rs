@@ -1,0 +1,207 @@
+//! Kinds of images, inputs and outputs: what a shader declares against what is there. A driver does not check this, and
+//! reads wrong numbers, or memory that is not the image's.
+
+use super::manifest::{ImageSection, Manifest, Pass, PassStage, format_of};
+use super::reflect::{Component, Crossing, Dim, ImageKind, ShaderInterface};
+use super::source::ImageSource;
+use ash::vk;
+use std::collections::BTreeMap;
+
+/// Threads of a workgroup that every device takes, in all and along each axis.
+const MAX_THREADS: u32 = 1024;
+const MAX_SIDES: [u32; 3] = [1024, 1024, 64];
+
+/// The most bytes that a workgroup may share.
+const MAX_SHARED_BYTES: u64 = 32768;
+
+/// The most bytes of push constants that every device takes.
+const MAX_PUSH_BYTES: u32 = 128;
+
+/// Checks an image that is looked up against what feeds it.
+///
+/// # Errors
+/// A clause that goes on from the name of the variable.
+pub fn check_sampled(
+    kind: &ImageKind,
+    source: &ImageSource,
+    images: &BTreeMap<String, ImageSection>,
+) -> Result<(), String> {
+    let fed = fed(source, images);
+    if kind.shadow {
+        return Err(format!("a {}, which compares with a depth; compare in the shader", sampler(kind)));
+    }
+    let is_there = (kind.dim, kind.arrayed, kind.component) == (fed.dim, fed.arrayed, fed.component);
+    if is_there && !kind.multisampled {
+        return Ok(());
+    }
+    Err(format!("a {}, and is fed {source}, which is a {}", sampler(kind), sampler(&fed)))
+}
+
+/// Checks an image that is stored to against the method's own image that it is.
+///
+/// # Errors
+/// As for [`check_sampled`].
+pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, ImageSection>) -> Result<(), String> {
+    let Some(section) = images.get(name) else { return Ok(()) };
+    let fed = fed(&ImageSource::Own(name.to_owned()), images);
+    if (kind.dim, kind.arrayed, kind.component) != (fed.dim, fed.arrayed, fed.component) || kind.multisampled {
+        let [declared, there] = [kind, &fed].map(|k| sampler(k).replace("sampler", "image"));
+        return Err(format!("an {declared}, and {name} is an {there}"));
+    }
+    let there = STORED.iter().find(|(format, _)| *format == section.format);
+    match there {
+        Some((format, number)) if kind.format != 0 && kind.format != *number => {
+            let declared = STORED.iter().find(|(_, number)| *number == kind.format);
+            let declared = declared.map_or("of another format", |(format, _)| format);
+            Err(format!("declared {declared}, and {name} is {format}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Formats of images as a manifest names them, and their numbers in SPIR-V.
+const STORED: [(&str, u32); 15] = [
+    ("r8", 15),
+    ("rg8", 13),
+    ("rgba8", 4),
+    ("r16f", 9),
+    ("rg16f", 7),
+    ("rgba16f", 2),
+    ("r32f", 3),
+    ("rg32f", 6),
+    ("rgba32f", 1),
+    ("r32ui", 33),
+    ("rg32ui", 35),
+    ("rgba32ui", 30),
+    ("r32i", 24),
+    ("r11f-g11f-b10f", 8),
+    ("rgb10-a2", 11),
+];
+
+/// The kind of image that a source is.
+fn fed(source: &ImageSource, images: &BTreeMap<String, ImageSection>) -> ImageKind {
+    let plane = ImageKind {
+        dim: Dim::Two,
+        arrayed: false,
+        multisampled: false,
+        shadow: false,
+        component: Component::Float,
+        format: 0,
+    };
+    match source {
+        ImageSource::Sky => ImageKind { dim: Dim::Cube, ..plane },
+        ImageSource::Captures(_) => ImageKind { dim: Dim::Cube, arrayed: true, ..plane },
+        ImageSource::Previous(of) => fed(of, images),
+        ImageSource::Own(name) => {
+            let format = images.get(name).and_then(|section| format_of(&section.format));
+            ImageKind { component: format.map_or(Component::Float, component), ..plane }
+        }
+        _ => plane,
+    }
+}
+
+fn component(format: vk::Format) -> Component {
+    match format {
+        vk::Format::R32_UINT | vk::Format::R32G32_UINT | vk::Format::R32G32B32A32_UINT => Component::Uint,
+        vk::Format::R32_SINT => Component::Int,
+        _ => Component::Float,
+    }
+}
+
+/// The type of a sampler in GLSL.
+fn sampler(kind: &ImageKind) -> String {
+    let prefix = match kind.component {
+        Component::Float => "",
+        Component::Int => "i",
+        Component::Uint => "u",
+    };
+    let dim = match kind.dim {
+        Dim::One => "1D",
+        Dim::Two => "2D",
+        Dim::Three => "3D",
+        Dim::Cube => "Cube",
+        Dim::Rect => "2DRect",
+        Dim::Buffer => "Buffer",
+    };
+    let [samples, array, shadow] = [(kind.multisampled, "MS"), (kind.arrayed, "Array"), (kind.shadow, "Shadow")]
+        .map(|(is, word)| if is { word } else { "" });
+    format!("{prefix}sampler{dim}{samples}{array}{shadow}")
+}
+
+/// Checks what crosses to a pass's shader from the vertex stage, and from it to its targets, and what it asks of a device.
+/// `file` is what messages call the shader.
+///
+/// # Errors
+/// A sentence.
+pub fn check_stage(manifest: &Manifest, pass: &Pass, interface: &ShaderInterface, file: &str) -> Result<(), String> {
+    if let Some((block, layout)) = &interface.push
+        && layout.size > MAX_PUSH_BYTES
+    {
+        let size = layout.size;
+        return Err(format!("the push constants {block} of {file} have {size} bytes, more than {MAX_PUSH_BYTES}"));
+    }
+    match pass.stage {
+        PassStage::Compute => check_workgroup(interface, file),
+        PassStage::Fragment => {
+            check_inputs(&interface.inputs, file)?;
+            check_outputs(manifest, pass, &interface.outputs, file)
+        }
+    }
+}
+
+fn check_workgroup(interface: &ShaderInterface, file: &str) -> Result<(), String> {
+    let [x, y, z] = interface.local_size;
+    let threads = u64::from(x) * u64::from(y) * u64::from(z);
+    let fits = interface.local_size.iter().zip(MAX_SIDES).all(|(side, most)| (1..=most).contains(side));
+    if !fits || threads > u64::from(MAX_THREADS) {
+        let [a, b, c] = MAX_SIDES;
+        return Err(format!(
+            "the workgroups of {file} have {x}x{y}x{z} threads; at most {MAX_THREADS}, and {a}x{b}x{c}, are possible"
+        ));
+    }
+    if interface.shared_bytes > MAX_SHARED_BYTES {
+        let bytes = interface.shared_bytes;
+        return Err(format!("the workgroups of {file} share {bytes} bytes, more than {MAX_SHARED_BYTES}"));
+    }
+    Ok(())
+}
+
+fn check_inputs(inputs: &[Crossing], file: &str) -> Result<(), String> {
+    let is_uv = |input: &Crossing| input.component == Some(Component::Float) && input.numbers == 2;
+    let other = match inputs {
+        [] => None,
+        [only] if is_uv(only) => None,
+        inputs => inputs.iter().find(|input| !is_uv(input)).or(inputs.last()),
+    };
+    match other {
+        Some(input) => {
+            Err(format!("{file} reads `{}`; only texture coordinates are given, as one `in vec2`", input.name))
+        }
+        None => Ok(()),
+    }
+}
+
+fn check_outputs(manifest: &Manifest, pass: &Pass, outputs: &[Crossing], file: &str) -> Result<(), String> {
+    let (many, targets) = (outputs.len(), pass.targets.len());
+    if many != targets {
+        return Err(format!("the shader writes {many} colours, and the pass has {targets} targets"));
+    }
+    for (number, (output, (target, _))) in (0_u32..).zip(outputs.iter().zip(&pass.targets)) {
+        let name = &output.name;
+        if output.location != number {
+            return Err(format!("{file} writes `{name}` at location {}; targets are 0, 1 and so on", output.location));
+        }
+        let format = manifest.images.get(target).and_then(|image| format_of(&image.format));
+        let there = format.map_or(Component::Float, component);
+        if output.component != Some(there) {
+            let kind = |component: Component| match component {
+                Component::Float => "floats",
+                Component::Int => "signed integers",
+                Component::Uint => "unsigned integers",
+            };
+            let declared = output.component.map_or("something else than numbers", kind);
+            return Err(format!("{file} writes `{name}` as {declared}, and {target} has {}", kind(there)));
+        }
+    }
+    Ok(())
+}

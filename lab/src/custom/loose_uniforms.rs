@@ -1,0 +1,270 @@
+//! Uniforms that stand alone, as OpenGL has them, become blocks, which Vulkan wants.
+//!
+//! The text is one that the compiler has preprocessed: it has no comments, macros, includes or lines that are switched off.
+//! What is left is read as GLSL, token by token: declarations outside of braces that end in a semicolon.
+
+/// The name of the block of uniforms that stand alone. Those whose types or sizes have names of their own stay where they
+/// are, in blocks of their own, numbered from 1.
+pub const LOOSE: &str = "LooseUniforms";
+
+/// Words before the type of a declaration.
+const QUALIFIERS: [&str; 12] = [
+    "uniform",
+    "highp",
+    "mediump",
+    "lowp",
+    "precise",
+    "invariant",
+    "coherent",
+    "volatile",
+    "restrict",
+    "readonly",
+    "writeonly",
+    "shared",
+];
+
+/// What was taken out of a text.
+#[derive(Debug, Default, PartialEq)]
+pub struct Hoisted {
+    /// The text with blocks in the place of loose uniforms. Lines stay where they are.
+    pub text: String,
+    /// Names of uniforms and the values that they have of their own; `None` for one that is no plain number.
+    pub own: Vec<(String, Option<Vec<f64>>)>,
+}
+
+/// Makes blocks of uniforms that stand alone.
+pub fn hoisted(text: &str) -> Hoisted {
+    let mut made = Hoisted::default();
+    let mut blocks = Blocks::default();
+    let mut rest = 0;
+    for (start, end) in declarations(text) {
+        let Some(uniform) = LooseUniform::read(&text[start..end]) else { continue };
+        made.text.push_str(&text[rest..start]);
+        blocks.place(&uniform, &mut made.text);
+        // A declaration may span lines.
+        made.text.extend(text[start..end].chars().filter(|c| *c == '\n'));
+        made.own.extend(uniform.own);
+        rest = end;
+    }
+    made.text.push_str(&text[rest..]);
+    if !blocks.shared.is_empty() {
+        let block = format!("layout(std140) uniform {LOOSE} {{ {}}};", blocks.shared);
+        made.text.insert_str(blocks.first, &block);
+    }
+    made
+}
+
+/// The blocks of a text so far.
+#[derive(Default)]
+struct Blocks {
+    /// Fields of the block that most uniforms share, and where it goes.
+    shared: String,
+    first: usize,
+    apart: usize,
+}
+
+impl Blocks {
+    fn place(&mut self, uniform: &LooseUniform, text: &mut String) {
+        if uniform.is_plain {
+            if self.shared.is_empty() {
+                self.first = text.len();
+            }
+            self.shared.push_str(&uniform.fields);
+            return;
+        }
+        self.apart += 1;
+        text.push_str(&format!("layout(std140) uniform {LOOSE}{} {{ {}}};", self.apart, uniform.fields));
+    }
+}
+
+/// The byte ranges of declarations outside of braces, each with its semicolon. Functions, blocks and structs are none.
+fn declarations(text: &str) -> Vec<(usize, usize)> {
+    let mut found = Vec::new();
+    let mut start = None;
+    let (mut depth, mut is_block, mut is_function) = (0_usize, false, false);
+    let mut at_line_start = true;
+    let mut bytes = text.bytes().enumerate();
+    while let Some((at, byte)) = bytes.next() {
+        if byte == b'#' && at_line_start {
+            // A directive takes its whole line.
+            bytes.by_ref().find(|(_, b)| *b == b'\n');
+            continue;
+        }
+        at_line_start = byte == b'\n' || (at_line_start && byte.is_ascii_whitespace());
+        if !byte.is_ascii_whitespace() {
+            start.get_or_insert(at);
+        }
+        match byte {
+            b'{' => {
+                let before = start.map_or("", |start| text[start..at].trim_end());
+                if depth == 0 {
+                    is_function = before.ends_with(')');
+                    // A list of values stands behind an equals sign.
+                    is_block |= !is_function && !before.ends_with('=');
+                }
+                depth += 1;
+            }
+            b'}' => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 && is_function {
+                    (start, is_block, is_function) = (None, false, false);
+                }
+            }
+            b';' if depth == 0 => {
+                found.extend(start.filter(|_| !is_block).map(|from| (from, at + 1)));
+                (start, is_block, is_function) = (None, false, false);
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// A declaration of uniforms that are numbers.
+struct LooseUniform {
+    /// The fields of a block, each with its semicolon.
+    fields: String,
+    /// Whether its type and its sizes are known everywhere.
+    is_plain: bool,
+    own: Vec<(String, Option<Vec<f64>>)>,
+}
+
+impl LooseUniform {
+    /// `None` for a declaration of something else.
+    fn read(declaration: &str) -> Option<Self> {
+        let mut rest = declaration.trim().strip_suffix(';')?;
+        let mut is_uniform = false;
+        let kind = loop {
+            rest = rest.trim_start();
+            let word = word(rest);
+            if word == "layout" {
+                let inside = rest["layout".len()..].trim_start().strip_prefix('(')?;
+                rest = inside.split_once(')')?.1;
+            } else if QUALIFIERS.contains(&word) {
+                is_uniform |= word == "uniform";
+                rest = &rest[word.len()..];
+            } else {
+                break word;
+            }
+        };
+        if !is_uniform || kind.is_empty() || is_opaque(kind) {
+            return None;
+        }
+        let rest = &rest[kind.len()..];
+        let mut made = Self { fields: String::new(), is_plain: is_built_in(kind), own: Vec::new() };
+        // An array may stand behind the type, as in `float[4] gains`.
+        let (of_type, rest) = match rest.trim_start().strip_prefix('[').and_then(|_| rest.split_once(']')) {
+            Some((size, rest)) => (format!("{size}]"), rest),
+            None => (String::new(), rest),
+        };
+        for declarator in parts(rest, ',') {
+            let (declared, value) = match parts(declarator, '=')[..] {
+                [declared] => (declared.trim(), None),
+                [declared, value] => (declared.trim(), Some(value.trim())),
+                _ => return None,
+            };
+            let name = word(declared);
+            let sizes = format!("{}{of_type}", &declared[name.len()..]);
+            made.is_plain &= !sizes.contains(|c: char| c.is_ascii_alphabetic() || c == '_');
+            made.fields.push_str(&format!("{kind} {name}{sizes}; "));
+            made.own.extend(value.map(|value| (name.to_owned(), super::own_values::evaluate(value, kind))));
+        }
+        Some(made)
+    }
+}
+
+/// The name at the beginning of a text.
+fn word(text: &str) -> &str {
+    let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(text.len());
+    &text[..end]
+}
+
+/// The parts of a text between separators that stand outside of brackets.
+fn parts(text: &str, separator: char) -> Vec<&str> {
+    let (mut found, mut depth, mut start) = (Vec::new(), 0_i32, 0);
+    for (at, c) in text.char_indices() {
+        match c {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            c if c == separator && depth == 0 => {
+                found.push(&text[start..at]);
+                start = at + c.len_utf8();
+            }
+            _ => {}
+        }
+    }
+    found.push(&text[start..]);
+    found
+}
+
+/// Whether a type is no number: samplers, images and the like, which stand alone in Vulkan, too.
+fn is_opaque(kind: &str) -> bool {
+    let bare =
+        kind.strip_prefix(['i', 'u']).filter(|bare| !kind.starts_with("image") || bare.is_empty()).unwrap_or(kind);
+    ["sampler", "image", "texture", "subpassInput", "atomic_uint", "accelerationStructure"]
+        .iter()
+        .any(|opaque| bare.starts_with(opaque))
+}
+
+/// Whether GLSL defines a type.
+fn is_built_in(kind: &str) -> bool {
+    let size = |rest: &str| rest.len() == 1 && rest.starts_with(['2', '3', '4']);
+    let of = |prefix: &str| kind.strip_prefix(prefix).is_some_and(size);
+    let matrix = |rest: &str| size(rest) || rest.split_once('x').is_some_and(|(c, r)| size(c) && size(r));
+    ["float", "int", "uint", "bool"].contains(&kind)
+        || ["vec", "ivec", "uvec", "bvec"].into_iter().any(of)
+        || kind.strip_prefix("mat").is_some_and(matrix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uniforms_that_stand_alone_become_a_block() {
+        let source = "#version 330\nuniform sampler2D a;\nuniform mat4 m;\nuniform highp float x = 2.0;\n\
+            layout(location = 3) uniform vec2 size, other[2];\nuniform Block { float y; };\nvoid main() {}\n";
+        let made = hoisted(source);
+        let lines: Vec<&str> = made.text.lines().collect();
+        assert_eq!(lines.len(), source.lines().count());
+        assert_eq!(lines[2], "layout(std140) uniform LooseUniforms { mat4 m; float x; vec2 size; vec2 other[2]; };");
+        assert_eq!((lines[1], lines[3], lines[4]), ("uniform sampler2D a;", "", ""));
+        assert_eq!(lines[5], "uniform Block { float y; };");
+        assert_eq!(made.own, [("x".to_owned(), Some(vec![2.0]))]);
+        let plain = "#version 460\nlayout(std140, binding = 0) uniform B {\n    float x;\n} b;\nvoid main() {}\n";
+        assert_eq!(hoisted(plain).text, plain);
+    }
+
+    #[test]
+    fn declarations_are_read_by_their_tokens() {
+        let block = |source: &str| {
+            let text = hoisted(source).text;
+            assert_eq!(text.matches('\n').count(), source.matches('\n').count(), "lines stay: {text}");
+            let from = text.find("layout(std140)").expect("a block");
+            text[from..text[from..].find("};").map_or(text.len(), |end| from + end + 2)].to_owned()
+        };
+        let is = |source: &str, fields: &str| {
+            assert_eq!(block(source), format!("layout(std140) uniform LooseUniforms {{ {fields} }};"), "{source}");
+        };
+        is("uniform float\n    gain;\n", "float gain;");
+        is("uniform float a = 0.5, b = 0.0;", "float a; float b;");
+        is("uniform float gains[4];", "float gains[4];");
+        is("uniform float[4] gains;", "float gains[4];");
+        is("uniform mat2 turn;uniform bool on ;", "mat2 turn; bool on;");
+        is("highp uniform layout(location = 2) vec3 c;", "vec3 c;");
+        is("struct S { float a; };\nvoid f() { if (true) { } }\nuniform float a;", "float a;");
+        is("uniform float w[2] = { 1.0, 2.0 };", "float w[2];");
+        is("uniform vec2 p = vec2(1.0, 2.0), q;", "vec2 p; vec2 q;");
+        is("#extension GL_x : enable\nuniform float a;\n#line 3\nuniform float b;", "float a; float b;");
+        is("uniform usampler2D s;uniform image2D i;uniform iimage2D j;uniform uint u;", "uint u;");
+    }
+
+    #[test]
+    fn names_of_the_shader_stay_behind_what_they_name() {
+        let made = hoisted("uniform float a;\nconst int N = 3;\nuniform float w[N];\nuniform S s;\nuniform int b;\n");
+        let lines: Vec<&str> = made.text.lines().collect();
+        assert_eq!(lines[0], "layout(std140) uniform LooseUniforms { float a; int b; };");
+        assert_eq!(lines[2], "layout(std140) uniform LooseUniforms1 { float w[N]; };");
+        assert_eq!(lines[3], "layout(std140) uniform LooseUniforms2 { S s; };");
+    }
+}

@@ -1,0 +1,296 @@
+//! What a user's SPIR-V says of its interface, read whole: each variable with the kind of image or the block that it is,
+//! what crosses from the vertex stage and to the targets, constants, and what is asked of a device. It is held against the
+//! manifest before any driver sees the code, since a driver may do anything with a shader that does not fit.
+//!
+//! `code` reads the words, and `blocks` finds where each number of a block lies. OpenGL counts the bindings of samplers,
+//! images and blocks apart, Vulkan counts them together, so each variable is given a binding of its own here.
+
+mod blocks;
+mod code;
+
+pub use blocks::{BlockField, BlockLayout};
+
+use crate::gpu::glsl::Constant;
+use code::{SpirvCode, decoration, op};
+use std::collections::BTreeMap;
+
+/// Storage classes of variables.
+mod class {
+    pub const UNIFORM_CONSTANT: u32 = 0;
+    pub const INPUT: u32 = 1;
+    pub const UNIFORM: u32 = 2;
+    pub const OUTPUT: u32 = 3;
+    pub const WORKGROUP: u32 = 4;
+    pub const PUSH_CONSTANT: u32 = 9;
+    pub const STORAGE_BUFFER: u32 = 12;
+}
+
+/// Capabilities that devices have on which this program runs, by their numbers (SPIR-V, 3.31): plain shaders, images of
+/// every kind with their queries and gathering, arrays of descriptors, derivatives, and subgroups.
+const CAPABILITIES: [std::ops::RangeInclusive<u32>; 8] =
+    [0..=1, 25..=25, 28..=31, 34..=34, 43..=47, 49..=52, 55..=56, 61..=68];
+
+/// Names of other capabilities that shaders of engines ask for.
+const NAMES: [(u32, &str); 14] = [
+    (2, "geometry shaders"),
+    (3, "tessellation"),
+    (9, "16-bit floats"),
+    (10, "64-bit floats"),
+    (11, "64-bit integers"),
+    (22, "16-bit integers"),
+    (32, "clip distances"),
+    (35, "shading of each sample"),
+    (36, "rectangle images"),
+    (37, "rectangle images"),
+    (39, "8-bit integers"),
+    (40, "input attachments"),
+    (41, "sparse images"),
+    (4472, "ray queries"),
+];
+
+/// The type of the numbers that an image, an input or an output has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    Float,
+    Int,
+    Uint,
+}
+
+/// The kind of an image that a shader declares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageKind {
+    pub dim: Dim,
+    pub arrayed: bool,
+    pub multisampled: bool,
+    /// Whether lookups compare with a depth.
+    pub shadow: bool,
+    pub component: Component,
+    /// The format of an image for storage, as SPIR-V numbers it; 0 for none.
+    pub format: u32,
+}
+
+/// How many axes an image has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dim {
+    One,
+    Two,
+    Three,
+    Cube,
+    Rect,
+    Buffer,
+}
+
+/// A variable that is bound.
+#[derive(Debug, Clone)]
+pub struct Variable {
+    /// Its binding in set 0, of its own.
+    pub binding: u32,
+    /// Its name, or the block's where it has none.
+    pub name: String,
+    /// The block's name; empty for an image.
+    pub block: String,
+    /// Elements: above 1 for an array.
+    pub count: u32,
+    /// Whether the shader says that it only reads.
+    pub read_only: bool,
+    pub kind: VariableKind,
+}
+
+#[derive(Debug, Clone)]
+pub enum VariableKind {
+    Sampled(ImageKind),
+    Stored(ImageKind),
+    Uniform(BlockLayout),
+    /// The bytes that a storage block has at least.
+    Storage(u32),
+}
+
+/// A variable between stages, or to a target.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Crossing {
+    pub name: String,
+    pub location: u32,
+    /// Its numbers; `None` for what is neither a number nor a vector.
+    pub component: Option<Component>,
+    /// Numbers of the vector.
+    pub numbers: u32,
+}
+
+/// A module and its interface.
+#[derive(Debug)]
+pub struct ShaderInterface {
+    /// The code, with a binding of its own for each variable, and the input at location 0.
+    pub words: Vec<u32>,
+    /// In the order of their bindings.
+    pub variables: Vec<Variable>,
+    pub push: Option<(String, BlockLayout)>,
+    /// Inputs of a fragment shader that it reads.
+    pub inputs: Vec<Crossing>,
+    /// In the order of their locations.
+    pub outputs: Vec<Crossing>,
+    pub constants: Vec<Constant>,
+    pub local_size: [u32; 3],
+    /// Bytes that a workgroup shares.
+    pub shared_bytes: u64,
+}
+
+/// Reads a module whose entry point is `main`; `is_fragment` says for which stage it is meant.
+///
+/// # Errors
+/// A sentence, which does not name the file, on what cannot be used.
+pub fn reflect(words: &[u32], is_fragment: bool) -> Result<ShaderInterface, String> {
+    let code = SpirvCode::read(words).ok_or("is not SPIR-V")?;
+    check_entry(&code, is_fragment)?;
+    for capability in code.all(op::CAPABILITY) {
+        let number = capability.word(0);
+        if !CAPABILITIES.iter().any(|known| known.contains(&number)) {
+            let name = NAMES.iter().find(|(known, _)| *known == number).map(|(_, name)| (*name).to_owned());
+            let name = name.unwrap_or_else(|| format!("the capability {number} of SPIR-V"));
+            return Err(format!("needs {name}, which this program does not turn on"));
+        }
+    }
+    let mut found = ShaderInterface {
+        words: Vec::new(),
+        variables: Vec::new(),
+        push: None,
+        inputs: Vec::new(),
+        outputs: Vec::new(),
+        constants: constants(&code),
+        local_size: code.local_size()?,
+        shared_bytes: 0,
+    };
+    let mut bound = Vec::new();
+    for variable in code.all(op::VARIABLE) {
+        let (pointer, id, class) = (variable.word(0), variable.word(1), variable.word(2));
+        let pointee = code.pointee(pointer).ok_or("has a variable without a type")?;
+        match class {
+            class::UNIFORM_CONSTANT | class::UNIFORM | class::STORAGE_BUFFER => {
+                let of = resource(&code, (id, class, pointee))?;
+                let place = [decoration::SET, decoration::BINDING].map(|d| code.decoration(id, d).unwrap_or(0));
+                bound.push((place, id, of));
+            }
+            class::PUSH_CONSTANT => {
+                let layout = BlockLayout::of(&code, pointee, id)?;
+                found.push = Some((code.name(pointee).to_owned(), layout));
+            }
+            class::INPUT if is_fragment && code.is_used(id) => found.inputs.extend(crossing(&code, id, pointee)),
+            class::OUTPUT if is_fragment => found.outputs.extend(crossing(&code, id, pointee)),
+            class::WORKGROUP => found.shared_bytes += u64::from(code.plain_size(pointee).unwrap_or(0)),
+            _ => {}
+        }
+    }
+    found.outputs.sort_by_key(|output| output.location);
+    bound.sort_by_key(|(place, id, _)| (*place, *id));
+    let mut numbers = BTreeMap::new();
+    for (number, (_, id, mut variable)) in (0..).zip(bound) {
+        variable.binding = number;
+        numbers.insert(id, number);
+        found.variables.push(variable);
+    }
+    found.words = code.with_places(&numbers, input_place(&code, &found.inputs));
+    Ok(found)
+}
+
+/// The only input that a fragment shader reads, which is moved to location 0, where texture coordinates are given.
+fn input_place(code: &SpirvCode, inputs: &[Crossing]) -> Option<u32> {
+    let [only] = inputs else { return None };
+    let is_it =
+        |id: u32| code.name(id) == only.name && code.decoration(id, decoration::LOCATION) == Some(only.location);
+    let mut ids = code.all(op::VARIABLE).filter(|v| v.word(2) == class::INPUT).map(|v| v.word(1));
+    ids.find(|id| is_it(*id))
+}
+
+fn check_entry(code: &SpirvCode, is_fragment: bool) -> Result<(), String> {
+    const FRAGMENT: u32 = 4;
+    const COMPUTE: u32 = 5;
+    let entries: Vec<(u32, String)> = code.all(op::ENTRY_POINT).map(|e| (e.word(0), e.text(2))).collect();
+    let Some((stage, _)) = entries.iter().find(|(_, name)| name == "main") else {
+        return Err("has no entry point main".to_owned());
+    };
+    match (*stage, is_fragment) {
+        (FRAGMENT, true) | (COMPUTE, false) => Ok(()),
+        (FRAGMENT, false) => Err("is a fragment shader, and the pass is a compute pass".to_owned()),
+        (COMPUTE, true) => Err("is a compute shader, and the pass is a fragment pass".to_owned()),
+        _ => Err("is neither a fragment nor a compute shader".to_owned()),
+    }
+}
+
+/// What a variable of a descriptor is.
+fn resource(code: &SpirvCode, (id, class, pointee): (u32, u32, u32)) -> Result<Variable, String> {
+    let own = code.name(id);
+    let (element, count) = code.element(pointee);
+    let block = code.name(element).to_owned();
+    let name = if own.is_empty() { block.clone() } else { own.to_owned() };
+    let is_storage = class == class::STORAGE_BUFFER || code.decoration(element, decoration::BUFFER_BLOCK).is_some();
+    let separate =
+        || format!("binds {name} as a separate image or sampler; use sampler2D and the like, which are both");
+    let kind = match code.definition(element).map(|d| (d.opcode, d)) {
+        Some((op::TYPE_SAMPLED_IMAGE, of)) => VariableKind::Sampled(image(code, of.word(1)).ok_or_else(separate)?),
+        Some((op::TYPE_IMAGE, of)) => match (image(code, element), of.word(6)) {
+            (Some(kind), 2) => VariableKind::Stored(kind),
+            // A buffer of texels has no sampler.
+            (Some(kind), _) if kind.dim == Dim::Buffer => VariableKind::Sampled(kind),
+            _ => return Err(separate()),
+        },
+        Some((op::TYPE_STRUCT, _)) if class != class::UNIFORM_CONSTANT => match is_storage {
+            true => VariableKind::Storage(BlockLayout::least_bytes(code, element)),
+            false => VariableKind::Uniform(BlockLayout::of(code, element, id)?),
+        },
+        Some((op::TYPE_SAMPLER, _)) => return Err(separate()),
+        _ => return Err(format!("binds {name} as something that is neither an image nor a block")),
+    };
+    let block = if matches!(kind, VariableKind::Sampled(_) | VariableKind::Stored(_)) { String::new() } else { block };
+    Ok(Variable { binding: 0, name, block, count, read_only: code.is_read_only(id, element), kind })
+}
+
+fn image(code: &SpirvCode, id: u32) -> Option<ImageKind> {
+    let of = code.definition(id).filter(|d| d.opcode == op::TYPE_IMAGE)?;
+    let dim = match of.word(2) {
+        0 => Dim::One,
+        1 => Dim::Two,
+        2 => Dim::Three,
+        3 => Dim::Cube,
+        4 => Dim::Rect,
+        5 => Dim::Buffer,
+        _ => return None,
+    };
+    let (component, _) = code.numbers(of.word(1))?;
+    let [shadow, arrayed, multisampled] = [3, 4, 5].map(|k| of.word(k) == 1);
+    Some(ImageKind { dim, arrayed, multisampled, shadow, component, format: of.word(7) })
+}
+
+/// A variable between stages; `None` for one that the stage has built in.
+fn crossing(code: &SpirvCode, id: u32, pointee: u32) -> Option<Crossing> {
+    if code.decoration(id, decoration::BUILT_IN).is_some() || code.has_built_in_members(pointee) {
+        return None;
+    }
+    let numbers = code.numbers(pointee);
+    Some(Crossing {
+        name: code.name(id).to_owned(),
+        location: code.decoration(id, decoration::LOCATION).unwrap_or(0),
+        component: numbers.map(|(component, _)| component),
+        numbers: numbers.map_or(0, |(_, n)| n),
+    })
+}
+
+/// The specialization constants, by id.
+fn constants(code: &SpirvCode) -> Vec<Constant> {
+    let mut found = Vec::new();
+    for made in
+        [op::SPEC_CONSTANT, op::SPEC_CONSTANT_TRUE, op::SPEC_CONSTANT_FALSE].into_iter().flat_map(|o| code.all(o))
+    {
+        let Some(id) = code.decoration(made.word(1), decoration::SPEC_ID) else { continue };
+        let ty = match code.numbers(made.word(0)) {
+            _ if made.opcode != op::SPEC_CONSTANT => "bool",
+            Some((Component::Float, _)) => "f32",
+            Some((Component::Int, _)) => "i32",
+            _ => "u32",
+        };
+        found.push(Constant { id, name: code.name(made.word(1)).to_owned(), ty });
+    }
+    found.sort();
+    found
+}
+
+#[cfg(test)]
+mod tests;

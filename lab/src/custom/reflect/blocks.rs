@@ -1,0 +1,149 @@
+//! Where each number of a uniform block lies.
+
+use super::Component;
+use super::code::{SpirvCode, decoration, op};
+
+/// The most bytes of a uniform block.
+const MAX_BYTES: u32 = 1 << 16;
+
+/// The most fields of a block, each element of an array of structs counted.
+const MAX_FIELDS: usize = 1 << 12;
+
+/// A uniform or push-constant block.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlockLayout {
+    pub fields: Vec<BlockField>,
+    /// Bytes.
+    pub size: u32,
+}
+
+/// A field of a block that is numbers: a scalar, a vector, a matrix, or an array of these.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlockField {
+    /// Its name; within structs and arrays of structs, as in `lights[1].colour`.
+    pub name: String,
+    pub component: Component,
+    /// Elements of an array, columns of a matrix, and rows or numbers of a vector.
+    pub shape: [u32; 3],
+    /// Where each number lies, in bytes: element by element, and column by column.
+    pub places: Vec<u32>,
+    /// Whether a function of the shader reads it, as far as that can be told.
+    pub is_read: bool,
+}
+
+impl BlockLayout {
+    /// The block of a type. `variable` is the variable that is it.
+    ///
+    /// # Errors
+    /// A sentence on a block that is too large, or has something else than numbers.
+    pub(super) fn of(code: &SpirvCode, id: u32, variable: u32) -> Result<Self, String> {
+        let mut block = Self { fields: Vec::new(), size: 0 };
+        let reached = code.reached_members(variable);
+        for member in 0..code.members(id).len() as u32 {
+            let first = block.fields.len();
+            block.add_member(code, (id, member), 0, "")?;
+            let is_read = reached.as_ref().is_none_or(|reached| reached.contains(&member));
+            block.fields[first..].iter_mut().for_each(|field| field.is_read = is_read);
+        }
+        let end = block.fields.iter().flat_map(|f| &f.places).max().map_or(0, |last| last + 4);
+        block.size = end.next_multiple_of(16);
+        Ok(block)
+    }
+
+    /// The bytes that a storage block has at least: up to its last member that has a size.
+    pub(super) fn least_bytes(code: &SpirvCode, id: u32) -> u32 {
+        let member = |(m, ty): (u32, &u32)| {
+            let offset = code.member_decoration(id, m, decoration::OFFSET).unwrap_or(0);
+            let of = code.definition(*ty);
+            let many = of.filter(|d| d.opcode == op::TYPE_ARRAY).and_then(|d| code.constant(d.word(2)));
+            match (many, code.decoration(*ty, decoration::ARRAY_STRIDE)) {
+                (Some(many), Some(stride)) => offset.saturating_add(stride.saturating_mul(many)),
+                _ => offset.saturating_add(code.plain_size(*ty).unwrap_or(0)),
+            }
+        };
+        (0..).zip(code.members(id)).map(member).max().unwrap_or(0)
+    }
+
+    /// Adds a member of a struct that lies at `start`; `before` is what stands before its name.
+    fn add_member(
+        &mut self,
+        code: &SpirvCode,
+        (id, member): (u32, u32),
+        start: u32,
+        before: &str,
+    ) -> Result<(), String> {
+        let at = |what: u32| code.member_decoration(id, member, what);
+        let name = format!("{before}{}", code.member_name(id, member));
+        let offset = start.saturating_add(at(decoration::OFFSET).unwrap_or(0));
+        let matrix = (at(decoration::MATRIX_STRIDE).unwrap_or(16), at(decoration::ROW_MAJOR).is_some());
+        let ty = code.members(id)[member as usize];
+        self.add(code, ty, (offset, matrix), name)
+    }
+
+    fn add(
+        &mut self,
+        code: &SpirvCode,
+        id: u32,
+        (offset, matrix): (u32, (u32, bool)),
+        name: String,
+    ) -> Result<(), String> {
+        let mut elements = vec![offset];
+        let mut ty = id;
+        while let Some(of) = code.definition(ty).filter(|d| d.opcode == op::TYPE_ARRAY) {
+            let many = code.constant(of.word(2)).unwrap_or(0);
+            let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
+            let last = elements.last().copied().unwrap_or(0);
+            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES {
+                return Err(too_large(&name));
+            }
+            elements = elements.iter().flat_map(|start| (0..many).map(move |k| start + k * stride)).collect();
+            ty = of.word(1);
+        }
+        if code.members(ty).is_empty() {
+            let field =
+                numbers(code, ty, &elements, matrix).ok_or_else(|| format!("has a field {name} of no number"))?;
+            if field.places.iter().any(|place| *place > MAX_BYTES - 4) {
+                return Err(too_large(&name));
+            }
+            if self.fields.len() >= MAX_FIELDS {
+                return Err(format!("has a block of more than {MAX_FIELDS} fields"));
+            }
+            self.fields.push(BlockField { name, ..field });
+            return Ok(());
+        }
+        for (k, start) in elements.iter().enumerate() {
+            let before = if ty == id { format!("{name}.") } else { format!("{name}[{k}].") };
+            for member in 0..code.members(ty).len() as u32 {
+                self.add_member(code, (ty, member), *start, &before)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn too_large(name: &str) -> String {
+    format!("has a block in which {name} lies beyond the {MAX_BYTES} bytes that uniform blocks may have")
+}
+
+/// A field of numbers that begins at each of `elements`.
+fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): (u32, bool)) -> Option<BlockField> {
+    let of = code.definition(ty)?;
+    let (columns, vector) = match of.opcode {
+        op::TYPE_MATRIX => (of.word(2), of.word(1)),
+        _ => (1, ty),
+    };
+    let (component, rows) = code.numbers(vector)?;
+    let (along, across) = if is_row_major && columns > 1 { (4, stride) } else { (stride, 4) };
+    let within = move |start: u32| {
+        (0..columns)
+            .flat_map(move |c| (0..rows).map(move |r| start.saturating_add(c * along).saturating_add(r * across)))
+    };
+    let places = elements.iter().flat_map(|start| within(*start)).collect();
+    Some(BlockField {
+        name: String::new(),
+        component,
+        shape: [elements.len() as u32, columns, rows],
+        places,
+        is_read: true,
+    })
+}

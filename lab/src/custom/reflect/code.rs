@@ -1,0 +1,371 @@
+//! The words of a SPIR-V module, with its types, names and decorations at hand.
+
+use super::Component;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Instructions that are read here.
+pub(super) mod op {
+    pub const NAME: u16 = 5;
+    pub const MEMBER_NAME: u16 = 6;
+    pub const ENTRY_POINT: u16 = 15;
+    pub const EXECUTION_MODE: u16 = 16;
+    pub const CAPABILITY: u16 = 17;
+    pub const TYPE_VOID: u16 = 19;
+    pub const TYPE_BOOL: u16 = 20;
+    pub const TYPE_INT: u16 = 21;
+    pub const TYPE_FLOAT: u16 = 22;
+    pub const TYPE_VECTOR: u16 = 23;
+    pub const TYPE_MATRIX: u16 = 24;
+    pub const TYPE_IMAGE: u16 = 25;
+    pub const TYPE_SAMPLER: u16 = 26;
+    pub const TYPE_SAMPLED_IMAGE: u16 = 27;
+    pub const TYPE_ARRAY: u16 = 28;
+    pub const TYPE_RUNTIME_ARRAY: u16 = 29;
+    pub const TYPE_STRUCT: u16 = 30;
+    pub const TYPE_POINTER: u16 = 32;
+    pub const TYPE_PIPE: u16 = 38;
+    pub const CONSTANT: u16 = 43;
+    pub const CONSTANT_COMPOSITE: u16 = 44;
+    pub const SPEC_CONSTANT_TRUE: u16 = 48;
+    pub const SPEC_CONSTANT_FALSE: u16 = 49;
+    pub const SPEC_CONSTANT: u16 = 50;
+    pub const SPEC_CONSTANT_COMPOSITE: u16 = 51;
+    pub const FUNCTION: u16 = 54;
+    pub const VARIABLE: u16 = 59;
+    pub const ACCESS_CHAIN: u16 = 65;
+    pub const IN_BOUNDS_ACCESS_CHAIN: u16 = 66;
+    pub const DECORATE: u16 = 71;
+    pub const MEMBER_DECORATE: u16 = 72;
+    pub const EXECUTION_MODE_ID: u16 = 331;
+}
+
+/// Decorations that are read here.
+pub(super) mod decoration {
+    pub const SPEC_ID: u32 = 1;
+    pub const BUFFER_BLOCK: u32 = 3;
+    pub const ROW_MAJOR: u32 = 4;
+    pub const ARRAY_STRIDE: u32 = 6;
+    pub const MATRIX_STRIDE: u32 = 7;
+    pub const BUILT_IN: u32 = 11;
+    pub const NON_WRITABLE: u32 = 24;
+    pub const LOCATION: u32 = 30;
+    pub const BINDING: u32 = 33;
+    pub const SET: u32 = 34;
+    pub const OFFSET: u32 = 35;
+}
+
+/// The words before the first instruction.
+const HEADER: usize = 5;
+
+/// An instruction: its operands are the words behind the first.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Instruction<'a> {
+    pub opcode: u16,
+    operands: &'a [u32],
+}
+
+impl<'a> Instruction<'a> {
+    /// An operand; 0 if there are fewer.
+    pub fn word(&self, at: usize) -> u32 {
+        self.operands.get(at).copied().unwrap_or(0)
+    }
+
+    /// The text that begins at an operand.
+    pub fn text(&self, at: usize) -> String {
+        let bytes = self.operands.iter().skip(at).flat_map(|w| w.to_le_bytes()).take_while(|b| *b != 0);
+        String::from_utf8_lossy(&bytes.collect::<Vec<u8>>()).into_owned()
+    }
+
+    fn from(&self, at: usize) -> &'a [u32] {
+        self.operands.get(at..).unwrap_or_default()
+    }
+
+    /// The operands that may be pointers: those of instructions that read, write, or hand a pointer on. Others have numbers
+    /// among their operands, which may look like ids.
+    fn pointers(&self) -> &'a [u32] {
+        const CALL: u16 = 57;
+        const TEXEL_POINTER: u16 = 60;
+        const LOAD: u16 = 61;
+        const STORE: u16 = 62;
+        const COPY_MEMORY: u16 = 63;
+        const COPY_MEMORY_SIZED: u16 = 64;
+        const ARRAY_LENGTH: u16 = 68;
+        const COPY_OBJECT: u16 = 83;
+        const SELECT: u16 = 169;
+        const PHI: u16 = 245;
+        const ATOMICS: std::ops::RangeInclusive<u16> = 227..=242;
+        match self.opcode {
+            STORE | COPY_MEMORY | COPY_MEMORY_SIZED => &self.operands[..self.operands.len().min(2)],
+            LOAD | TEXEL_POINTER | ARRAY_LENGTH | COPY_OBJECT => &self.from(2)[..self.from(2).len().min(1)],
+            op::ACCESS_CHAIN..=70 => &self.from(2)[..self.from(2).len().min(1)],
+            CALL | SELECT | PHI => self.from(2),
+            other if ATOMICS.contains(&other) => self.operands,
+            _ => &[],
+        }
+    }
+}
+
+/// A module.
+pub(super) struct SpirvCode<'a> {
+    words: &'a [u32],
+    instructions: Vec<Instruction<'a>>,
+    /// Types, constants and variables of the module, by their ids.
+    definitions: HashMap<u32, Instruction<'a>>,
+    names: HashMap<u32, String>,
+    member_names: HashMap<(u32, u32), String>,
+    decorations: HashMap<(u32, u32), u32>,
+    member_decorations: HashMap<(u32, u32, u32), u32>,
+    /// Bytes of types without a layout, by their ids.
+    sizes: HashMap<u32, u32>,
+    /// Ids that functions use.
+    used: HashSet<u32>,
+}
+
+impl<'a> SpirvCode<'a> {
+    /// `None` for what is not SPIR-V.
+    pub fn read(words: &'a [u32]) -> Option<Self> {
+        if words.len() < HEADER || words[0] != 0x0723_0203 {
+            return None;
+        }
+        let mut code = Self {
+            words,
+            instructions: Vec::new(),
+            definitions: HashMap::new(),
+            names: HashMap::new(),
+            member_names: HashMap::new(),
+            decorations: HashMap::new(),
+            member_decorations: HashMap::new(),
+            sizes: HashMap::new(),
+            used: HashSet::new(),
+        };
+        let mut at = HEADER;
+        let mut in_function = false;
+        while at < words.len() {
+            let length = (words[at] >> 16) as usize;
+            let operands = words.get(at + 1..at + length.max(1))?;
+            let instruction = Instruction { opcode: words[at] as u16, operands };
+            if length == 0 {
+                return None;
+            }
+            in_function |= instruction.opcode == op::FUNCTION;
+            if in_function {
+                code.used.extend(instruction.pointers());
+            } else {
+                code.note(instruction);
+            }
+            code.instructions.push(instruction);
+            at += length;
+        }
+        Some(code)
+    }
+
+    /// Notes an instruction outside of functions.
+    fn note(&mut self, i: Instruction<'a>) {
+        match i.opcode {
+            op::NAME => {
+                self.names.insert(i.word(0), i.text(1));
+            }
+            op::MEMBER_NAME => {
+                self.member_names.insert((i.word(0), i.word(1)), i.text(2));
+            }
+            op::DECORATE => {
+                self.decorations.insert((i.word(0), i.word(1)), i.word(2));
+            }
+            op::MEMBER_DECORATE => {
+                self.member_decorations.insert((i.word(0), i.word(1), i.word(2)), i.word(3));
+            }
+            op::TYPE_VOID..=op::TYPE_PIPE => {
+                // A type is made of types before it. One that is not would have no end.
+                if self.is_made_of_known(&i) {
+                    self.sizes.extend(self.size_of(&i).map(|size| (i.word(0), size)));
+                    self.definitions.insert(i.word(0), i);
+                }
+            }
+            41..=52 | op::VARIABLE => {
+                self.definitions.insert(i.word(1), i);
+            }
+            _ => {}
+        }
+    }
+
+    fn is_made_of_known(&self, i: &Instruction) -> bool {
+        let is_known = |id: &u32| self.definitions.contains_key(id);
+        match i.opcode {
+            op::TYPE_VECTOR | op::TYPE_MATRIX | op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY => is_known(&i.word(1)),
+            op::TYPE_IMAGE | op::TYPE_SAMPLED_IMAGE => is_known(&i.word(1)),
+            op::TYPE_STRUCT => i.from(1).iter().all(is_known),
+            _ => true,
+        }
+    }
+
+    /// The bytes of a type without a layout.
+    fn size_of(&self, i: &Instruction) -> Option<u32> {
+        let size = |id: u32| self.sizes.get(&id).copied();
+        match i.opcode {
+            op::TYPE_BOOL => Some(4),
+            op::TYPE_INT | op::TYPE_FLOAT => Some(i.word(1) / 8),
+            op::TYPE_VECTOR | op::TYPE_MATRIX => size(i.word(1))?.checked_mul(i.word(2)),
+            op::TYPE_ARRAY => size(i.word(1))?.checked_mul(self.constant(i.word(2))?),
+            op::TYPE_STRUCT => i.from(1).iter().try_fold(0_u32, |sum, m| sum.checked_add(size(*m)?)),
+            _ => None,
+        }
+    }
+
+    /// The instructions of a kind.
+    pub fn all(&self, opcode: u16) -> impl Iterator<Item = Instruction<'a>> + '_ {
+        self.instructions.iter().copied().filter(move |i| i.opcode == opcode)
+    }
+
+    pub fn definition(&self, id: u32) -> Option<Instruction<'a>> {
+        self.definitions.get(&id).copied()
+    }
+
+    pub fn name(&self, id: u32) -> &str {
+        self.names.get(&id).map_or("", String::as_str)
+    }
+
+    pub fn member_name(&self, id: u32, member: u32) -> &str {
+        self.member_names.get(&(id, member)).map_or("", String::as_str)
+    }
+
+    pub fn decoration(&self, id: u32, decoration: u32) -> Option<u32> {
+        self.decorations.get(&(id, decoration)).copied()
+    }
+
+    pub fn member_decoration(&self, id: u32, member: u32, decoration: u32) -> Option<u32> {
+        self.member_decorations.get(&(id, member, decoration)).copied()
+    }
+
+    /// Whether a function reads or writes what an id points to.
+    pub fn is_used(&self, id: u32) -> bool {
+        self.used.contains(&id)
+    }
+
+    /// The members of a block that functions reach; `None` if one takes the block as a whole.
+    pub fn reached_members(&self, variable: u32) -> Option<HashSet<u32>> {
+        let chains = |i: &&Instruction| matches!(i.opcode, op::ACCESS_CHAIN | op::IN_BOUNDS_ACCESS_CHAIN);
+        let start = self.instructions.iter().position(|i| i.opcode == op::FUNCTION)?;
+        let body = &self.instructions[start..];
+        let others = body.iter().filter(|i| !chains(i)).any(|i| i.pointers().contains(&variable));
+        let members = body.iter().filter(chains).filter(|i| i.word(2) == variable);
+        let members: Option<HashSet<u32>> = members.map(|i| self.constant(i.word(3))).collect();
+        members.filter(|_| !others)
+    }
+
+    /// The type that a pointer's type points to.
+    pub fn pointee(&self, pointer: u32) -> Option<u32> {
+        self.definition(pointer).filter(|d| d.opcode == op::TYPE_POINTER).map(|d| d.word(2))
+    }
+
+    /// The value of a constant of 32 bits; of a specialization constant, its default.
+    pub fn constant(&self, id: u32) -> Option<u32> {
+        let of = self.definition(id)?;
+        matches!(of.opcode, op::CONSTANT | op::SPEC_CONSTANT).then(|| of.word(2))
+    }
+
+    /// The type within an array, and how many elements that has; of what is no array, itself and 1.
+    pub fn element(&self, id: u32) -> (u32, u32) {
+        match self.definition(id) {
+            Some(of) if of.opcode == op::TYPE_ARRAY => {
+                let (inner, many) = self.element(of.word(1));
+                (inner, many.saturating_mul(self.constant(of.word(2)).unwrap_or(1)))
+            }
+            Some(of) if of.opcode == op::TYPE_RUNTIME_ARRAY => (of.word(1), u32::MAX),
+            _ => (id, 1),
+        }
+    }
+
+    /// The members of a struct.
+    pub fn members(&self, id: u32) -> &'a [u32] {
+        match self.definitions.get(&id) {
+            Some(Instruction { opcode: op::TYPE_STRUCT, operands }) => operands.get(1..).unwrap_or_default(),
+            _ => &[],
+        }
+    }
+
+    /// The numbers of a scalar or a vector of 32 bits: their type, and how many.
+    pub fn numbers(&self, id: u32) -> Option<(Component, u32)> {
+        let of = self.definition(id)?;
+        match of.opcode {
+            op::TYPE_FLOAT if of.word(1) == 32 => Some((Component::Float, 1)),
+            op::TYPE_INT if of.word(1) == 32 => {
+                Some((if of.word(2) == 1 { Component::Int } else { Component::Uint }, 1))
+            }
+            op::TYPE_VECTOR => self.numbers(of.word(1)).map(|(component, _)| (component, of.word(2))),
+            _ => None,
+        }
+    }
+
+    /// The bytes of a type without a layout, as a workgroup shares it.
+    pub fn plain_size(&self, id: u32) -> Option<u32> {
+        self.sizes.get(&id).copied()
+    }
+
+    /// Whether members of a struct are built into the stage.
+    pub fn has_built_in_members(&self, id: u32) -> bool {
+        let (element, _) = self.element(id);
+        let built_in = |m: usize| self.member_decoration(element, m as u32, decoration::BUILT_IN).is_some();
+        (0..self.members(element).len()).any(built_in)
+    }
+
+    /// Whether a variable, or all that its block holds, is declared `readonly`.
+    pub fn is_read_only(&self, id: u32, block: u32) -> bool {
+        let members = self.members(block).len() as u32;
+        let is = |m: u32| self.member_decoration(block, m, decoration::NON_WRITABLE).is_some();
+        (members > 0 && (0..members).all(is)) || self.decoration(id, decoration::NON_WRITABLE).is_some()
+    }
+
+    /// The threads of a workgroup: those of the built-in constant, or of the execution mode.
+    pub fn local_size(&self) -> Result<[u32; 3], String> {
+        const LOCAL_SIZE: u32 = 17;
+        const LOCAL_SIZE_ID: u32 = 38;
+        const WORKGROUP_SIZE: u32 = 25;
+        let unknown = || "has a workgroup whose size is no constant".to_owned();
+        let of_ids = |ids: &[u32]| -> Result<[u32; 3], String> {
+            let size: Option<Vec<u32>> = ids.iter().take(3).map(|id| self.constant(*id)).collect();
+            size.and_then(|size| size.try_into().ok()).ok_or_else(unknown)
+        };
+        let composites = [op::CONSTANT_COMPOSITE, op::SPEC_CONSTANT_COMPOSITE].into_iter().flat_map(|o| self.all(o));
+        for made in composites {
+            if self.decoration(made.word(1), decoration::BUILT_IN) == Some(WORKGROUP_SIZE) {
+                return of_ids(made.from(2));
+            }
+        }
+        if let Some(mode) = self.all(op::EXECUTION_MODE_ID).find(|m| m.word(1) == LOCAL_SIZE_ID) {
+            return of_ids(mode.from(2));
+        }
+        let mode = self.all(op::EXECUTION_MODE).find(|m| m.word(1) == LOCAL_SIZE);
+        Ok(mode.map_or([1; 3], |m| [m.word(2), m.word(3), m.word(4)]))
+    }
+
+    /// The words with other places: each variable of `bindings` has its binding in set 0, and `input` is at location 0.
+    pub fn with_places(&self, bindings: &BTreeMap<u32, u32>, input: Option<u32>) -> Vec<u32> {
+        let is_moved = |i: &Instruction| {
+            i.opcode == op::DECORATE
+                && match i.word(1) {
+                    decoration::BINDING | decoration::SET => bindings.contains_key(&i.word(0)),
+                    decoration::LOCATION => input == Some(i.word(0)),
+                    _ => false,
+                }
+        };
+        let decorate = |id: u32, what: u32, value: u32| [4 << 16 | u32::from(op::DECORATE), id, what, value];
+        let mut places: Vec<u32> = Vec::new();
+        for (&id, &binding) in bindings {
+            places.extend(decorate(id, decoration::SET, 0));
+            places.extend(decorate(id, decoration::BINDING, binding));
+        }
+        places.extend(input.into_iter().flat_map(|id| decorate(id, decoration::LOCATION, 0)));
+        let mut words = self.words[..HEADER].to_vec();
+        let mut written = false;
+        for i in self.instructions.iter().filter(|i| !is_moved(i)) {
+            // Decorations stand before the first type.
+            if !written && (op::TYPE_VOID..=op::TYPE_PIPE).contains(&i.opcode) {
+                words.append(&mut places);
+                written = true;
+            }
+            words.push(((i.operands.len() as u32 + 1) << 16) | u32::from(i.opcode));
+            words.extend(i.operands);
+        }
+        words
+    }
+}

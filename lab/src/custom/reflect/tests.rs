@@ -1,0 +1,126 @@
+//! Interfaces of small shaders, and of damaged ones.
+
+use super::*;
+use shaderc::{CompileOptions, Compiler, ShaderKind};
+
+fn compiled(text: &str, kind: ShaderKind) -> Vec<u32> {
+    let mut options = CompileOptions::new().expect("options");
+    options.set_auto_bind_uniforms(true);
+    options.set_auto_map_locations(true);
+    let made = Compiler::new().expect("a compiler").compile_into_spirv(text, kind, "a", "main", Some(&options));
+    made.expect("compiles").as_binary().to_vec()
+}
+
+fn fragment(declarations: &str, shown: &str) -> ShaderInterface {
+    let text =
+        format!("#version 450\nin vec2 at;\nout vec4 shown;\n{declarations}\nvoid main() {{ shown = {shown}; }}\n");
+    reflect(&compiled(&text, ShaderKind::Fragment), true).expect("an interface")
+}
+
+fn block(of: &ShaderInterface) -> &BlockLayout {
+    match &of.variables[0].kind {
+        VariableKind::Uniform(layout) => layout,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn numbers_lie_where_the_layout_says() {
+    let declarations = "struct L { vec3 c; float g; };\n\
+        layout(std140) uniform B { float a; vec2 b; float c[2]; mat2 d; mat3 e; layout(row_major) mat2x3 f; L g[2]; bool h; int i[2][2]; };";
+    let of = fragment(declarations, "vec4(a + g[1].c.x)");
+    let layout = block(&of);
+    let field = |name: &str| layout.fields.iter().find(|f| f.name == name).expect(name);
+    let is = |name: &str, component: Component, shape: [u32; 3], places: &[u32]| {
+        let found = field(name);
+        assert_eq!((found.component, found.shape, &found.places[..]), (component, shape, places), "{name}");
+    };
+    is("a", Component::Float, [1, 1, 1], &[0]);
+    is("b", Component::Float, [1, 1, 2], &[8, 12]);
+    is("c", Component::Float, [2, 1, 1], &[16, 32]);
+    is("d", Component::Float, [1, 2, 2], &[48, 52, 64, 68]);
+    is("e", Component::Float, [1, 3, 3], &[80, 84, 88, 96, 100, 104, 112, 116, 120]);
+    // Rows of two lie 16 bytes apart.
+    is("f", Component::Float, [1, 2, 3], &[128, 144, 160, 132, 148, 164]);
+    is("g[0].c", Component::Float, [1, 1, 3], &[176, 180, 184]);
+    is("g[1].g", Component::Float, [1, 1, 1], &[204]);
+    is("h", Component::Uint, [1, 1, 1], &[208]);
+    is("i", Component::Int, [4, 1, 1], &[224, 240, 256, 272]);
+    assert_eq!(layout.size, 288);
+    let read: Vec<&str> = layout.fields.iter().filter(|f| f.is_read).map(|f| f.name.as_str()).collect();
+    assert_eq!(read, ["a", "g[0].c", "g[0].g", "g[1].c", "g[1].g"]);
+}
+
+#[test]
+fn variables_have_bindings_of_their_own() {
+    let declarations = "layout(binding = 3) uniform sampler2D picture;\nlayout(binding = 3) uniform samplerCube sky;\n\
+        layout(std140, set = 1, binding = 0) uniform B { float a; } b;";
+    let of = fragment(declarations, "texture(picture, at) + texture(sky, at.xyx) + b.a");
+    let names: Vec<(u32, &str)> = of.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
+    assert_eq!(names, [(0, "picture"), (1, "sky"), (2, "b")]);
+    // The code says the same.
+    let again = reflect(&of.words, true).expect("an interface");
+    let bindings: Vec<(u32, &str)> = again.variables.iter().map(|v| (v.binding, v.name.as_str())).collect();
+    assert_eq!(bindings, names);
+    let kinds: Vec<Dim> = of
+        .variables
+        .iter()
+        .filter_map(|v| if let VariableKind::Sampled(k) = v.kind { Some(k.dim) } else { None })
+        .collect();
+    assert_eq!(kinds, [Dim::Two, Dim::Cube]);
+}
+
+#[test]
+fn inputs_outputs_constants_and_workgroups_are_found() {
+    let of = fragment("layout(constant_id = 4) const int many = 2;\nin vec3 unread;", "vec4(at, float(many), 1.0)");
+    assert_eq!(of.inputs.iter().map(|i| (i.name.as_str(), i.numbers)).collect::<Vec<_>>(), [("at", 2)]);
+    assert_eq!(reflect(&of.words, true).expect("an interface").inputs[0].location, 0);
+    assert_eq!(of.outputs.len(), 1);
+    assert_eq!(of.constants, [Constant { id: 4, name: "many".to_owned(), ty: "i32" }]);
+    let compute = "#version 450\nlayout(local_size_x = 8, local_size_y = 4) in;\nshared vec4 kept[16];\n\
+        layout(std430, binding = 0) readonly buffer K { vec4 head; uint list[]; } k;\n\
+        layout(binding = 1, r32f) uniform image2D made;\nvoid main() { kept[0] = k.head; imageStore(made, ivec2(0), kept[0]); }\n";
+    let words = compiled(compute, ShaderKind::Compute);
+    let of = reflect(&words, false).expect("an interface");
+    assert_eq!((of.local_size, of.shared_bytes), ([8, 4, 1], 256));
+    assert!(matches!(of.variables[0].kind, VariableKind::Storage(16)) && of.variables[0].read_only);
+    assert!(matches!(of.variables[1].kind, VariableKind::Stored(ImageKind { format: 3, .. })));
+    assert_eq!(reflect(&words, true).unwrap_err(), "is a compute shader, and the pass is a fragment pass");
+}
+
+/// Code of every kind of declaration.
+fn sample() -> Vec<u32> {
+    let text = "#version 450\nin vec2 at;\nout vec4 shown;\nstruct L { vec3 c; float g; };\nuniform sampler2D picture;\n\
+        layout(std140) uniform B { mat3 e; L g[2]; int i[2][2]; };\nlayout(constant_id = 1) const float k = 1.0;\n\
+        layout(push_constant) uniform P { vec4 p; };\n\
+        void main() { shown = texture(picture, at) * k + vec4(g[i[0][1]].c, e[0].x) + p; }\n";
+    compiled(text, ShaderKind::Fragment)
+}
+
+#[test]
+fn damaged_code_is_an_interface_or_a_sentence() {
+    let words = sample();
+    assert!(reflect(&words, true).is_ok());
+    // A generator of its own, so that every run damages the same words.
+    let mut state = 0x2545_f491_u64;
+    let mut random = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for _ in 0..20_000 {
+        let mut damaged = words.clone();
+        for _ in 0..=random(3) {
+            let at = random(damaged.len());
+            damaged[at] = match random(4) {
+                0 => damaged[random(damaged.len())],
+                1 => random(1 << 16) as u32,
+                2 => u32::MAX,
+                _ => damaged[at] ^ (1 << random(32)),
+            };
+        }
+        damaged.truncate(if random(8) == 0 { random(damaged.len()) } else { damaged.len() });
+        if let Ok(of) = reflect(&damaged, true) {
+            assert!(of.words.len() < 4 * words.len());
+        }
+    }
+}

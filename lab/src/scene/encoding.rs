@@ -1,0 +1,48 @@
+//! Encodings of texts that people's programs write: byte-order marks, and text of 16 or 32 bits a character.
+
+/// The byte-order mark of UTF-8, which some editors write before a text.
+const MARK: &[u8] = b"\xEF\xBB\xBF";
+
+/// A text without the byte-order mark of UTF-8.
+pub(super) fn without_mark(text: &[u8]) -> &[u8] {
+    text.strip_prefix(MARK).unwrap_or(text)
+}
+
+/// The name of the encoding if a text has more than a byte for each character; `None` for all others.
+///
+/// Such a text begins with a mark of its own, or its first characters, which are ASCII in every format that is read here,
+/// have zeros between them.
+pub(super) fn wide(text: &[u8]) -> Option<&'static str> {
+    match *text {
+        [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => Some("UTF-32"),
+        [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..] => Some("UTF-16"),
+        [0, 0, 0, a, ..] | [a, 0, 0, 0, ..] if a != 0 => Some("UTF-32"),
+        [0, a, 0, b, ..] | [a, 0, b, 0, ..] if a != 0 && b != 0 => Some("UTF-16"),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn encodings_are_told_apart_by_their_first_bytes() {
+        let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
+        let utf32 = |text: &str| text.chars().flat_map(|c| (c as u32).to_be_bytes()).collect::<Vec<u8>>();
+        for (text, name) in [
+            (utf16("\u{feff}v 0"), Some("UTF-16")),
+            (utf16("v 0"), Some("UTF-16")),
+            (utf32("v 0"), Some("UTF-32")),
+            (utf32("\u{feff}v"), Some("UTF-32")),
+            (b"v 0 0 0".to_vec(), None),
+            ("\u{feff}v 0 0".as_bytes().to_vec(), None),
+            (vec![0; 8], None),
+            (Vec::new(), None),
+        ] {
+            assert_eq!(wide(&text), name, "{text:?}");
+        }
+        assert_eq!(without_mark("\u{feff}v 0".as_bytes()), b"v 0");
+        assert_eq!(without_mark(b"v 0"), b"v 0");
+    }
+}

@@ -1,0 +1,61 @@
+//! Scenes that lie far from their origin, where floats are coarser than what they show.
+
+use glam::DVec3;
+
+/// The greatest distance from the origin over the scene's size at which floats still keep the details: they are then
+/// finer than 1 / 16,000 of it.
+const MOST_SIZES: f64 = 1024.0;
+
+/// A scene that must be moved to its own centre.
+pub(super) struct FarScene {
+    /// What to subtract from every place, in metres: whole metres, so that places can still be named.
+    pub(super) centre: DVec3,
+    size: f64,
+}
+
+/// The scene of these bounds if it lies too far from the origin for its size.
+pub(super) fn far_origin([min, max]: [DVec3; 2]) -> Option<FarScene> {
+    let (centre, size) = (0.5 * (min + max), (max - min).length());
+    let is_far = centre.is_finite() && centre.length() > MOST_SIZES * size && size > 0.0;
+    is_far.then(|| FarScene { centre: if size < 1.0 { centre } else { centre.round() }, size })
+}
+
+impl FarScene {
+    /// What the user is told where the scene is not moved, since other things are placed beside it.
+    pub(super) fn warning(&self) -> String {
+        format!(
+            "it lies {:.4e} m from the origin, too far for its size of {:.4e} m: floats lose its details; move it to the \
+             origin",
+            self.centre.length(),
+            self.size
+        )
+    }
+
+    /// What the user is told where it is.
+    pub(super) fn sentence(&self) -> String {
+        let [x, y, z] = self.centre.to_array().map(|v| 0.0 - v);
+        format!(
+            "it lies {:.4e} m from the origin, too far for its size of {:.4e} m; it was moved by ({x}, {y}, {z}) m, \
+             and places are those after the move",
+            self.centre.length(),
+            self.size
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_scenes_that_floats_cannot_hold_are_moved() {
+        let cube = |at: DVec3, half: f64| [at - half, at + half];
+        assert!(far_origin(cube(DVec3::ZERO, 1.0)).is_none());
+        assert!(far_origin(cube(DVec3::splat(1000.0), 1.0)).is_none());
+        let far = far_origin(cube(DVec3::new(6_378_137.4, 0.0, 0.0), 2.0)).expect("far");
+        assert_eq!(far.centre, DVec3::new(6_378_137.0, 0.0, 0.0));
+        assert!(far.sentence().contains("moved by (-6378137, 0, 0) m"), "{}", far.sentence());
+        assert!(far_origin([DVec3::INFINITY, DVec3::NEG_INFINITY]).is_none(), "no vertex");
+        assert!(far_origin(cube(DVec3::splat(5.0), 0.0)).is_none(), "a point");
+    }
+}

@@ -1,0 +1,269 @@
+//! Reads the JSON of a glTF file: takes it out of its container, mends what has one obvious reading, and checks the rest.
+//!
+//! The crate `gltf` refuses some documents that the specification allows, and others whose meaning is clear. What it can
+//! parse only in one form is brought to that form in the JSON ([`mend`]); of what its validation finds, the faults that
+//! this loader does not mind are passed over ([`is_harmless`]).
+
+use super::{Notes, READ};
+use crate::error::{Error, Result};
+use crate::scene::encoding;
+use gltf::Document;
+use gltf::json::validation::{Checked, Error as Fault, Validate};
+use gltf::json::{Path as JsonPath, Root, texture::WrappingMode};
+use serde_json::{Map, Value};
+use std::path::Path;
+
+/// The checked document and the binary chunk.
+///
+/// # Errors
+/// [`Error::Malformed`] with a sentence that tells apart other versions, other encodings of text, files that end too early
+/// and documents that are wrong.
+pub(super) fn read(path: &Path, bytes: &[u8], notes: &mut Notes) -> Result<(Document, Option<Vec<u8>>)> {
+    let wrong = |message: String| Error::malformed(path, None, message);
+    let (text, blob) = unpack(bytes).map_err(wrong)?;
+    let mut value = parse(text).map_err(wrong)?;
+    check_version(&value).map_err(wrong)?;
+    mend(&mut value, notes);
+    let mut json: Root = serde_json::from_value(value).map_err(|e| wrong(format!("is not glTF 2.0: {e}")))?;
+    check_extensions(&mut json, notes).map_err(wrong)?;
+    mend_samplers(&mut json, notes);
+    check(&json, notes).map_err(wrong)?;
+    Ok((Document::from_json_without_validation(json), blob))
+}
+
+/// The JSON text of a file, and the binary chunk of a `.glb`.
+fn unpack(bytes: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
+    let number = |at: usize| rest.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+    let (Some(version), Some(stated)) = (number(0), number(4)) else {
+        return Err(format!("is a truncated .glb: it ends within its header, after {} bytes", bytes.len()));
+    };
+    if version != 2 {
+        return Err(format!("is glTF {version}.0; version 2 is supported"));
+    }
+    let stated = stated as usize;
+    if stated < 12 {
+        return Err(format!("is not glTF 2.0: it states a length of {stated} bytes, which its header alone exceeds"));
+    }
+    if stated > bytes.len() {
+        return Err(format!("is a truncated .glb: it has {} bytes and states {stated}", bytes.len()));
+    }
+    chunks(&bytes[12..stated])
+}
+
+/// The first chunk, which is JSON, and the first binary one behind it; others are ignored, as the specification demands.
+fn chunks(mut rest: &[u8]) -> std::result::Result<(&[u8], Option<Vec<u8>>), String> {
+    let (mut json, mut blob) = (None, None);
+    while let [a, b, c, d, kind @ ..] = rest
+        && kind.len() >= 4
+    {
+        let length = u32::from_le_bytes([*a, *b, *c, *d]) as usize;
+        let (kind, content) = kind.split_at(4);
+        let Some((content, behind)) = content.split_at_checked(length) else {
+            return Err(format!("is a truncated .glb: a chunk states {length} bytes, and {} follow", content.len()));
+        };
+        match (kind, json) {
+            (b"JSON", None) => json = Some(content),
+            (_, None) => return Err("is not glTF 2.0: its first chunk is not JSON".to_owned()),
+            (b"BIN\0", Some(_)) if blob.is_none() => blob = Some(content.to_vec()),
+            _ => {}
+        }
+        rest = behind;
+    }
+    json.map(|json| (json, blob)).ok_or_else(|| "is a truncated .glb: it has no JSON".to_owned())
+}
+
+/// The document of a text, which may begin with a byte-order mark.
+fn parse(text: &[u8]) -> std::result::Result<Value, String> {
+    if let Some(name) = encoding::wide(text) {
+        return Err(format!("is {name} text; save it as UTF-8"));
+    }
+    let text = encoding::without_mark(text);
+    serde_json::from_slice(text).map_err(|e| {
+        if text.trim_ascii().is_empty() {
+            "is empty".to_owned()
+        } else if e.is_eof() {
+            format!("is a truncated glTF file: its JSON ends too early, in line {}", e.line())
+        } else if std::str::from_utf8(text).is_err() {
+            format!("is not UTF-8 text, as glTF must be ({e})")
+        } else {
+            format!("is not JSON, as glTF must be: {e}")
+        }
+    })
+}
+
+/// # Errors
+/// A sentence for a document of another version than 2. In version 1, lists are objects with names.
+fn check_version(value: &Value) -> std::result::Result<(), String> {
+    let Some(document) = value.as_object() else {
+        return Err("is not glTF 2.0: its JSON is no object".to_owned());
+    };
+    let version = match document.get("asset").and_then(|asset| asset.get("version")) {
+        Some(Value::String(version)) => Some(version.clone()),
+        Some(Value::Number(version)) => version.as_f64().map(|v| format!("{v:.1}")),
+        _ => None,
+    };
+    let named = ["nodes", "meshes", "accessors", "buffers", "scenes"];
+    let is_named = named.iter().any(|list| document.get(*list).is_some_and(Value::is_object));
+    match version {
+        Some(version) if !version.starts_with("2.") && version != "2" => {
+            Err(format!("is glTF {version}; version 2 is supported"))
+        }
+        None if is_named => Err("is glTF 1.0; version 2 is supported".to_owned()),
+        None => Err("is not glTF 2.0: it has no asset with a version".to_owned()),
+        Some(_) => Ok(()),
+    }
+}
+
+/// Brings what has one obvious reading to the only form that the crate parses.
+fn mend(document: &mut Value, notes: &mut Notes) {
+    mend_values(document);
+    if let Some(version) = document.pointer_mut("/asset/version")
+        && version.is_number()
+    {
+        *version = Value::from("2.0");
+    }
+    let animations = document.as_object_mut().and_then(|d| d.remove("animations"));
+    if animations.is_some_and(|a| a.as_array().is_none_or(|a| !a.is_empty())) {
+        notes.add("animations", "animations are not played".to_owned());
+    }
+    for scene in list(document, "scenes") {
+        if let Some(scene) = scene.as_object_mut() {
+            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
+        }
+    }
+    for view in list(document, "bufferViews") {
+        // Zero is what some exporters write for elements without gaps.
+        if let Some(view) = view.as_object_mut().filter(|v| v.get("byteStride") == Some(&Value::from(0))) {
+            view.remove("byteStride");
+        }
+    }
+    for primitive in list(document, "meshes").flat_map(|mesh| list(mesh, "primitives")) {
+        if let Some(attributes) = primitive.get_mut("attributes").and_then(Value::as_object_mut) {
+            drop_own_attributes(attributes, notes);
+        }
+    }
+}
+
+/// Drops attributes that the specification does not define. Names with an underscore are for applications.
+fn drop_own_attributes(attributes: &mut Map<String, Value>, notes: &mut Notes) {
+    let is_set = |name: &str, prefix: &str| name.strip_prefix(prefix).is_some_and(|k| k.parse::<u32>().is_ok());
+    let is_known = |name: &str| {
+        ["POSITION", "NORMAL", "TANGENT"].contains(&name)
+            || ["TEXCOORD_", "COLOR_", "JOINTS_", "WEIGHTS_"].iter().any(|prefix| is_set(name, prefix))
+    };
+    attributes.retain(|name, _| {
+        if !is_known(name) && !name.starts_with('_') {
+            notes.add("attributes", format!("the attribute {name} of a mesh is not one of glTF and was ignored"));
+        }
+        is_known(name)
+    });
+}
+
+/// Numbers without a fraction become integers, since the crate takes 4.0 for no count; members that are null are left out,
+/// since they say nothing.
+fn mend_values(value: &mut Value) {
+    match value {
+        Value::Number(number) => {
+            let whole = number.as_f64().filter(|v| number.is_f64() && v.fract() == 0.0 && v.abs() < 9e15);
+            if let Some(whole) = whole {
+                *value = Value::from(whole as i64);
+            }
+        }
+        Value::Array(items) => items.iter_mut().for_each(mend_values),
+        Value::Object(members) => {
+            members.retain(|_, member| !member.is_null());
+            members.values_mut().for_each(mend_values);
+        }
+        _ => {}
+    }
+}
+
+/// The items of a list of an object; none if there is no such list.
+fn list<'a>(object: &'a mut Value, name: &str) -> impl Iterator<Item = &'a mut Value> + use<'a> {
+    object.get_mut(name).and_then(Value::as_array_mut).into_iter().flatten()
+}
+
+/// # Errors
+/// A sentence for an extension that the file requires and this loader lacks.
+fn check_extensions(json: &mut Root, notes: &mut Notes) -> std::result::Result<(), String> {
+    let known = |name: &String| READ.contains(&name.as_str());
+    if let Some(name) = json.extensions_required.iter().find(|name| !known(name)) {
+        return Err(format!("requires the extension {name}, which is not supported; {}", remedy(name)));
+    }
+    // What is read here, the crate need not know.
+    json.extensions_required.clear();
+    for name in json.extensions_used.iter().filter(|name| !known(name)) {
+        notes.add(name, format!("the extension {name} is not supported and was ignored"));
+    }
+    Ok(())
+}
+
+/// What whoever has a file with this extension can do.
+fn remedy(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" | "EXT_meshopt_compression" => "export the meshes without compression",
+        "KHR_texture_basisu" => "export the images as PNG or JPEG instead of KTX2",
+        "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => "export the images as PNG or JPEG",
+        _ => "export without it",
+    }
+}
+
+/// Ways of repeating that are none count as the default; filters are not read.
+fn mend_samplers(json: &mut Root, notes: &mut Notes) {
+    for sampler in &mut json.samplers {
+        (sampler.mag_filter, sampler.min_filter) = (None, None);
+        for wrap in [&mut sampler.wrap_s, &mut sampler.wrap_t] {
+            if *wrap == Checked::Invalid {
+                *wrap = Checked::Valid(WrappingMode::Repeat);
+                notes.add("wrapping", "a way in which an image repeats is unknown; it repeats plainly".to_owned());
+            }
+        }
+    }
+}
+
+/// # Errors
+/// A sentence for the first fault of the document that this loader minds.
+fn check(json: &Root, notes: &mut Notes) -> std::result::Result<(), String> {
+    // The crate's own check of positions reads the accessor before it knows that there is one.
+    let position = Checked::Valid(gltf::Semantic::Positions);
+    let positions = json.meshes.iter().flat_map(|m| &m.primitives).filter_map(|p| p.attributes.get(&position));
+    if positions.map(|index| index.value()).any(|index| index >= json.accessors.len()) {
+        return Err("is not glTF 2.0: positions are in an accessor that is not there".to_owned());
+    }
+    let mut first = None;
+    json.validate(json, JsonPath::new, &mut |path, fault| {
+        let path = path();
+        if !is_harmless(path.as_str(), fault, notes) && first.is_none() {
+            let what = match fault {
+                Fault::IndexOutOfBounds => "refers to what is not there",
+                Fault::Invalid => "has a value that it cannot have",
+                Fault::Missing => "is missing",
+                Fault::Oversize => "is too large",
+                Fault::Unsupported => "is not supported",
+            };
+            first = Some(format!("is not glTF 2.0: {path} {what}"));
+        }
+    });
+    first.map_or(Ok(()), Err)
+}
+
+/// Whether the loader does not need what is wrong: bounds of positions, which it computes itself; a view of an accessor,
+/// which then holds zeros; positions, without which a primitive is not drawn; distances between elements, which it checks
+/// itself, and what a view is for.
+fn is_harmless(path: &str, fault: Fault, notes: &mut Notes) -> bool {
+    let ends = |end: &str| path.ends_with(end);
+    if ends(".attributes[\"POSITION\"].min") || ends(".attributes[\"POSITION\"].max") {
+        notes.add("bounds", "positions lack their bounds (min and max), which were computed".to_owned());
+        return true;
+    }
+    match fault {
+        Fault::Missing if ends(".attributes[\"POSITION\"]") => {
+            notes.add("positions", "primitives without positions are not drawn".to_owned());
+            true
+        }
+        Fault::Missing => path.starts_with("accessors[") && ends("].bufferView"),
+        Fault::Invalid => path.starts_with("bufferViews[") && (ends("].byteStride") || ends("].target")),
+        _ => false,
+    }
+}

@@ -1,0 +1,479 @@
+//! What glTF 2.0 allows, and what other programs write that has one obvious reading: it loads, with a warning where the
+//! specification is not kept.
+
+use super::gltf::{Square, binary, close, error, load, picture, pictured, scene, sentences, square};
+use super::*;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use serde_json::{Value, json};
+use ssct_lab::scene::{Light, gltf};
+use std::time::{Duration, Instant};
+
+/// The square is there as it always is: side 2 by 1 in the xy plane.
+fn is_the_square(scene: &Scene) {
+    assert!(close(area(scene), 2.0) && scene.triangle_count() == 2, "{}", area(scene));
+    let bounds = scene.bounds();
+    assert!(
+        bounds.min.distance(Vec3::ZERO) < 1e-5 && bounds.max.distance(Vec3::new(2.0, 1.0, 0.0)) < 1e-5,
+        "{bounds:?}"
+    );
+}
+
+/// The square with a change loads as the square does, and says something or nothing.
+fn loads(said: &[&str], change: impl FnOnce(&mut Value)) {
+    let scene = scene(&square(json!({}), change));
+    is_the_square(&scene);
+    assert_eq!(sentences(&scene), said);
+}
+
+#[test]
+fn attributes_of_applications_are_passed_over() {
+    let add = |name: &'static str| move |d: &mut Value| d["meshes"][0]["primitives"][0]["attributes"][name] = 2.into();
+    loads(&[], add("_WARMTH"));
+    loads(&[], add("_"));
+    loads(&["the attribute WARMTH of a mesh is not one of glTF and was ignored"], add("WARMTH"));
+    loads(&["the attribute TEXCOORD_x of a mesh is not one of glTF and was ignored"], add("TEXCOORD_x"));
+    loads(&[], |d| {
+        add("_A")(d);
+        add("_B")(d);
+    });
+}
+
+#[test]
+fn animations_of_any_kind_are_passed_over() {
+    for target in [json!({"path": "scale"}), json!({"node": 0, "path": "pointer"}), json!({})] {
+        loads(&["animations are not played"], |d| {
+            d["animations"] =
+                json!([{"samplers": [{"input": 3, "output": 0}], "channels": [{"sampler": 0, "target": target}]}]);
+        });
+    }
+    loads(&[], |d| d["animations"] = json!([]));
+}
+
+#[test]
+fn accessors_without_a_view_are_zeros() {
+    loads(&[], |d| {
+        d["accessors"][2].as_object_mut().unwrap().remove("bufferView");
+    });
+    let zeros = scene(&square(json!({}), |d| {
+        d["accessors"][2].as_object_mut().unwrap().remove("bufferView");
+    }));
+    assert!(zeros.meshes[0].vertices.iter().all(|v| v.uv == [0.0, 0.0]));
+    // All positions at one place have no area.
+    let no_area = error(&square(json!({}), |d| {
+        d["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    }));
+    assert_eq!(no_area, "has no triangle with an area in its scene");
+    let claims = error(&square(json!({}), |d| {
+        let accessor = d["accessors"][3].as_object_mut().unwrap();
+        accessor.remove("bufferView");
+        accessor.insert("count".into(), 4_000_000_000_u64.into());
+    }));
+    assert_eq!(claims, "accessor 3 has 4000000000 elements without bytes, more than 1048576");
+}
+
+#[test]
+fn sparse_accessors_change_some_elements() {
+    let with = |base: bool| {
+        let mut square = Square::new();
+        // Elements 2 and 1, in this order, of the positions: the right side is moved to x = 4.
+        square.accessor("SCALAR", 5121, 2, &[2, 1]);
+        square.floats("VEC3", &[4.0, 1.0, 0.0, 4.0, 0.0, 0.0]);
+        let mut document = square.document(json!({}));
+        let indices = json!({"bufferView": 4, "componentType": 5121});
+        let position = &mut document["accessors"][0];
+        position["sparse"] = json!({"count": 2, "indices": indices, "values": {"bufferView": 5}});
+        if !base {
+            position.as_object_mut().unwrap().remove("bufferView");
+        }
+        scene(&document)
+    };
+    assert_eq!((area(&with(true)), with(true).bounds().max.x), (4.0, 4.0));
+    // Without a view, the others are at the origin: one of the two triangles is left.
+    assert_eq!((area(&with(false)), with(false).triangle_count()), (2.0, 1));
+}
+
+#[test]
+fn scenes_without_nodes_are_allowed() {
+    loads(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"name": "empty"}]));
+    loads(&[], |d| d["scenes"] = json!([{"nodes": [0]}, {"nodes": []}]));
+    loads(&[], |d| {
+        d.as_object_mut().unwrap().remove("scenes");
+        d.as_object_mut().unwrap().remove("scene");
+    });
+    let shown = error(&square(json!({}), |d| d["scenes"] = json!([{"name": "empty"}])));
+    assert_eq!(shown, "has no triangle with an area in its scene");
+}
+
+#[test]
+fn numbers_nulls_and_distances_are_read_as_they_are_meant() {
+    loads(&[], |d| {
+        for accessor in d["accessors"].as_array_mut().unwrap() {
+            accessor["count"] = (accessor["count"].as_u64().unwrap() as f64).into();
+            accessor["componentType"] = (accessor["componentType"].as_u64().unwrap() as f64).into();
+        }
+        d["buffers"][0]["byteLength"] = 140.0.into();
+        d["nodes"][0]["mesh"] = 0.0.into();
+        d["scene"] = 0.0.into();
+    });
+    loads(&[], |d| {
+        d["nodes"][0]["camera"] = Value::Null;
+        d["nodes"][0]["children"] = Value::Null;
+        d["materials"][0]["name"] = Value::Null;
+        d["skins"] = Value::Null;
+        d["meshes"][0]["primitives"][0]["targets"] = Value::Null;
+    });
+    loads(&[], |d| d["bufferViews"][0]["byteStride"] = 0.into());
+    loads(&[], |d| d["bufferViews"][0]["target"] = 1.into());
+    loads(&[], |d| d["asset"]["version"] = 2.0.into());
+    loads(&["positions lack their bounds (min and max), which were computed"], |d| {
+        d["accessors"][0].as_object_mut().unwrap().remove("min");
+    });
+    loads(&["positions lack their bounds (min and max), which were computed"], |d| {
+        d["accessors"][0]["max"] = json!(["a", 1]);
+    });
+    let half = error(&square(json!({}), |d| d["accessors"][0]["count"] = 3.5.into()));
+    assert!(half.starts_with("is not glTF 2.0: ") && half.contains("3.5"), "{half}");
+}
+
+#[test]
+fn unknown_ways_of_repeating_are_plain() {
+    let sampled = |wrap: u32| {
+        let mut document = pictured(
+            json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}),
+            &[picture(1, 1, |_, _| [9; 4])],
+        );
+        document["samplers"] = json!([{"wrapS": wrap, "wrapT": 10497, "minFilter": 3, "magFilter": 4}]);
+        document["textures"][0]["sampler"] = 0.into();
+        scene(&document).warnings.len()
+    };
+    assert_eq!((sampled(10497), sampled(7)), (0, 1));
+}
+
+#[test]
+fn data_addresses_are_read_as_rfc_2397_says() {
+    let bytes = Square::new().bytes;
+    let base64 = BASE64_STANDARD.encode(&bytes);
+    let percent: String = bytes.iter().map(|b| format!("%{b:02X}")).collect();
+    let in_lines = base64.as_bytes().chunks(64).map(|c| String::from_utf8_lossy(c)).collect::<Vec<_>>().join("\r\n");
+    for uri in [
+        format!("data:application/octet-stream,{percent}"),
+        format!("data:,{percent}"),
+        format!("data:application/octet-stream;base64,{}", base64.replace('=', "%3D").replace('/', "%2f")),
+        format!("DATA:application/octet-stream;BASE64,{base64}"),
+        format!("Data:;base64,{}", base64.trim_end_matches('=')),
+        format!("data:application/gltf-buffer;charset=utf-8;base64,{base64}"),
+        format!("data:;base64,{in_lines}"),
+    ] {
+        loads(&[], |d| d["buffers"][0]["uri"] = uri.into());
+    }
+    for uri in ["data:", "data:;base64", "data:;base64,", "data:;base64,!!!!", "DATA:x,"] {
+        let said = error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
+        assert_eq!(said, "buffer 0 is not valid base64", "{uri}");
+    }
+    let mut image = picture(1, 1, |_, _| [0, 255, 0, 255]);
+    let encoded = image["uri"].as_str().unwrap().replace("data:image/png", "DATA:image/PNG").replace('+', "%2B");
+    image["uri"] = encoded.into();
+    let green = json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0}});
+    let scene = scene(&pictured(green, &[image]));
+    assert_eq!((scene.warnings.len(), &scene.textures[0].rgba[..]), (0, &[0, 255, 0, 255][..]));
+}
+
+#[test]
+fn addresses_that_are_no_files_are_refused_at_once() {
+    let start = Instant::now();
+    let at = |uri: &str| error(&square(json!({}), |d| d["buffers"][0]["uri"] = uri.into()));
+    let network = at("https://example.org/a.bin");
+    assert_eq!(network, "buffer 0 is at an address of the kind https:, which is not read");
+    assert!(at("file:///etc/passwd").contains("of the kind file:"));
+    for folder in [".", "..", "/dev"] {
+        assert!(
+            at(folder).contains("is no file; a buffer is read from a regular file alone"),
+            "{folder}: {}",
+            at(folder)
+        );
+    }
+    if std::path::Path::new("/dev/zero").exists() {
+        for device in ["/dev/zero", "../../../../../../dev/zero", "..%2f..%2f..%2f..%2f..%2fdev/zero"] {
+            assert!(at(device).contains("is no file"), "{device}: {}", at(device));
+        }
+    }
+    let long = at(&"x".repeat(3000));
+    assert!(long.len() < 8000, "{}", long.len());
+    assert!(start.elapsed() < Duration::from_secs(5));
+    let image = json!({"uri": "https://example.org/a.png"});
+    let remote = scene(&pictured(json!({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}), &[image]));
+    assert!(sentences(&remote)[0].contains("of the kind https:"), "{:?}", remote.warnings);
+    // A name that is not encoded is found as it is written.
+    let folder = Folder::new(&[]);
+    folder.write("100%41.bin", &Square::new().bytes);
+    let document = square(json!({}), |d| d["buffers"][0]["uri"] = "100%41.bin".into());
+    folder.write("a.gltf", document.to_string().as_bytes());
+    is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
+}
+
+/// The square with a skin of two joints: `weights` of each, and the joints' own nodes.
+fn skinned(weights: [f32; 2], change: impl FnOnce(&mut Value)) -> Value {
+    let mut square = Square::new();
+    square.accessor("VEC4", 5121, 4, &[0, 1, 0, 0].repeat(4));
+    square.floats("VEC4", &[weights[0], weights[1], 0.0, 0.0].repeat(4));
+    let matrix = |scale: f32, x: f32| {
+        let mut m = [0.0; 16];
+        (m[0], m[5], m[10], m[15], m[12]) = (scale, scale, scale, 1.0, x);
+        m
+    };
+    square.floats("MAT4", &[matrix(1.0, 0.0), matrix(1.0, -10.0)].concat());
+    let mut document = square.document(json!({}));
+    let attributes = &mut document["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["JOINTS_0"], attributes["WEIGHTS_0"]) = (4.into(), 5.into());
+    document["skins"] = json!([{"joints": [1, 2], "inverseBindMatrices": 6}]);
+    document["nodes"] = json!([
+        {"mesh": 0, "skin": 0, "translation": [0, 50, 0]},
+        {"name": "first", "translation": [0, 0, 0]},
+        {"name": "second", "translation": [10, 0, 0]},
+    ]);
+    document["scenes"] = json!([{"nodes": [0, 1, 2]}]);
+    change(&mut document);
+    document
+}
+
+#[test]
+fn skins_are_placed_by_their_joints() {
+    let placed = |weights, change: fn(&mut Value)| scene(&skinned(weights, change));
+    // The node of the mesh is at (0, 50, 0), and moves nothing. Both joints stand where they were bound.
+    for weights in [[1.0, 0.0], [0.0, 1.0], [0.5, 0.5], [3.0, 1.0], [0.0, 0.0], [f32::NAN, 1.0]] {
+        let scene = placed(weights, |_| ());
+        is_the_square(&scene);
+        assert_eq!(scene.warnings.len(), 0, "{:?}", scene.warnings);
+    }
+    // A joint that moved takes its share along.
+    let moved = |d: &mut Value| d["nodes"][2]["translation"] = json!([14, 0, 0]);
+    assert_eq!(placed([0.0, 1.0], moved).bounds().min.x, 4.0);
+    assert_eq!(placed([0.5, 0.5], moved).bounds().min.x, 2.0);
+    assert_eq!(placed([1.0, 0.0], moved).bounds().min.x, 0.0);
+    // A scale above the joints, which the inverse bind undoes or not.
+    let scaled = |d: &mut Value| {
+        d["nodes"] = json!([{"mesh": 0, "skin": 0}, {"scale": [0.01, 0.01, 0.01]}, {}, {"children": [0, 1, 2], "scale": [100, 100, 100]}]);
+        d["scenes"] = json!([{"nodes": [3]}]);
+    };
+    is_the_square(&placed([1.0, 0.0], scaled));
+    // Joints beside the scene that is shown.
+    is_the_square(&placed([0.5, 0.5], |d| d["scenes"] = json!([{"nodes": [0]}])));
+    // Without matrices, joints are taken as they stand.
+    let plain = placed([0.0, 1.0], |d| {
+        d["skins"][0].as_object_mut().unwrap().remove("inverseBindMatrices");
+    });
+    assert_eq!(plain.bounds().min.x, 10.0);
+}
+
+#[test]
+fn skins_that_cannot_be_are_named() {
+    let said = |change: fn(&mut Value)| error(&skinned([1.0, 0.0], change));
+    assert_eq!(
+        said(|d| d["skins"][0]["joints"] = json!([1])),
+        "mesh mesh 0: vertex 0 has joint 1, and the skin has 1 joints"
+    );
+    assert_eq!(
+        said(|d| d["skins"][0]["joints"] = json!([1, 2, 0])),
+        "skin 0 has fewer inverse bind matrices than its 3 joints"
+    );
+    assert_eq!(
+        said(|d| d["skins"][0]["inverseBindMatrices"] = 5.into()),
+        "accessor 5 of inverse bind matrices must have 4x4 floats"
+    );
+}
+
+#[test]
+fn morph_targets_count_by_their_weights() {
+    let morphed = |mesh: Value, node: Value| {
+        let mut square = Square::new();
+        square.floats("VEC3", &[0.0, 0.0, 3.0].repeat(4));
+        let mut document = square.document(json!({}));
+        document["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": 4}, {"NORMAL": 1}]);
+        document["meshes"][0]["weights"] = mesh;
+        document["nodes"][0]["weights"] = node;
+        let scene = scene(&document);
+        assert_eq!(scene.warnings.len(), 0, "{:?}", scene.warnings);
+        scene.bounds().min.z
+    };
+    assert_eq!(morphed(Value::Null, Value::Null), 0.0);
+    assert_eq!(morphed(json!([0.5, 0]), Value::Null), -1.5);
+    assert_eq!(morphed(json!([0.5, 0]), json!([1, 0])), -3.0, "the node's weights go before the mesh's");
+    assert_eq!(morphed(json!([0, 1]), Value::Null), 0.0);
+}
+
+#[test]
+fn the_scale_is_of_every_length() {
+    let document = square(json!({}), |d| {
+        d["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        d["cameras"] = json!([
+            {"type": "perspective", "perspective": {"yfov": 1, "znear": 1, "zfar": 100}},
+            {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.5}},
+        ]);
+        d["extensions"] = json!({"KHR_lights_punctual": {"lights": [
+            {"type": "point", "intensity": 64, "range": 20}, {"type": "directional", "intensity": 2},
+        ]}});
+        let lamp = |k: u32| json!({"translation": [1, 0.5, 4], "extensions": {"KHR_lights_punctual": {"light": k}}});
+        d["nodes"] = json!([{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}, {"camera": 1}, lamp(0), lamp(1)]);
+        d["scenes"] = json!([{"nodes": [0, 1, 2, 3, 4]}]);
+    });
+    let folder = Folder::new(&[("a.gltf", &document.to_string())]);
+    let at = |scale: f32| gltf::load(&folder.path("a.gltf"), &scaled(scale)).unwrap();
+    let (whole, small) = (at(1.0), at(0.125));
+    assert_eq!(small.bounds().max, 0.125 * whole.bounds().max);
+    for (a, b) in whole.views.iter().zip(&small.views) {
+        let (of_a, of_b) = (a.lens.unwrap(), b.lens.unwrap());
+        assert_eq!((0.125 * a.eye, 0.125 * a.look_at), (b.eye, b.look_at));
+        assert_eq!([0.125 * of_a.near_m, 0.125 * of_a.far_m], [of_b.near_m, of_b.far_m]);
+    }
+    let [Light::Point { energy: a, .. }, Light::Directional { energy: sun, .. }] = whole.lights[..] else {
+        panic!("{:?}", whole.lights)
+    };
+    let [Light::Point { energy: b, .. }, Light::Directional { energy: same, .. }] = small.lights[..] else {
+        panic!("{:?}", small.lights)
+    };
+    assert!(close(a / 64.0, b) && close(sun, same), "an energy is a length squared: {a} {b}");
+    assert_eq!(sentences(&whole), ["ranges of lights are not supported; lights reach as far as they fade"]);
+}
+
+#[test]
+fn files_of_other_kinds_are_told_apart() {
+    let said = |name: &str, bytes: &[u8]| {
+        let folder = Folder::new(&[]);
+        folder.write(name, bytes);
+        let error = gltf::load(&folder.path(name), &LoadOptions::default()).unwrap_err().to_string();
+        folder.without_folder(&error).split_once(": ").unwrap().1.to_owned()
+    };
+    let text = |text: &str| said("a.gltf", text.as_bytes());
+    let old = r#"{"asset": {"version": "1.0"}, "scenes": {"s": {"nodes": []}}, "nodes": {}}"#;
+    assert_eq!(text(old), "is glTF 1.0; version 2 is supported");
+    assert_eq!(text(r#"{"nodes": {}, "meshes": {}}"#), "is glTF 1.0; version 2 is supported");
+    assert_eq!(text(r#"{"asset": {"version": 1.0}}"#), "is glTF 1.0; version 2 is supported");
+    assert_eq!(text(r#"{"asset": {}}"#), "is not glTF 2.0: it has no asset with a version");
+    assert_eq!(text("[]"), "is not glTF 2.0: its JSON is no object");
+    assert_eq!(text(" \n"), "is empty");
+    assert_eq!(text("{\n\"asset\": {\n\"ver"), "is a truncated glTF file: its JSON ends too early, in line 3");
+    assert!(text("v 0 0 0").starts_with("is not JSON, as glTF must be: "), "{}", text("v 0 0 0"));
+    let whole = square(json!({}), |_| ()).to_string();
+    let wide: Vec<u8> = whole.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    assert_eq!(said("a.gltf", &wide), "is UTF-16 text; save it as UTF-8");
+    assert!(said("a.gltf", b"{\"a\": \"\xe9\"}").starts_with("is not UTF-8 text, as glTF must be"));
+
+    let glb = binary(Square::new().document(json!({})), &Square::new().bytes);
+    assert_eq!(said("a.glb", &glb[..6]), "is a truncated .glb: it ends within its header, after 6 bytes");
+    let half = said("a.glb", &glb[..glb.len() / 2]);
+    assert_eq!(half, format!("is a truncated .glb: it has {} bytes and states {}", glb.len() / 2, glb.len()));
+    let old = [&b"glTF"[..], &1_u32.to_le_bytes(), &20_u32.to_le_bytes(), &[0; 8]].concat();
+    assert_eq!(said("a.glb", &old), "is glTF 1.0; version 2 is supported");
+    let mut long_chunk = glb.clone();
+    long_chunk[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+    assert!(said("a.glb", &long_chunk).starts_with("is a truncated .glb: a chunk states 4294967295 bytes, and "));
+}
+
+#[test]
+fn byte_order_marks_and_unknown_chunks_are_skipped() {
+    let marked = format!("\u{feff}{}", square(json!({}), |_| ()));
+    let folder = Folder::new(&[("a.gltf", &marked)]);
+    is_the_square(&gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap());
+    // A chunk of another kind before the binary one, and one behind it.
+    let glb = binary(Square::new().document(json!({})), &Square::new().bytes);
+    let json_end = 20 + u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let other = [&4_u32.to_le_bytes()[..], b"XTRA", b"abcd"].concat();
+    let mut with = [&glb[..json_end], &other, &glb[json_end..], &other].concat();
+    let length = (with.len() as u32).to_le_bytes();
+    with[8..12].copy_from_slice(&length);
+    folder.write("a.glb", &with);
+    is_the_square(&gltf::load(&folder.path("a.glb"), &LoadOptions::default()).unwrap());
+}
+
+#[test]
+fn primitives_without_positions_are_not_drawn() {
+    loads(&["primitives without positions are not drawn"], |d| {
+        let with = d["meshes"][0]["primitives"][0].clone();
+        let mut without = with.clone();
+        without["attributes"].as_object_mut().unwrap().remove("POSITION");
+        d["meshes"][0]["primitives"] = json!([with, without]);
+    });
+}
+
+/// The square with floats of its own in place of an accessor's.
+fn with_floats(accessor: usize, kind: &str, floats: &[f32]) -> Value {
+    let mut square = Square::new();
+    square.floats(kind, floats);
+    let mut document = square.document(json!({}));
+    document["accessors"][accessor] = document["accessors"][4].clone();
+    document
+}
+
+#[test]
+fn values_that_are_no_numbers_have_a_reading_unless_they_are_places() {
+    let nan = f32::NAN;
+    let scene = super::gltf::scene(&with_floats(
+        1,
+        "VEC3",
+        &[[nan, 0.0, 1.0], [0.0, f32::INFINITY, 0.0], [0.0; 3], [0.0, 0.0, 1.0]].concat(),
+    ));
+    is_the_square(&scene);
+    assert_eq!(sentences(&scene), ["normals that are not finite became those of their triangles"]);
+    assert!(scene.meshes[0].vertices.iter().all(|v| normal(v) == Vec3::NEG_Z));
+    let scene = super::gltf::scene(&with_floats(2, "VEC2", &[nan, 0.0, 1.0, 1.0, f32::INFINITY, 0.0, 0.0, 0.0]));
+    assert_eq!(sentences(&scene), ["texture coordinates that are not finite count as 0"]);
+    let place =
+        error(&with_floats(0, "VEC3", &[[nan, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 1.0, 0.0]].concat()));
+    assert_eq!(place, "mesh square: the position of vertex 0 is not a number");
+    // A vertex that no triangle has may be anything.
+    let mut unused = with_floats(0, "VEC3", &[[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 1.0, 0.0], [nan; 3]].concat());
+    unused["accessors"][3]["count"] = 3.into();
+    assert_eq!(super::gltf::scene(&unused).triangle_count(), 1);
+}
+
+#[test]
+fn normals_of_an_author_stay_unless_they_point_to_the_back() {
+    // Eight degrees behind the face, as seen from its front at +z of the file.
+    let leaning = super::gltf::scene(&with_floats(1, "VEC3", &[0.0, 0.99, -0.14].repeat(4)));
+    assert_eq!(sentences(&leaning), [""; 0]);
+    let kept = Vec3::new(0.0, 0.99, 0.14).normalize();
+    assert!(leaning.meshes[0].vertices.iter().all(|v| normal(v).distance(kept) < 1e-6), "z is negated, nothing else");
+    let turned = super::gltf::scene(&with_floats(1, "VEC3", &[0.0, 0.0, -1.0].repeat(4)));
+    assert_eq!(sentences(&turned), ["normals that point to the back of their triangles were turned to its front"]);
+    assert!(turned.meshes[0].vertices.iter().all(|v| normal(v) == Vec3::NEG_Z));
+}
+
+#[test]
+fn many_things_of_one_name_or_one_accessor_take_little_time() {
+    let start = Instant::now();
+    let cameras = square(json!({}), |d| {
+        d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
+        let one = json!({"camera": 0, "name": "cam", "translation": [0, 0, 4]});
+        let numbered = json!({"camera": 0, "name": "cam 2", "translation": [0, 0, 4]});
+        let nodes: Vec<Value> = [json!({"mesh": 0}), numbered].into_iter().chain(vec![one; 4000]).collect();
+        d["scenes"] = json!([{"nodes": (0..nodes.len()).collect::<Vec<_>>()}]);
+        d["nodes"] = nodes.into();
+    });
+    let scene = load(&cameras).unwrap();
+    let names: std::collections::HashSet<&str> = scene.views.iter().map(|v| v.name.as_str()).collect();
+    assert_eq!((scene.views.len(), names.len()), (4001, 4001));
+    assert!(names.contains("cam") && names.contains("cam 2") && names.contains("cam 4001"));
+    // Many primitives draw two triangles each of many vertices.
+    let mut many = Square::new();
+    many.floats("VEC3", &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 1.0, 0.0, 0.0, 1.0, 0.0].repeat(10_000));
+    let mut document = many.document(json!({}));
+    let primitive = json!({"attributes": {"POSITION": 4}, "indices": 3, "material": 0});
+    document["meshes"][0]["primitives"] = vec![primitive; 4000].into();
+    let scene = load(&document).unwrap();
+    assert_eq!(scene.triangle_count(), 8000);
+    // Many materials, each used once.
+    let materials = square(json!({}), |d| {
+        let material = d["materials"][0].clone();
+        d["materials"] = vec![material; 4000].into();
+        let primitive = d["meshes"][0]["primitives"][0].clone();
+        let with = |k: usize| {
+            let mut primitive = primitive.clone();
+            primitive["material"] = k.into();
+            primitive
+        };
+        d["meshes"][0]["primitives"] = (0..4000).map(with).collect();
+    });
+    assert_eq!(load(&materials).unwrap().materials.len(), 4000);
+    assert!(start.elapsed() < Duration::from_secs(10), "{:?}", start.elapsed());
+}

@@ -1,0 +1,102 @@
+//! Scenes far from the origin are moved to their own before anything is rounded, and a warning says by how much.
+
+use super::gltf::{Square, sentences, square as gltf_square};
+use super::*;
+use serde_json::{Value, json};
+use ssct_lab::scene::{gltf, scene_file};
+
+/// The square as a scene of its own, at places with six decimals.
+fn at(x: f64, y: f64, z: f64, size: f64) -> String {
+    let corner = |u: f64, v: f64| format!("v {:.6} {:.6} {:.6}\n", x + size * u, y + size * v, z);
+    [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)].concat() + "f 1 2 3 4\n"
+}
+
+/// The length of the first edge, which is what rounding changes.
+fn edges(scene: &Scene) -> Vec<f32> {
+    let all = scene.meshes.iter().flat_map(triangles);
+    all.map(|[a, b, _]| position(&a).distance(position(&b))).collect()
+}
+
+#[test]
+fn an_obj_file_of_a_map_keeps_its_details() {
+    let folder = Folder::new(&[("a.obj", &at(456_789.25, 12.5, 5_432_109.75, 0.123))]);
+    let scene = folder.scene();
+    assert!(edges(&scene).iter().all(|e| (e - 0.123).abs() < 1e-4 || (e - 0.123 * 2_f32.sqrt()).abs() < 1e-4));
+    assert!(scene.bounds().max.abs().max_element() < 1.0, "{:?}", scene.bounds());
+    let said = folder.warnings(&scene);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].contains("too far for its size") && said[0].contains("moved by (-456789"), "{said:?}");
+    let half = folder.load("a.obj", &ObjOptions { load: scaled(0.5), ..LEFT }).unwrap();
+    assert!(edges(&half).iter().any(|e| (e - 0.0615).abs() < 1e-4), "{:?}", edges(&half));
+    // Files of one scene are moved together.
+    folder.write("b.obj", at(456_791.25, 12.5, 5_432_109.75, 0.123).as_bytes());
+    let files = ["a.obj", "b.obj"].map(|name| ObjFile::from(folder.path(name)));
+    let both = obj::load(&files, &LEFT).unwrap();
+    let size = both.bounds().max - both.bounds().min;
+    assert!((size.x - 2.123).abs() < 1e-3, "{size}");
+}
+
+#[test]
+fn near_scenes_stay_where_they_are() {
+    for text in [at(0.0, 0.0, 0.0, 1.0), at(500.0, 0.0, 0.0, 1.0), at(-5_000.0, 0.0, 0.0, 10_000.0)] {
+        let scene = Folder::new(&[("a.obj", &text)]).scene();
+        assert_eq!(scene.warnings.len(), 0, "{:?}", scene.warnings);
+    }
+}
+
+/// The glTF square on the surface of the Earth, with a camera before it.
+fn on_earth(scale: f64) -> Value {
+    gltf_square(json!({}), |d| {
+        d["nodes"] = json!([
+            {"mesh": 0, "scale": [scale, scale, scale]},
+            {"camera": 0, "translation": [0, 0, 4], "name": "cam"},
+            {"children": [0, 1], "translation": [4_200_000, 170_000, 4_780_000]},
+        ]);
+        d["scenes"] = json!([{"nodes": [2]}]);
+        d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]);
+    })
+}
+
+#[test]
+fn a_gltf_scene_on_the_earth_is_as_smooth_as_at_the_origin() {
+    for scale in [1.0, 1e-3] {
+        let scene = super::gltf::scene(&on_earth(scale));
+        assert!(
+            (area(&scene) - (2.0 * scale * scale) as f32).abs() < 1e-4 * (scale * scale) as f32,
+            "{}",
+            area(&scene)
+        );
+        assert_eq!(sentences(&scene).len(), 1, "{:?}", scene.warnings);
+        assert!(sentences(&scene)[0].contains("moved by (-4200"), "{:?}", scene.warnings);
+        // The camera goes along.
+        let view = &scene.views[0];
+        assert!((view.eye.z - (scene.bounds().min.z - 4.0)).abs() < 1e-3, "{view:?} {:?}", scene.bounds());
+    }
+}
+
+#[test]
+fn a_scene_file_places_other_things_and_only_warns() {
+    let folder = Folder::new(&[("a.obj", &at(456_789.25, 12.5, 5_432_109.75, 0.5))]);
+    folder.write("a.scene.toml", b"handedness = \"left\"\n[[mesh]]\nfile = \"a.obj\"\n");
+    let scene = scene_file::load(&folder.path("a.scene.toml"), &LoadOptions::default()).unwrap();
+    assert!(scene.bounds().min.x > 456_000.0);
+    assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].contains("floats lose its details"), "{:?}", scene.warnings);
+    let of_gltf = Folder::new(&[("a.gltf", &on_earth(1.0).to_string())]);
+    of_gltf.write("a.scene.toml", b"[[mesh]]\nfile = \"a.gltf\"\n");
+    let scene = scene_file::load(&of_gltf.path("a.scene.toml"), &LoadOptions::default()).unwrap();
+    assert!(scene.bounds().min.x > 4e6 && scene.warnings.len() == 1, "{:?}", scene.warnings);
+}
+
+#[test]
+fn positions_that_are_rounded_in_the_file_are_moved_too() {
+    let mut square = Square::new();
+    let far = [[5e6, 0.0, 0.0], [5e6 + 2.0, 0.0, 0.0], [5e6 + 2.0, 1.0, 0.0], [5e6, 1.0, 0.0]];
+    square.floats("VEC3", &far.concat());
+    let mut document = square.document(json!({}));
+    document["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = 4.into();
+    let folder = Folder::new(&[("a.gltf", &document.to_string())]);
+    let scene = gltf::load(&folder.path("a.gltf"), &LoadOptions::default()).unwrap();
+    assert_sound(&scene);
+    assert_eq!((area(&scene), scene.warnings.len()), (2.0, 1));
+}
