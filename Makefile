@@ -6,8 +6,9 @@ OUT ?= out
 PROFILE ?= dev
 BIN ?= $(or $(CARGO_TARGET_DIR),target)/$(patsubst dev,debug,$(PROFILE))/ssct
 
-.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-faults test-gpu-av soak \
-	test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs clean
+.PHONY: all setup build package study gpu-study bars test test-wgpu test-drivers test-debian-12 test-debian-13 \
+	test-faults test-gpu-av soak test-mitsuba test-cluster test-snakemake library fuzz lint bench view doc docs \
+	clean
 
 all: build
 
@@ -44,9 +45,14 @@ test-wgpu: build
 	SSCT_COMMAND="$(BIN)" $(CARGO) test --manifest-path examples/wgpu/Cargo.toml \
 		--target-dir "$(or $(CARGO_TARGET_DIR),target)"
 
-# The tests of drivers on lavapipe and on SwiftShader, under a younger validation layer; both are fetched: minutes.
+# The tests of drivers on lavapipe, on SwiftShader and on Mesa 25's lavapipe, the first two under a younger validation
+# layer; all but the first are fetched: minutes.
 test-drivers: setup
 	CARGO="$(CARGO)" scripts/test-drivers.sh
+
+# The README's two commands in a bare Debian, which debootstrap makes in a folder; as root: 40 minutes.
+test-debian-12 test-debian-13: test-debian-%:
+	scripts/test-debian.sh $*
 
 # Every allocation and every submission of every method made to fail: minutes.
 test-faults: setup

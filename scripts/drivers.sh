@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
-# Fetches SwiftShader and a younger Khronos validation layer into .drivers/, for `make test-drivers`. SwiftShader is a
-# Vulkan driver on the CPU that was written independently of Mesa. Debian's package chromium-common holds both files; the
-# script unpacks it and installs nothing. It fetches only what is missing, so it is safe to run again.
+# Fetches SwiftShader, a younger Khronos validation layer and a younger Mesa into .drivers/, for `make test-drivers`.
+# SwiftShader is a Vulkan driver on the CPU that was written independently of Mesa. Debian's package chromium-common holds
+# it and the layer; Mesa 25 is that of Debian 12's backports, whose lavapipe needs nothing that Debian 12 lacks. The script
+# unpacks packages and installs nothing. It fetches only what is missing, so it is safe to run again.
 #   scripts/drivers.sh         fetch
 #   scripts/drivers.sh --env   print the variables with which a program sees both drivers and the younger layer
+#   scripts/drivers.sh --mesa  print the variable with which a program sees the younger Mesa alone; nothing where there is none
 set -euo pipefail
 
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -11,6 +13,8 @@ package=chromium-common
 folder="$root/.drivers"
 driver=libvk_swiftshader.so
 layer=libVkLayer_khronos_validation.so
+
+mesa="$folder/mesa"
 
 say() { printf 'drivers: %s\n' "$*" >&2; }
 
@@ -21,7 +25,16 @@ if [ "${1:-}" = --env ]; then
     exit 0
 fi
 
-[ -s "$folder/version" ] && exit 0
+if [ "${1:-}" = --mesa ]; then
+    [ ! -s "$mesa/version" ] || printf 'export VK_DRIVER_FILES=%q\n' "$mesa/lavapipe.json"
+    exit 0
+fi
+
+# The backports are of Debian 12. A younger system has a younger Mesa of its own.
+codename=$(. /etc/os-release 2>/dev/null && echo "${VERSION_CODENAME:-}")
+wants_mesa=
+[ "$codename" != bookworm ] || [ -s "$mesa/version" ] || wants_mesa=1
+[ -s "$folder/version" ] && [ -z "$wants_mesa" ] && exit 0
 command -v apt-get >/dev/null && command -v dpkg-deb >/dev/null || {
     say "this script knows Debian and Ubuntu; elsewhere put $driver and $layer of a Chromium build into $folder"
     exit 1
@@ -29,12 +42,40 @@ command -v apt-get >/dev/null && command -v dpkg-deb >/dev/null || {
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
+as_root=()
+[ "$(id -u)" -eq 0 ] || as_root=(sudo -n)
+
+# Fetches Mesa of the backports, by lists of packages of its own: the system's need not have them.
+fetch_mesa() {
+    local mirror options archive
+    mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Codename: bookworm' | head -n 1)
+    [ -n "$mirror" ] || { say 'apt has no source of bookworm, so that Mesa of its backports cannot be fetched'; return 1; }
+    mkdir -p "$scratch/lists/partial" "$scratch/cache/archives/partial"
+    printf 'deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg] %s bookworm-backports main\n' "$mirror" \
+        >"$scratch/backports.list"
+    options=(-q -o "Dir::Etc::SourceList=$scratch/backports.list" -o Dir::Etc::SourceParts=/dev/null
+        -o "Dir::State::Lists=$scratch/lists" -o "Dir::Cache=$scratch/cache" -o APT::Sandbox::User=)
+    if ! (cd "$scratch" && apt-get "${options[@]}" update && apt-get "${options[@]}" download \
+        mesa-vulkan-drivers/bookworm-backports) >"$scratch/log" 2>&1; then
+        say "Mesa of Debian's backports cannot be fetched: $(tail -n 1 "$scratch/log")"
+        return 1
+    fi
+    archive=$(find "$scratch" -maxdepth 1 -name 'mesa-vulkan-drivers*.deb')
+    mkdir -p "$mesa"
+    dpkg-deb --fsys-tarfile "$archive" | tar -x -O --wildcards './usr/lib/*/libvulkan_lvp.so' >"$mesa/libvulkan_lvp.so"
+    cat >"$mesa/lavapipe.json" <<JSON
+{"file_format_version": "1.0.0", "ICD": {"library_path": "./libvulkan_lvp.so", "api_version": "1.4.0"}}
+JSON
+    dpkg-deb --field "$archive" Version >"$mesa/version"
+    say "lavapipe of Mesa $(cat "$mesa/version") is in $mesa"
+}
+[ -z "$wants_mesa" ] || fetch_mesa
+[ ! -s "$folder/version" ] || exit 0
+
 fetch() { (cd "$scratch" && apt-get download -q "$package" >"$scratch/log" 2>&1); }
 if ! fetch; then
     # The lists of packages may be missing or old.
     say 'reading the lists of packages anew'
-    as_root=()
-    [ "$(id -u)" -eq 0 ] || as_root=(sudo -n)
     "${as_root[@]}" apt-get update -q >&2 || true
     fetch || { say "the package $package cannot be fetched: $(tail -n 1 "$scratch/log")"; exit 1; }
 fi

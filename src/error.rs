@@ -85,10 +85,15 @@ pub enum Error {
     },
 
     /// The validation layers found fault with the run.
-    #[error("the validation layers reported {count} message(s) outside the allow-list; the first: {first}")]
+    #[error(
+        "the validation layers reported {} message(s) outside the allow-list: {} (SSCT_LOG=vulkan=warn prints each \
+         whole); the first: {first}",
+        ids.iter().map(|(_, times)| times).sum::<usize>(),
+        ids.iter().map(|(id, times)| format!("{times} of {id}")).collect::<Vec<_>>().join(", ")
+    )]
     Validation {
-        /// How many messages.
-        count: usize,
+        /// The identifiers of the messages, and how often each came.
+        ids: Vec<(String, usize)>,
         /// The text of the first one.
         first: String,
     },

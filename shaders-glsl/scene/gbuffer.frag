@@ -52,11 +52,20 @@ bool IsPeeled() {
 }
 #endif
 
+// Distance of neighbouring pixels whose coordinates are one point, over the coordinates: at most a 256th of a texel of
+// a map of 4096 texels, which is what filters resolve.
+#define POINT_WIDTH (1.0 / 1048576.0)
+
 // Where a quad samples. What is seen from a hand's breadth or with coordinates that rounding tears apart has
 // thousands of repeats in a pixel: the last level already, but lavapipe's anisotropic filter goes over them one by
 // one, for seconds. One repeat a pixel is the last level as well.
+// A surface without coordinates has one point in every pixel. The anisotropic filter of lavapipe since Mesa 24 divides
+// zero by zero there and gives 0 (Vulkan: the ratio of anisotropy is 1), so that neighbours are set apart.
 vec2 Place() {
     vec2 repeats = fwidthCoarse(in_uv);
+    if (repeats == vec2(0.0)) {
+        return in_uv + POINT_WIDTH * max(abs(in_uv), vec2(1.0)) * vec2(uvec2(gl_FragCoord.xy) & 1u);
+    }
     return all(lessThanEqual(repeats, vec2(MOST_REPEATS))) ? in_uv : gl_FragCoord.xy;
 }
 

@@ -172,7 +172,7 @@ pub fn vulkan(what: impl Into<String>) -> impl FnOnce(vk::Result) -> Error {
 
 /// Every device that the loader sees, suitable or not.
 pub fn devices() -> Result<Vec<DeviceListing>> {
-    let (_entry, instance, _) = create_instance(&DeviceQuery::default())?;
+    let (_entry, instance, _) = create_instance(&DeviceQuery::default(), &ValidationLog::default())?;
     let listing = list(&instance);
     // SAFETY: nothing was created from the instance.
     unsafe { instance.destroy_instance(None) };
@@ -186,9 +186,11 @@ impl Gpu {
     /// [`Error::NoDevice`] without a loader or suitable device, [`Error::Usage`] for a device that
     /// does not exist or validation layers that are not installed.
     pub fn open(query: &DeviceQuery) -> Result<Self> {
-        let (entry, instance, has_debug) = create_instance(query)?;
+        // This handle keeps the log until a failed opening has destroyed the instance, which writes into it.
+        let log = Arc::<ValidationLog>::default();
+        let (entry, instance, has_debug) = create_instance(query, &log)?;
         // From here on everything that exists is destroyed by `Shared`, or here on an error.
-        let debug = has_debug.then(|| Debug::new(&entry, &instance, query.validation)).transpose();
+        let debug = has_debug.then(|| Debug::new(&entry, &instance, query.validation, &log)).transpose();
         let opened = debug.and_then(|debug| open_device(entry.clone(), instance.clone(), debug, query));
         if opened.is_err() {
             // SAFETY: opening failed before a device was created from it, or destroyed that device.
@@ -252,11 +254,7 @@ impl Gpu {
 
     /// An error if the validation layers said anything outside the allow-list.
     pub fn check_validation(&self) -> Result<()> {
-        let violations = self.violations();
-        match violations.first() {
-            None => Ok(()),
-            Some(first) => Err(Error::Validation { count: violations.len(), first: first.text.clone() }),
-        }
+        validation::check(&self.violations())
     }
 
     /// The raw device, for `gpu/` and the window.
@@ -412,6 +410,8 @@ impl Drop for Shared {
                 return;
             }
             self.device.destroy_device(None);
+            // The instance writes into the log until it is gone.
+            let _log = self.debug.as_ref().map(|debug| Arc::clone(&debug.log));
             if let Some(debug) = self.debug.take() {
                 debug.destroy();
             }
@@ -421,25 +421,18 @@ impl Drop for Shared {
 }
 
 impl Debug {
-    fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool) -> Result<Self> {
+    fn new(entry: &ash::Entry, instance: &ash::Instance, listen: bool, log: &Arc<ValidationLog>) -> Result<Self> {
         let loader = ash::ext::debug_utils::Instance::new(entry, instance);
-        let log = Arc::<ValidationLog>::default();
         let messenger = if listen {
-            use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
-            let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
-                .message_severity(S::WARNING | S::ERROR)
-                .message_type(T::VALIDATION | T::PERFORMANCE)
-                .pfn_user_callback(Some(validation::callback))
-                .user_data(Arc::as_ptr(&log).cast_mut().cast());
             // SAFETY: this handle of the log is dropped after the messenger (`destroy`).
             Some(
-                unsafe { loader.create_debug_utils_messenger(&info, None) }
+                unsafe { loader.create_debug_utils_messenger(&validation::messenger(log), None) }
                     .map_err(vulkan("vkCreateDebugUtilsMessengerEXT"))?,
             )
         } else {
             None
         };
-        Ok(Self { loader, messenger, log })
+        Ok(Self { loader, messenger, log: Arc::clone(log) })
     }
 
     /// # Safety

@@ -1,6 +1,8 @@
 //! What the validation layers say: collected, counted, and held against an allow-list.
 
+use crate::error::{Error, Result};
 use ash::vk;
+use std::collections::BTreeMap;
 use std::ffi::{CStr, c_void};
 use std::ops::Range;
 use std::sync::Mutex;
@@ -23,14 +25,27 @@ pub struct Allowed {
 /// The first layers for Vulkan 1.4.
 const LAYER_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
 
+/// Why stages are named ALL_COMMANDS.
+const FULL_BARRIERS: &str = "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours cannot overlap";
+
+/// Why VK_EXT_debug_utils is enabled.
+const MESSENGER: &str = "VK_EXT_debug_utils carries these very messages";
+
 /// The messages that do not fail a run.
 pub const ALLOWED: &[Allowed] = &[
+    Allowed { id: "UNASSIGNED-BestPractices-pipeline-stage-flags", versions: 0..LAYER_1_4, reason: FULL_BARRIERS },
     Allowed {
-        id: "UNASSIGNED-BestPractices-pipeline-stage-flags",
-        versions: 0..LAYER_1_4,
-        reason: "timing mode stamps at ALL_COMMANDS and separates passes by full barriers on purpose, so that neighbours \
-                 cannot overlap",
+        // The layer of 1.4.309 says it of ALL_COMMANDS, that of 1.4.341 no longer.
+        id: "BestPractices-pipeline-stage-flags2-compute",
+        versions: LAYER_1_4..vk::make_api_version(0, 1, 4, 310),
+        reason: FULL_BARRIERS,
     },
+    Allowed {
+        id: "UNASSIGNED-BestPractices-vkCreateInstance-specialuse-extension-debugging",
+        versions: 0..LAYER_1_4,
+        reason: MESSENGER,
+    },
+    Allowed { id: "BestPractices-specialuse-extension", versions: LAYER_1_4..u32::MAX, reason: MESSENGER },
     Allowed {
         id: "Undefined-Value-ShaderOutputNotConsumed-DynamicRendering",
         versions: LAYER_1_4..u32::MAX,
@@ -74,11 +89,32 @@ impl ValidationLog {
     }
 }
 
+/// An error that names the identifier of every message, if there are any.
+pub fn check(messages: &[Message]) -> Result<()> {
+    let Some(first) = messages.first() else { return Ok(()) };
+    let mut times = BTreeMap::<&str, usize>::new();
+    for message in messages {
+        *times.entry(&message.id).or_default() += 1;
+    }
+    let ids = times.into_iter().map(|(id, times)| (id.to_owned(), times)).collect();
+    Err(Error::Validation { ids, first: first.text.clone() })
+}
+
+/// What makes the layers write into a log, which must outlive whatever is created with it.
+pub(super) fn messenger(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+    use vk::{DebugUtilsMessageSeverityFlagsEXT as S, DebugUtilsMessageTypeFlagsEXT as T};
+    vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(S::WARNING | S::ERROR)
+        .message_type(T::VALIDATION | T::PERFORMANCE)
+        .pfn_user_callback(Some(callback))
+        .user_data(std::ptr::from_ref(log).cast_mut().cast())
+}
+
 /// The debug-utils callback; its user data is a `ValidationLog` that outlives the messenger.
 ///
 /// # Safety
 /// Vulkan calls it with valid pointers; `user_data` must point to a live [`ValidationLog`].
-pub(super) unsafe extern "system" fn callback(
+unsafe extern "system" fn callback(
     severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _types: vk::DebugUtilsMessageTypeFlagsEXT,
     data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
@@ -106,6 +142,7 @@ pub(super) unsafe extern "system" fn callback(
 
 #[cfg(test)]
 mod tests {
+    use super::{Message, check};
     use crate::gpu::device::{DeviceQuery, Gpu};
     use crate::gpu::memory::{Buffer, MemoryPlace};
     use ash::vk;
@@ -154,6 +191,20 @@ mod tests {
         let (gpu, messages) = fill_twice(true);
         assert_eq!(messages, [""; 0]);
         assert!(gpu.check_validation().is_ok());
+    }
+
+    #[test]
+    fn the_error_names_every_identifier_and_how_to_see_the_messages() {
+        let message = |id: &str| Message { id: id.into(), text: format!("the text of {id}"), allowed: false };
+        assert!(check(&[]).is_ok());
+        let said = check(&[message("VUID-b"), message("VUID-a"), message("VUID-b")]).err().map(|e| e.to_string());
+        assert_eq!(
+            said.as_deref(),
+            Some(
+                "the validation layers reported 3 message(s) outside the allow-list: 1 of VUID-a, 2 of VUID-b \
+                 (SSCT_LOG=vulkan=warn prints each whole); the first: the text of VUID-b"
+            )
+        );
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The environment: an analytic sky with clouds, sun and hills, as a function of direction and as a cube map in
 //! Vulkan's layout. Sky surfaces (windows) show it, and rays that leave the scene may return it.
 
+use crate::math::atan2;
 use crate::math::noise::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3, Vec3Swizzles};
 
@@ -19,7 +20,7 @@ pub struct SkyCube {
 /// The linear radiance from a direction (of any length but zero); each channel is in 0…1.
 pub fn radiance(direction: Vec3) -> Vec3 {
     let d = direction.normalize_or(Vec3::Y);
-    let azimuth = d.z.atan2(d.x) / std::f32::consts::TAU + 0.5;
+    let azimuth = atan2(d.z, d.x) / std::f32::consts::TAU + 0.5;
     let ridge = 0.004 + 0.035 * fractal(Vec2::new(azimuth * 9.0, 0.5), IVec2::new(9, 1), 4, 211);
     let land = smoothstep(ridge + 0.004, ridge - 0.004, d.y);
     air(d).lerp(ground(d, ridge), land).clamp(Vec3::ZERO, Vec3::ONE)

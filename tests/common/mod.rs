@@ -102,7 +102,7 @@ pub fn is_gpu_assisted() -> bool {
 pub fn check_validation(gpu: &Gpu) -> Result<(), String> {
     let expected = if is_gpu_assisted() { expected_failures("gpu-assisted", gpu) } else { Vec::new() };
     let wrong: Vec<_> = gpu.violations().into_iter().filter(|m| !expected.contains(&m.id)).collect();
-    wrong.first().map_or(Ok(()), |first| Err(format!("{} message(s), the first: {}", wrong.len(), first.text)))
+    ssct::gpu::validation::check(&wrong).map_err(|e| e.to_string())
 }
 
 /// The root of the repository. The tests are of the package in a folder of it.

@@ -90,6 +90,10 @@ fn only_the_main_branch_publishes_and_nothing_else_may_write() {
 
 #[test]
 fn a_task_asks_for_what_the_plan_predicts() {
+    if Command::new("python3").arg("--version").output().is_err() {
+        println!("skipped: there is no python3, which runs on clusters alone");
+        return;
+    }
     let asks = |plan: &str| {
         let script = repository().join("scripts/cluster/plan.py");
         let mut child = Command::new("python3")

@@ -1,6 +1,7 @@
 //! Runs that do not come to their end: killed, stopped, out of device, out of disk, two in one folder.
 //! What was measured stays, and nothing is measured twice.
 
+use crate::common::{expected_failures, gpu};
 use serde_json::Value;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,9 @@ fn ended(output: Output) -> (Option<i32>, String) {
 }
 
 fn signal(child: &Child, name: &str) {
-    assert!(Command::new("kill").args([&format!("-{name}"), &child.id().to_string()]).status().unwrap().success());
+    // The shell's own command: a bare machine has no program of this name.
+    let line = format!("kill -{name} {}", child.id());
+    assert!(Command::new("sh").args(["-c", &line]).status().unwrap().success());
 }
 
 /// The whole lines of a folder's journal.
@@ -188,6 +191,7 @@ fn no_room_and_no_right_to_write_are_sentences() {
         let line = format!("trap '' XFSZ; ulimit -f 2; exec {SSCT} {args}");
         ended(Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output().unwrap())
     };
+    let dies = !expected_failures("file-limit", &gpu()).is_empty();
     for (args, file) in [
         ("render --scene corridor --size 96x54 -o x.png", "x.png"),
         ("render --scene corridor --size 96x54 -o x.exr", "x.exr"),
@@ -195,6 +199,11 @@ fn no_room_and_no_right_to_write_are_sentences() {
         ("time --scene corridor --size 32x18 --method ssct --samples 3 -o t", "cells.json"),
     ] {
         let (status, said) = little(args);
+        // The study writes its first file before it opens a device.
+        if dies && file != "cells.json" {
+            assert_eq!(status, None, "{args}: the driver is listed as one that dies, and does not: {said}");
+            continue;
+        }
         assert_eq!(status, Some(1), "{args}: {said}");
         assert!(said.contains("cannot write") && said.contains(file) && said.contains("too large"), "{said}");
     }

@@ -38,10 +38,12 @@ fn check_same(what: &str, mut make: impl FnMut([TileStage; 2]) -> Made) {
         let (found, recorded) = make(*stages);
         assert_eq!(found.len(), expected.len(), "{what}, {stages:?}");
         for ((name, found), (_, expected)) in found.iter().zip(&expected) {
-            let differ = found.iter().zip(expected).filter(|(a, b)| a != b).count();
+            let differ: Vec<_> = found.iter().zip(expected).enumerate().filter(|(_, (a, b))| a != b).collect();
+            let first = differ.first().map(|(i, (a, b))| (i, f32::from_bits(**a), f32::from_bits(**b)));
             assert!(
-                found.len() == expected.len() && differ == 0,
-                "{what}, {stages:?}, {name}: {differ} numbers differ"
+                found.len() == expected.len() && differ.is_empty(),
+                "{what}, {stages:?}, {name}: {} numbers differ, the first: {first:?}",
+                differ.len()
             );
         }
         // A compute program has no attachment that is cleared along with it: a pass of its own clears the hits.

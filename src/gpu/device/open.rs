@@ -7,7 +7,7 @@ use crate::gpu::memory::Source;
 use crate::gpu::pipelines::Pipelines;
 use crate::gpu::sampler::Samplers;
 use crate::gpu::testing::watch;
-use crate::gpu::validation;
+use crate::gpu::validation::{self, ValidationLog};
 use ash::vk;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CStr;
@@ -15,8 +15,9 @@ use std::mem::ManuallyDrop;
 use std::sync::atomic::AtomicU64;
 use std::sync::{Mutex, OnceLock};
 
-/// The loader and an instance, and whether the instance takes names and labels.
-pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::Instance, bool)> {
+/// The loader and an instance, and whether the instance takes names and labels. Under validation, what the layers say of
+/// the instance goes into the log, which must outlive it: without a place to go, the layers of 1.4 print it.
+pub(super) fn create_instance(query: &DeviceQuery, log: &ValidationLog) -> Result<(ash::Entry, ash::Instance, bool)> {
     // SAFETY: loading the system's Vulkan loader runs its initialisers, which is its purpose.
     let entry = unsafe { ash::Entry::load() }.map_err(|e| {
         Error::NoDevice(format!("the Vulkan loader cannot be opened ({e}); scripts/setup.sh installs it"))
@@ -51,12 +52,13 @@ pub(super) fn create_instance(query: &DeviceQuery) -> Result<(ash::Entry, ash::I
         enables.extend([E::GPU_ASSISTED, E::GPU_ASSISTED_RESERVE_BINDING_SLOT]);
     }
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enables);
+    let mut messenger = validation::messenger(log);
     let mut info = vk::InstanceCreateInfo::default()
         .application_info(&application)
         .enabled_extension_names(&names)
         .enabled_layer_names(&layer_names);
     if query.validation {
-        info = info.push_next(&mut features);
+        info = info.push_next(&mut features).push_next(&mut messenger);
     }
     // SAFETY: the names and structures live through the call.
     let instance = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
@@ -234,10 +236,13 @@ pub(super) fn open_device(
     enable_features(&mut features, &mut v12, &mut v13);
     features.large_points = supported.large_points;
     features.geometry_shader = supported.geometry_shader;
+    // The features stand in the chain: with pEnabledFeatures, the layers of 1.4.309 say that nobody asked which there
+    // are, whatever was asked before (KhronosGroup/Vulkan-ValidationLayers issue 9900).
+    let mut core = vk::PhysicalDeviceFeatures2::default().features(features);
     let info = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
-        .enabled_features(&features)
+        .push_next(&mut core)
         .push_next(&mut v12)
         .push_next(&mut v13);
     // SAFETY: the structures live through the call; features and extensions were found supported.

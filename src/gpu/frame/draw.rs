@@ -116,8 +116,7 @@ impl Frame<'_> {
         let pipeline: &SharedPipeline = &pipeline.graphics;
         self.pass(name, |frame| {
             frame.rendering(targets.as_ref(), Some(depth), View::Up, |frame| {
-                frame.bind(pipeline.handle, vk::PipelineBindPoint::GRAPHICS);
-                draw(&mut Raster { frame, pipeline, programs: PhantomData })
+                draw(&mut Raster { frame, pipeline, is_bound: false, programs: PhantomData })
             })
         })
     }
@@ -251,6 +250,9 @@ const INDIRECT_BYTES: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 pub struct Raster<'f, 'c, F, V> {
     pub(super) frame: &'f mut Frame<'c>,
     pipeline: &'f SharedPipeline,
+    /// Whether the pipeline is bound; without a draw it never is, since a pipeline that reads vertices and draws none is
+    /// a mistake to the validation layers.
+    is_bound: bool,
     programs: PhantomData<(F, V)>,
 }
 
@@ -264,6 +266,10 @@ impl<F: Fragment, V: VertexProgram> Raster<'_, '_, F, V> {
         vertex: &impl VertexProgram<Kind = V::Kind>,
     ) -> Result<()> {
         let (p, given) = (self.pipeline, Given::to(fragment).and(vertex));
+        if !self.is_bound {
+            self.frame.bind(p.handle, vk::PipelineBindPoint::GRAPHICS);
+            self.is_bound = true;
+        }
         self.frame.push(&p.layout, vk::PipelineBindPoint::GRAPHICS, p.name, &given)
     }
 

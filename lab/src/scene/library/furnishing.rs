@@ -2,6 +2,7 @@
 
 use super::atrium::{CLOTH, LEAF, LINES_X, LINES_Z, PARAPET, POLE, RELIEF, VASE, mesh};
 use super::builder::MeshBuilder;
+use crate::math::atan2;
 use crate::scene::pattern::{fractal, smoothstep};
 use glam::{IVec2, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -173,7 +174,7 @@ fn lion() -> Vec<MeshBuilder> {
 /// Height of the lion's head above the plate in metres, over the unit disc with y up.
 fn lion_relief(at: Vec2) -> f32 {
     let r = at.length();
-    let angle = at.y.atan2(at.x);
+    let angle = atan2(at.y, at.x);
     let lump = |x: f32, y: f32, width: f32, height: f32| {
         let d = Vec2::new((at.x.abs() - x) / width, (at.y - y) / height);
         (-d.length_squared()).exp()

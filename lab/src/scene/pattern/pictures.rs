@@ -2,6 +2,7 @@
 //! symmetric, so that a mirrored or misplaced reflection is visible.
 
 use super::lettering::{Text, to_segment};
+use crate::math::atan2;
 use crate::math::noise::{cells, fractal, smoothstep, unit};
 use glam::{IVec2, Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -341,7 +342,7 @@ fn lancet(at: Vec2, design: u32) -> Vec4 {
 /// Twelve petals around a flower; their colours run once around the circle.
 fn rose(at: Vec2) -> Vec4 {
     let p = (at - 0.5) * 2.0;
-    let (r, turn) = (p.length(), p.x.atan2(-p.y) / TAU + 0.5);
+    let (r, turn) = (p.length(), atan2(p.x, -p.y) / TAU + 0.5);
     let pieces = Vec2::new(turn * 48.0, r * 11.0);
     let around = |id: IVec2| ((id.x as f32 / 48.0) * 0.999 + 0.12 * unit(id, 461)).fract();
     let c = glass(pieces, IVec2::new(48, 64), around, 463);

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# Runs the README's two commands, `make study` and `make test`, in a bare Debian that debootstrap makes: the last commit
+# of this repository, on the drivers and layers of that Debian. It needs root, the network and 8 GB of disk, and takes
+# about half an hour on two cores. Rust and what Cargo has downloaded are those of this machine.
+#   scripts/test-debian.sh 13            both commands in Debian 13
+#   scripts/test-debian.sh 12 make test  one command in Debian 12
+# MIRROR names another mirror of Debian than that of debootstrap, TMPDIR another folder than /var/tmp. However the script
+# ends, it leaves nothing mounted and nothing running: all happens in namespaces that go with it.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+say() { printf 'test-debian: %s\n' "$*" >&2; }
+wrong() { say "$1"; exit 2; }
+
+# Mounts what programs need into the system's folder and runs the commands there, in the namespaces of its own.
+inside() { # the system's folder, a command
+    local system=$1 status=0
+    shift
+    mount --rbind /dev "$system/dev"
+    mount -t proc proc "$system/proc"
+    mount -t sysfs sysfs "$system/sys"
+    mount --bind -o ro "$TEST_DEBIAN_RUST" "$system/opt/rust"
+    mount --bind "$TEST_DEBIAN_CARGO/registry" "$system/opt/cargo/registry"
+    local variables=(PATH=/opt/rust/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root CARGO_HOME=/opt/cargo LC_ALL=C.UTF-8) name
+    for name in http_proxy https_proxy no_proxy CARGO_BUILD_JOBS; do
+        [ -z "${!name:-}" ] || variables+=("$name=${!name}")
+    done
+    local begin=$SECONDS
+    chroot "$system" env -i "${variables[@]}" sh -c 'cd /root/ssct && exec "$@"' sh "$@" || status=$?
+    say "$* ended with status $status after $((SECONDS - begin)) s"
+    return "$status"
+}
+
+if [ "${1:-}" = --inside ]; then
+    shift
+    inside "$@"
+    exit
+fi
+
+case "${1:-}" in
+    12) suite=bookworm ;;
+    13) suite=trixie ;;
+    *) wrong 'the version of Debian is missing: 12 or 13' ;;
+esac
+shift
+[ "$(id -u)" -eq 0 ] || wrong 'making a system in a folder needs root: run this with sudo'
+# shellcheck source=scripts/packages.sh
+source scripts/packages.sh
+mapfile -t missing < <(missing_of debootstrap)
+as_root=()
+[ ${#missing[@]} -eq 0 ] || install_packages "${missing[@]}"
+TEST_DEBIAN_RUST=$(rustc --print sysroot)
+TEST_DEBIAN_CARGO=${CARGO_HOME:-$HOME/.cargo}
+export TEST_DEBIAN_RUST TEST_DEBIAN_CARGO
+
+system=$(mktemp -d "${TMPDIR:-/var/tmp}/ssct-debian.XXXXXX")
+child=
+# The mounts are seen in the child's namespace alone, so that nothing of this machine lies below the folder here.
+clean() {
+    if [ -n "$child" ]; then
+        kill -KILL "$child" 2>/dev/null || true
+        wait "$child" 2>/dev/null || true
+    fi
+    rm -rf "$system"
+}
+trap clean EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
+
+# Runs a command that dies with this script, in namespaces that die with the command. It runs in the background, so that
+# a signal is heard at once.
+alone() {
+    setpriv --pdeathsig KILL unshare --mount --pid --fork --kill-child "$@" &
+    child=$!
+    local status=0
+    wait "$child" || status=$?
+    child=
+    return "$status"
+}
+
+say "making $suite in $system"
+# What the README expects of a machine beside Rust, and the certificates with which Cargo downloads.
+alone debootstrap --variant=minbase --include=ca-certificates,gcc,make "$suite" "$system" ${MIRROR:+"$MIRROR"} >"$system.log" 2>&1 || {
+    tail -n 5 "$system.log" >&2
+    rm -f "$system.log"
+    say "debootstrap cannot make $suite"
+    exit 1
+}
+rm -f "$system.log"
+mkdir -p "$system/opt/rust" "$system/opt/cargo/registry" "$TEST_DEBIAN_CARGO/registry"
+[ ! -e "$TEST_DEBIAN_CARGO/config.toml" ] || cp "$TEST_DEBIAN_CARGO/config.toml" "$system/opt/cargo/"
+git -c safe.directory='*' bundle create -q "$system/root/ssct.bundle" HEAD
+git -c advice.detachedHead=false -c init.defaultBranch=main clone -q "$system/root/ssct.bundle" "$system/root/ssct"
+rm "$system/root/ssct.bundle"
+
+if [ $# -gt 0 ]; then
+    alone scripts/test-debian.sh --inside "$system" "$@"
+else
+    alone scripts/test-debian.sh --inside "$system" make study
+    alone scripts/test-debian.sh --inside "$system" make test
+fi
+for package in libc6 mesa-vulkan-drivers vulkan-validationlayers; do
+    version=$(chroot "$system" dpkg-query -W -f '${Version}' "$package" 2>/dev/null) || version='not installed'
+    say "$package: $version"
+done
+say "passed on $suite"
