@@ -104,10 +104,14 @@ ivec2 WidePixel(ivec2 cell, out float roughness) {
     ivec2 pixel = CellPixel(cell);
     ivec2 turned = pixel & 1;
     roughness = 0.0;
-    for (int i = 0; i < 4 && !(roughness > 0.0); ++i) {
+    // Every pixel loads all four. Mesa 25 leaves out a load that no pixel inside the image waits for, though pixels beyond the
+    // border, whose normals count in the derivatives of Turn, do.
+    for (int i = 0; i < 4; ++i) {
         ivec2 p = min(2 * cell + (ivec2(i & 1, i >> 1) ^ turned), unified.size - 1);
         vec2 material = imageLoad(material_buffer, p).rg;
-        if (Reflects(material) && ListOf(material) == WIDE_LIST && DepthAt(p) > 0.0) {
+        float depth = DepthAt(p);
+        bool is_wide = Reflects(material) && ListOf(material) == WIDE_LIST && depth > 0.0;
+        if (is_wide && !(roughness > 0.0)) {
             pixel = p;
             roughness = material.g;
         }

@@ -145,10 +145,7 @@ CellRay RayOf(ivec2 cell) {
     vec3 normal = all(lessThan(pixel, unified.size)) ? imageLoad(normal_buffer, pixel).xyz : vec3(0.0);
     vec3 turn_x, turn_y;
     Turn(normal * inversesqrt(max(dot(normal, normal), 1e-30)), turn_x, turn_y);
-    // Two unit vectors are at most 2 apart, so that this holds always. Without it Mesa 25 sinks the load of the normal and
-    // the derivatives into the branch below, where the cells of the block that have no ray load nothing.
-    bool is_turned = dot(turn_x, turn_x) + dot(turn_y, turn_y) < 9.0;
-    if (is_turned && roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
+    if (roughness > 0.0 && all(lessThan(2 * cell, unified.size))) {
         // Cells of one direction in squares side by side have other parities, and other places in its stratum.
         ivec2 odd = cell & 1;
         vec2 stratum = 0.125 + 0.25 * vec2(2 * odd.x + odd.y, 2 * (odd.x ^ odd.y) + odd.x);

@@ -368,7 +368,8 @@ fn a_quick_study_makes_a_page_with_all_that_it_shows() {
     assert_eq!(maps.len(), 4 * (methods + 1));
     assert_eq!(linked_in("error/images/"), pngs);
     assert_eq!(page.matches("src=\"data:").count(), images.len() + pngs.len(), "no picture is embedded twice");
-    assert!(page.len() < 4_500_000, "a page of {} bytes", page.len());
+    // A budget for what is sent by mail: 206 pictures of 22 kB, and more where a driver draws maps more sharply (Mesa 25: 2 %).
+    assert!(page.len() < 5_000_000, "a page of {} bytes", page.len());
     // Per cell: two references, and each method and the exact hits with their FLIP maps.
     assert_eq!(pngs.len(), 4 * (2 + 2 * (methods + 1)));
     for (file, kind) in [("time.json", "time"), ("error/error.json", "error")] {

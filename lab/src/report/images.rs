@@ -10,8 +10,6 @@ use crate::scene::Lens;
 use crate::scene::texture::{self, Encoding, MAX_EXTENT, Texture};
 use crate::study::Intermediates;
 use crate::study::compare::LinearImage;
-use image::ImageEncoder;
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use std::io::Cursor;
 use std::path::Path;
 
@@ -45,9 +43,7 @@ pub fn write_rgba_png(path: &Path, extent: [u32; 2], rgba: &[u8]) -> Result<()> 
 
 fn write_png(path: &Path, [width, height]: [u32; 2], bytes: &[u8], kind: image::ExtendedColorType) -> Result<()> {
     let mut encoded = Cursor::new(Vec::new());
-    // Not the crate's default, which is its fastest: pages hold a hundred pictures.
-    PngEncoder::new_with_quality(&mut encoded, CompressionType::Default, FilterType::Adaptive)
-        .write_image(bytes, width, height, kind)
+    image::write_buffer_with_format(&mut encoded, bytes, width, height, kind, image::ImageFormat::Png)
         .map_err(|e| Error::io("encode", path, std::io::Error::other(e)))?;
     write(path, encoded.get_ref())
 }
