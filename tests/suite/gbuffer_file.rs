@@ -1,6 +1,7 @@
 //! A G-buffer that goes to a file and comes back gives the same image, to the bit, as the direct run; and so do captures
 //! beside it.
 
+use crate::common::engine::{Engine, NATIVE, Theirs, info, view_of_rooms};
 use crate::common::folder::Folder;
 use crate::common::gpu;
 use glam::Vec3;
@@ -221,6 +222,26 @@ fn no_method_makes_infinity_of_colours_beyond_half_floats() {
             assert_eq!(bad, 0, "{}: {what}", method.name);
         }
     }
+}
+
+#[test]
+fn no_method_makes_infinity_of_them_behind_the_door() {
+    let gpu = gpu();
+    let mut engine = Engine::new(&gpu);
+    let data = view_of_rooms(&gpu, [97, 61]);
+    let mut theirs = Theirs::new(&mut engine, &data, NATIVE);
+    let bright = |k: usize, v: f32| if k % 3 == 0 { [1e9, -1e9, f32::MAX][k / 3 % 3] } else { v };
+    let texels = data.color.iter().enumerate().flat_map(|(k, c)| c.extend(1.0).to_array().map(|v| bright(k, v)));
+    let texels: Vec<f32> = texels.collect();
+    theirs.color = engine.upload(ash::vk::Format::R32G32B32A32_SFLOAT, [97, 61], bytemuck::cast_slice(&texels));
+    let context = engine.context();
+    for method in METHODS.iter().filter(|m| m.is_screen_space()) {
+        let mut reflections = ssct::Reflections::new(&context, &info(&data, method.name)).unwrap();
+        let recorded = engine.frame(&mut reflections, &theirs.input()).unwrap();
+        let composite = engine.read(&recorded.composite.unwrap());
+        assert!(composite.values.iter().all(|v| v.is_finite()), "{}", method.name);
+    }
+    gpu.check_validation().unwrap();
 }
 
 #[test]

@@ -93,7 +93,9 @@ impl BlockLayout {
             let many = code.constant(of.word(2)).unwrap_or(0);
             let stride = code.decoration(ty, decoration::ARRAY_STRIDE).unwrap_or(16);
             let last = elements.last().copied().unwrap_or(0);
-            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES {
+            // Damaged code may say that elements lie at one place, so that they are counted, too.
+            let numbers = (elements.len() as u64).saturating_mul(u64::from(many));
+            if last.saturating_add(stride.saturating_mul(many)) > MAX_BYTES || numbers > u64::from(MAX_BYTES / 4) {
                 return Err(too_large(&name));
             }
             elements = elements.iter().flat_map(|start| (0..many).map(move |k| start + k * stride)).collect();
@@ -133,10 +135,15 @@ fn numbers(code: &SpirvCode, ty: u32, elements: &[u32], (stride, is_row_major): 
         _ => (1, ty),
     };
     let (component, rows) = code.numbers(vector)?;
+    if columns > 4 || rows > 4 {
+        return None;
+    }
     let (along, across) = if is_row_major && columns > 1 { (4, stride) } else { (stride, 4) };
     let within = move |start: u32| {
-        (0..columns)
-            .flat_map(move |c| (0..rows).map(move |r| start.saturating_add(c * along).saturating_add(r * across)))
+        (0..columns).flat_map(move |c| {
+            (0..rows)
+                .map(move |r| start.saturating_add(c.saturating_mul(along)).saturating_add(r.saturating_mul(across)))
+        })
     };
     let places = elements.iter().flat_map(|start| within(*start)).collect();
     Some(BlockField {

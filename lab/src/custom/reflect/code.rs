@@ -117,6 +117,8 @@ pub(super) struct SpirvCode<'a> {
     member_decorations: HashMap<(u32, u32, u32), u32>,
     /// Bytes of types without a layout, by their ids.
     sizes: HashMap<u32, u32>,
+    /// How many types stand within each other in a type, by its id.
+    depths: HashMap<u32, u32>,
     /// Ids that functions use.
     used: HashSet<u32>,
 }
@@ -136,6 +138,7 @@ impl<'a> SpirvCode<'a> {
             decorations: HashMap::new(),
             member_decorations: HashMap::new(),
             sizes: HashMap::new(),
+            depths: HashMap::new(),
             used: HashSet::new(),
         };
         let mut at = HEADER;
@@ -175,27 +178,32 @@ impl<'a> SpirvCode<'a> {
                 self.member_decorations.insert((i.word(0), i.word(1), i.word(2)), i.word(3));
             }
             op::TYPE_VOID..=op::TYPE_PIPE => {
-                // A type is made of types before it. One that is not would have no end.
-                if self.is_made_of_known(&i) {
+                // A type is made of few types before it, and is made once. Another would have no end.
+                let depth = self.depth_of(&i).filter(|_| !self.definitions.contains_key(&i.word(0)));
+                if let Some(depth) = depth {
                     self.sizes.extend(self.size_of(&i).map(|size| (i.word(0), size)));
+                    self.depths.insert(i.word(0), depth);
                     self.definitions.insert(i.word(0), i);
                 }
             }
             41..=52 | op::VARIABLE => {
-                self.definitions.insert(i.word(1), i);
+                self.definitions.entry(i.word(1)).or_insert(i);
             }
             _ => {}
         }
     }
 
-    fn is_made_of_known(&self, i: &Instruction) -> bool {
-        let is_known = |id: &u32| self.definitions.contains_key(id);
-        match i.opcode {
-            op::TYPE_VECTOR | op::TYPE_MATRIX | op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY => is_known(&i.word(1)),
-            op::TYPE_IMAGE | op::TYPE_SAMPLED_IMAGE => is_known(&i.word(1)),
-            op::TYPE_STRUCT => i.from(1).iter().all(is_known),
-            _ => true,
-        }
+    /// How many types stand within each other in a type; `None` if they are too many, or one of them is not known.
+    fn depth_of(&self, i: &Instruction) -> Option<u32> {
+        const MOST: u32 = 64;
+        let parts = match i.opcode {
+            op::TYPE_VECTOR | op::TYPE_MATRIX | op::TYPE_ARRAY | op::TYPE_RUNTIME_ARRAY => i.operands.get(1..2)?,
+            op::TYPE_IMAGE | op::TYPE_SAMPLED_IMAGE => i.operands.get(1..2)?,
+            op::TYPE_STRUCT => i.from(1),
+            _ => &[],
+        };
+        let deepest = parts.iter().try_fold(0, |most, part| Some(self.depths.get(part)?.max(&most).to_owned()))?;
+        (deepest < MOST).then_some(deepest + 1)
     }
 
     /// The bytes of a type without a layout.
