@@ -25,7 +25,7 @@ vec3 ColorSeen(vec2 position, float level, vec3 along) {
     return color;
 }
 
-// The same in full resolution. Each of the four pixels around the hit is sky or not, so that those that are can be left
+// The lit colour of the screen at a hit in full resolution. Each of the four pixels around the hit is sky or not, so that those that are can be left
 // out, and the sky be looked up once: a device that takes both ways of a branch pays for every look.
 vec3 ColorMirrored(vec2 position, vec3 along) {
     if (!SKY)

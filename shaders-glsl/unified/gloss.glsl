@@ -29,7 +29,7 @@ struct Lobe {
     float power; // alpha + 1
 };
 
-// Of a point, of which the direction alone counts.
+// The lobe of a pixel, of whose point the direction alone counts.
 Lobe LobeOf(vec3 point, vec3 normal, float roughness) {
     return Lobe(normal, MirrorDirection(point, normal), LobePower(roughness));
 }

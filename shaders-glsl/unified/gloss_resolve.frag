@@ -47,7 +47,7 @@ Gathered[5] RowAcross(Gathered row[5], ivec2 cell, ivec2 outward, int y) {
 
 void main() {
     ivec2 cell = ivec2(gl_FragCoord.xy);
-    // Of the tiles beside this one, those that a reach of two cells can touch.
+    // A reach of two cells can touch only these of the tiles beside this one.
     LookAround(cell, 1 - 2 * ivec2(lessThan(cell & (CELLS_TO_A_TILE - 1), ivec2(2))));
     Cell resolved = CellOf(cell);
     out_reflection = resolved.reflection;

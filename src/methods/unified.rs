@@ -215,7 +215,7 @@ impl UnifiedMethod {
         Self::with(gpu, making, screen, [trace_stage, resolve_stage])
     }
 
-    /// The same without a walk over the screen: every ray goes among the triangles.
+    /// Makes it without a walk over the screen: every ray goes among the triangles.
     pub(super) fn among_triangles(gpu: &Gpu, making: &Making) -> Result<Self> {
         Self::with(gpu, making, false, [TileStage::Fragment; 2])
     }

@@ -43,7 +43,7 @@ pub struct FollowInput<'a> {
 impl FollowPass {
     /// Compiles the pipelines, for faces whose pyramids have strips of 2^`strip` columns.
     ///
-    /// Of mirrors the composite, the reflection and the hits are written as they are wanted; `behind` says that what is
+    /// Mirrors have their composite, their reflection and their hits written as these are wanted; `behind` says that what is
     /// followed from its beginning stands behind another reflection.
     pub fn new(gpu: &Gpu, strip: u32, wanted: FollowWants) -> Result<Self> {
         let strip = strip as i32;

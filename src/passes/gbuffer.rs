@@ -122,14 +122,14 @@ impl GBufferImages {
         let mut vectors: [Vec<u16>; 2] = [padded(&data.normal, 0.0), padded(&data.color, 1.0)];
         let shown = data.surface.iter().zip(&data.depth);
         for (color, (surface, depth)) in vectors[1].as_chunks_mut::<4>().0.iter_mut().zip(shown) {
-            // As the lighting pass has it.
+            // The lighting pass stores the same.
             color[3] = half_bits(if *surface == Surface::Lit && *depth > 0.0 { 1.0 } else { 0.0 });
         }
         let images = Self::new(context.gpu(), [data.width, data.height])?;
         images.filled(context, data, vectors.each_ref().map(|v| bytemuck::cast_slice(v)))
     }
 
-    /// As [`GBufferImages::upload`], with the colour in 32-bit floats, which round nothing, and the normals too or as
+    /// Uploads as [`GBufferImages::upload`] does, with the colour in 32-bit floats, which round nothing, and the normals too or as
     /// [`NORMAL`]: to try other formats than these by their values. The device must filter such images linearly.
     pub fn upload_wide(context: &mut FrameContext, data: &GBufferData, wide_normals: bool) -> Result<Self> {
         const WIDE: vk::Format = vk::Format::R32G32B32A32_SFLOAT;
@@ -308,7 +308,7 @@ impl GBufferPass {
         Ok(view.drawn())
     }
 
-    /// The same of a pass of [`GBufferPass::behind`]: the nearest surfaces behind a layer.
+    /// Draws the nearest surfaces behind a layer, in a pass of [`GBufferPass::behind`].
     pub fn record_behind(
         &self,
         frame: &mut Frame,

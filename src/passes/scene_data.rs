@@ -369,7 +369,7 @@ fn texture(context: &mut FrameContext, texture: &Texture) -> Result<Image> {
 
 /// The generated sky as a cube map in world axes: six faces in Vulkan's order, one level. RGBA16F.
 pub fn environment(context: &mut FrameContext) -> Result<Image> {
-    // The same for every scene, so that a process makes it once.
+    // Every scene has this sky, so that a process makes it once.
     static HALVES: OnceLock<Vec<u16>> = OnceLock::new();
     sky_image(context, SKY_SIZE, HALVES.get_or_init(|| halves(sky::cube_map(SKY_SIZE).iter().flatten())))
 }

@@ -160,7 +160,7 @@ impl TriangleScene {
     /// The table of a view's materials.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Returns the errors of [`Self::new`].
     pub fn table(&self, context: &mut FrameContext, materials: &[Material]) -> Result<TriangleTable> {
         let map = |image: Option<usize>| image.map_or(WHITE, |i| self.maps[i]);
         let of_material = |m: &Material| {

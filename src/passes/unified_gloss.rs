@@ -82,7 +82,7 @@ pub struct UnifiedGlossInput<'a> {
 
 impl UnifiedGlossPass {
     /// # Errors
-    /// As [`TiledPipeline::new`].
+    /// Returns the errors of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup) -> Result<Self> {
         use vk::ImageUsageFlags as U;
         let image = |name, format, extent| {

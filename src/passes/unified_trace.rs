@@ -56,7 +56,7 @@ impl UnifiedTracePass {
     /// With an image of the hits beside what is drawn, or without.
     ///
     /// # Errors
-    /// As [`TiledPipeline::new`].
+    /// Returns the errors of [`TiledPipeline::new`].
     pub fn new(gpu: &Gpu, setup: &UnifiedSetup, hits: bool) -> Result<Self> {
         let [shown, beside] = setup.formats();
         let formats = || [shown, beside, if hits { HITS } else { vk::Format::UNDEFINED }];

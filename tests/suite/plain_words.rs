@@ -16,18 +16,6 @@ const EXTENSIONS: &[&str] = &["rs", "glsl", "frag", "vert", "comp"];
 /// Beginnings that leave open what a comment is about.
 const UNCLEAR: &[&str] = &["What of ", "Of ", "Those ", "That of ", "As ", "The same", "What there ", "Whether there "];
 
-/// Files whose comments are still to be rewritten, by the ends of their paths. The list only gets shorter.
-const STILL_TO_REWRITE: &[&str] = &[
-    "shaders-glsl/captures/color_seen.glsl",
-    "shaders-glsl/unified/gloss.glsl",
-    "shaders-glsl/unified/gloss_resolve.frag",
-    "src/passes/follow.rs",
-    "src/passes/gbuffer.rs",
-    "src/passes/scene_data.rs",
-    "src/passes/unified_gloss.rs",
-    "src/passes/unified_trace.rs",
-];
-
 /// The text of the comment on a line, and whether code stands before it.
 fn comment(line: &str) -> Option<(&str, bool)> {
     let at = line.find("//")?;
@@ -76,10 +64,6 @@ fn comments_begin_with_their_subject() {
     for path in files {
         let name = path.strip_prefix(repository()).unwrap().to_string_lossy().replace('\\', "/");
         let lines = unclear(&std::fs::read_to_string(&path).unwrap());
-        if STILL_TO_REWRITE.contains(&name.as_str()) {
-            assert!(!lines.is_empty(), "{name} is rewritten: take it off the list");
-            continue;
-        }
         wrong.extend(lines.iter().map(|line| format!("{name}:{line}")));
     }
     assert!(wrong.is_empty(), "comments begin with {UNCLEAR:?}:\n{}", wrong.join("\n"));

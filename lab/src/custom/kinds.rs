@@ -40,7 +40,7 @@ pub fn check_sampled(
 /// Checks an image that is stored to against the method's own image that it is.
 ///
 /// # Errors
-/// As for [`check_sampled`].
+/// Returns the sentences of [`check_sampled`].
 pub fn check_stored(kind: &ImageKind, name: &str, images: &BTreeMap<String, ImageSection>) -> Result<(), String> {
     let Some(section) = images.get(name) else { return Ok(()) };
     let fed = fed(&ImageSource::Own(name.to_owned()), images);

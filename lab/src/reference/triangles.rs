@@ -64,7 +64,7 @@ fn byte(word: u32, i: u32) -> u32 {
 }
 
 impl<'a> TriangleWalk<'a> {
-    /// For a tree and the records of its triangles.
+    /// Walks over a tree and the records of its triangles.
     pub fn new(tree: &'a Tree, records: &'a TriangleRecords) -> Self {
         Self { tree, records, extent: records.extent_m() }
     }
@@ -143,7 +143,7 @@ impl<'a> TriangleWalk<'a> {
         (head[3] >> 24, met, [kinds[0], kinds[1]])
     }
 
-    /// The same by asking every triangle.
+    /// Finds the nearest triangle by asking every one.
     pub fn nearest_of_all(&self, ray: &TreeRay) -> Met {
         let mut best = Met::NOTHING;
         (0..self.tree.slots.len()).for_each(|slot| self.meet(ray, slot, &mut best));

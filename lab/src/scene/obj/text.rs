@@ -115,7 +115,7 @@ struct Scan<'a> {
     line: usize,
     out: Statements,
     counters: [Counter; 3],
-    /// Of the vertices as the file has them.
+    /// The least and the greatest coordinates of the vertices as the file has them.
     bounds: [DVec3; 2],
     triangles: usize,
     smoothing: u32,
